@@ -99,48 +99,67 @@ pub fn run(seconds: u64, record: bool) -> Result<(), String> {
         .filter_map(|f| Some(f.ok()?.path().file_stem()?.to_string_lossy().into_owned()))
         .collect();
     targets.sort();
+    let path = crate::root().join(PAGE);
+    let before = if record { known(&fs::read_to_string(&path).unwrap_or_default()) } else { BTreeMap::new() };
+    // Runs that are recorded go on from another seed each time, or they would count the same inputs again; the others
+    // repeat themselves.
+    let seed = 1 + before.values().map(|row| row.executions).sum::<u64>() % 1_000_000_000;
+    // Each run is one thread: as many targets at once as there are cores.
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let mut all = BTreeMap::new();
-    for target in &targets {
-        println!("-- fuzz {target}, {seconds} s");
-        let corpus = dir.join("corpus").join(target);
-        let artifacts = dir.join("artifacts").join(target);
-        for folder in [&corpus, &artifacts] {
-            fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    for together in targets.chunks(cores) {
+        println!("-- fuzz {}, {seconds} s", together.join(" and "));
+        let outcomes: Vec<Result<Known, String>> = std::thread::scope(|scope| {
+            let runs: Vec<_> = together
+                .iter()
+                .map(|target| scope.spawn(|| run_one(target, &triple, seconds, seed)))
+                .collect();
+            runs.into_iter().map(|run| run.join().unwrap_or_else(|_| Err("a thread ended".into()))).collect()
+        });
+        for (target, outcome) in together.iter().zip(outcomes) {
+            let found = outcome?;
+            println!("   {target}: {} executions, {} edges", grouped(found.executions), grouped(found.edges));
+            all.insert(target.clone(), found);
         }
-        let mut command = Command::new(dir.join("target").join(&triple).join("release").join(target));
-        command.arg(&corpus).args([
-            format!("-max_total_time={seconds}"),
-            "-timeout=10".into(),
-            "-rss_limit_mb=1024".into(),
-            "-malloc_limit_mb=512".into(),
-            "-seed=1".into(),
-            "-verbosity=1".into(),
-            "-print_final_stats=1".into(),
-            format!("-artifact_prefix={}/", artifacts.display()),
-        ]);
-        let out = command.output().map_err(|e| format!("cannot start {target}: {e}"))?;
-        let log = String::from_utf8_lossy(&out.stderr);
-        if !out.status.success() {
-            let last: Vec<&str> = log.lines().rev().take(40).collect();
-            let last: Vec<&str> = last.into_iter().rev().collect();
-            return Err(format!("fuzz target {target} failed:\n{}", last.join("\n")));
-        }
-        let found =
-            outcome(&log).ok_or_else(|| format!("fuzz target {target} told no number of executions"))?;
-        println!("   {} executions, {} edges", grouped(found.executions), grouped(found.edges));
-        all.insert(target.clone(), found);
     }
     let sum: u64 = all.values().map(|row| row.executions).sum();
     println!("{} fuzz targets ran clean, {} executions", targets.len(), grouped(sum));
     if record {
-        let path = crate::root().join(PAGE);
-        let before = known(&fs::read_to_string(&path).unwrap_or_default());
         for (name, row) in &mut all {
             row.executions += before.get(name).map_or(0, |old| old.executions);
         }
         fs::write(&path, page(&all)).map_err(|e| format!("{PAGE}: {e}"))?;
     }
     Ok(())
+}
+
+/// Runs a target for `seconds`, with this seed of its random numbers.
+fn run_one(target: &str, triple: &str, seconds: u64, seed: u64) -> Result<Known, String> {
+    let dir = crate::root().join("fuzz");
+    let corpus = dir.join("corpus").join(target);
+    let artifacts = dir.join("artifacts").join(target);
+    for folder in [&corpus, &artifacts] {
+        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    let mut command = Command::new(dir.join("target").join(triple).join("release").join(target));
+    command.arg(&corpus).args([
+        format!("-max_total_time={seconds}"),
+        "-timeout=10".into(),
+        "-rss_limit_mb=1024".into(),
+        "-malloc_limit_mb=512".into(),
+        format!("-seed={seed}"),
+        "-verbosity=1".into(),
+        "-print_final_stats=1".into(),
+        format!("-artifact_prefix={}/", artifacts.display()),
+    ]);
+    let out = command.output().map_err(|e| format!("cannot start {target}: {e}"))?;
+    let log = String::from_utf8_lossy(&out.stderr);
+    if !out.status.success() {
+        let last: Vec<&str> = log.lines().rev().take(40).collect();
+        let last: Vec<&str> = last.into_iter().rev().collect();
+        return Err(format!("fuzz target {target} failed:\n{}", last.join("\n")));
+    }
+    outcome(&log).ok_or_else(|| format!("fuzz target {target} told no number of executions"))
 }
 
 #[cfg(test)]

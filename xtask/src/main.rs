@@ -23,6 +23,7 @@ mod ignored;
 mod invariants;
 mod json;
 mod licences;
+mod nightly;
 mod page;
 mod pages;
 mod photo;
@@ -41,7 +42,8 @@ const USAGE: &str = "usage: cargo xtask <command>
                    --install        installs system packages too
                    --allow-missing  what cannot run here is no failure
                    --quick          leaves out fuzzers and tests that need files or programs
-  nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify
+  nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify;
+                   goes on after a failure, and where it stopped when it is started again on the same commit
   invariants       dependencies of crates, the invariants of ARCHITECTURE.md, and the terms of docs/glossary.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   texts [SEED [COUNT]]  comments, messages and texts of settings drawn at random (40), to be read as by a stranger
@@ -83,7 +85,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
         ["test", words @ ..] => TestOptions::parse(words).and_then(|options| test(&options)),
-        ["nightly"] => nightly(),
+        ["nightly"] => nightly::run(),
         ["invariants"] => arrows::check().and_then(|()| invariants::check()).and_then(|()| glossary::check()),
         ["count", words @ ..] => count::run(words),
         ["texts", words @ ..] => texts::run(words),
@@ -140,16 +142,13 @@ struct TestOptions {
     install: bool,
     /// Checks that cannot run here are no failure.
     allow_missing: bool,
-    /// Time for each fuzz target, s.
-    fuzz_seconds: u64,
-    /// Executions of fuzzers are added to the page.
-    fuzz_record: bool,
+    /// Time for each fuzz target, s, where they run.
+    fuzz_seconds: Option<u64>,
 }
 
 impl TestOptions {
     fn parse(words: &[&str]) -> Result<Self, String> {
-        let mut options =
-            Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 4, fuzz_record: false };
+        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: Some(4) };
         for word in words {
             match *word {
                 "--quick" => options.quick = true,
@@ -252,7 +251,9 @@ fn test(options: &TestOptions) -> Outcome {
             Ok(()) => checks.run("Python package", || python::check(false))?,
             Err(problem) => checks.not_run.push(format!("the Python package: {problem}")),
         }
-        checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds, options.fuzz_record))?;
+        if let Some(seconds) = options.fuzz_seconds {
+            checks.run("fuzz targets", || fuzz::run(seconds, false))?;
+        }
     }
     checks.finish(options.allow_missing || options.quick)
 }
@@ -269,35 +270,6 @@ fn tests(words: &[&str]) -> Outcome {
     // ones. Snapshots are compared and not rewritten.
     command.env("PROPTEST_RNG_SEED", "20").env("INSTA_UPDATE", "no");
     run(setup::export(&mut command))
-}
-
-/// Everything that takes too long for every change: all of `test`, slow tests, long fuzzing, and the benches whose
-/// numbers are compared with something.
-fn nightly() -> Outcome {
-    test(&TestOptions {
-        quick: false,
-        install: true,
-        allow_missing: false,
-        fuzz_seconds: 120,
-        fuzz_record: true,
-    })?;
-    let mut checks = Checks::default();
-    let ignored = ignored::find(&source::read(&root())?.tests)?;
-    let slow: Vec<&str> =
-        ignored.iter().filter(|t| t.reason.starts_with("slow")).map(|t| t.name.as_str()).collect();
-    checks.run("Python package from its source distribution", || python::command(&["--release"]))?;
-    checks.run("slow tests", || tests(&[&["--ignored", "--exact"], slow.as_slice()].concat()))?;
-    checks.run("fill along the stress", bench_paths::run)?;
-    checks.run("finite elements beside gmsh and CalculiX", || bench_fea::run(&["300000"]))?;
-    checks.run("strength beside the papers", || bench_strength::run(&["s1", "s2"]))?;
-    checks.run("scans beside marching cubes", || bench_ct::run(&["hub", "engine"]))?;
-    checks.run("mutated files, kills, full disk", || campaign::run(&[]))?;
-    checks.run("quality beside the peers", bench::quality)?;
-    checks.run("command blocks of the pages", || book::run(&["run"]))?;
-    checks.run("page of the JSON reports", json::check)?;
-    checks.run("book", || book::run(&[]))?;
-    pages::note_nightly()?;
-    checks.finish(false)
 }
 
 /// The repository's top folder.

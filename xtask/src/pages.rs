@@ -53,12 +53,10 @@ pub fn check() -> Result<(), String> {
     Err(wrong.join("\n       "))
 }
 
-/// Notes the date and the commit of a complete nightly run.
-pub fn note_nightly() -> Result<(), String> {
+/// Notes the date, the commit, the number of checks and the minutes of a complete nightly run.
+pub fn note_nightly(commit: &str, checks: usize, minutes: u64) -> Result<(), String> {
     let date = crate::output(Command::new("date").args(["-u", "+%F"]))?;
-    let commit =
-        crate::output(Command::new("git").args(["rev-parse", "--short", "HEAD"]).current_dir(crate::root()))?;
-    let row = format!("| {} | {} |\n", date.trim(), commit.trim());
+    let row = format!("| {} | {commit} | {checks} | {minutes} |\n", date.trim());
     let page = read(NIGHTLY)?;
     fs::write(crate::root().join(NIGHTLY), page + &row).map_err(|e| format!("{NIGHTLY}: {e}"))
 }

@@ -1,0 +1,107 @@
+//! `cargo xtask nightly`: everything that takes too long for every change.
+//!
+//! A check that fails does not keep the others from running, so that one night tells all that is broken. What has passed
+//! is kept below `target/nightly/` for the commit it passed on: a run that was stopped goes on with the rest. When all
+//! have passed on one commit, `docs/nightly.md` gets a line with the date, the commit and the minutes.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+use crate::{Outcome, TestOptions, fuzz, ignored, output, pages, source};
+
+/// How long each fuzz target runs, s.
+const FUZZ_SECONDS: u64 = 120;
+
+/// Pages that the run itself writes.
+const WRITTEN: [&str; 2] = ["docs/fuzzing.md", "docs/nightly.md"];
+
+/// A check: what it is called, and what runs it.
+type Check = (&'static str, fn() -> Outcome);
+
+/// In this order: what needs a quiet machine stands together.
+const CHECKS: &[Check] = &[
+    ("all of test", || {
+        let everything =
+            TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: None };
+        crate::test(&everything)
+    }),
+    ("Python package from its source distribution", || crate::python::command(&["--release"])),
+    ("slow tests", slow_tests),
+    ("fill along the stress", crate::bench_paths::run),
+    ("finite elements beside gmsh and CalculiX", || crate::bench_fea::run(&["300000"])),
+    ("strength beside the papers", || crate::bench_strength::run(&["s1", "s2"])),
+    ("scans beside marching cubes", || crate::bench_ct::run(&["hub", "engine"])),
+    ("quality beside the peers", crate::bench::quality),
+    ("command blocks of the pages", || crate::book::run(&["run"])),
+    ("page of the JSON reports", crate::json::check),
+    ("book", || crate::book::run(&[])),
+    ("mutated files, kills, full disk", || crate::campaign::run(&[])),
+    ("fuzz targets", || fuzz::run(FUZZ_SECONDS, true)),
+];
+
+/// Tests that are ignored because they are slow.
+fn slow_tests() -> Outcome {
+    let ignored = ignored::find(&source::read(&crate::root())?.tests)?;
+    let names = ignored.iter().filter(|t| t.reason.starts_with("slow")).map(|t| t.name.as_str());
+    crate::tests(&["--ignored", "--exact"].into_iter().chain(names).collect::<Vec<_>>())
+}
+
+/// Runs what has not passed yet on this commit.
+pub fn run() -> Outcome {
+    let git = |words: &[&str]| output(Command::new("git").args(words).current_dir(crate::root()));
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    let others = changed.lines().filter(|l| !WRITTEN.iter().any(|page| l.ends_with(page)));
+    if let Some(line) = others.map(str::trim).next() {
+        return Err(format!("a nightly run is noted with its commit, but files have changed since: {line}"));
+    }
+    let commit = git(&["rev-parse", "--short", "HEAD"])?.trim().to_owned();
+    let folder = crate::target().join("nightly");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let kept = folder.join(&commit);
+    let mut passed = read(&kept)?;
+    let mut failed = Vec::new();
+    for (name, check) in CHECKS {
+        if passed.iter().any(|(done, _)| done == name) {
+            println!("\n== {name}: has passed on {commit}");
+            continue;
+        }
+        println!("\n== {name}");
+        let start = Instant::now();
+        let outcome = check();
+        let seconds = start.elapsed().as_secs();
+        match outcome {
+            Ok(()) => {
+                println!("-- {name}: passed in {seconds} s");
+                passed.push(((*name).to_owned(), seconds));
+                let text: String = passed.iter().map(|(name, s)| format!("{name}\t{s}\n")).collect();
+                fs::write(&kept, text).map_err(|e| format!("{}: {e}", kept.display()))?;
+            }
+            Err(problem) => {
+                println!("-- {name}: failed after {seconds} s: {problem}");
+                failed.push(format!("{name}: {problem}"));
+            }
+        }
+    }
+    println!();
+    if failed.is_empty() {
+        let minutes = passed.iter().map(|(_, s)| s).sum::<u64>().div_ceil(60);
+        println!("xtask: all {} checks of the nightly run passed on {commit} in {minutes} min", CHECKS.len());
+        return pages::note_nightly(&commit, CHECKS.len(), minutes);
+    }
+    Err(format!("{} of {} checks failed:\n       {}", failed.len(), CHECKS.len(), failed.join("\n       ")))
+}
+
+/// The checks that passed, with their seconds.
+fn read(kept: &PathBuf) -> Result<Vec<(String, u64)>, String> {
+    if !kept.exists() {
+        return Ok(Vec::new());
+    }
+    let text = fs::read_to_string(kept).map_err(|e| format!("{}: {e}", kept.display()))?;
+    let row = |line: &str| {
+        let (name, seconds) = line.split_once('\t')?;
+        Some((name.to_owned(), seconds.parse().ok()?))
+    };
+    Ok(text.lines().filter_map(row).collect())
+}
