@@ -21,7 +21,7 @@ pub(crate) fn ending(path: &Path) -> &str {
 /// fills a machine with 24 GiB. A larger limit risks that the system ends the process without a message.
 const MAX_BYTES: u64 = 8 << 30;
 /// Size limit of a pipe or a device, whose size is not known beforehand. `/dev/zero` has no end, and
-/// without a limit would fill the memory.
+/// without a limit would fill the memory. Source: chosen; a binary STL of 20 million triangles is as large.
 const MAX_STREAM_BYTES: u64 = 1 << 30;
 
 /// Reads a file; `-` is standard input.
@@ -137,6 +137,7 @@ const TEMPORARY: &str = ".grainpath-";
 const MAX_LINKS: usize = 40;
 /// Age at which a temporary file counts as left over where no list of processes can be read. No write
 /// takes a day; a shorter time could remove the file of a run in progress.
+/// Source: chosen; no run that was measured writes for as long as an hour.
 const LEFTOVER_AGE: Duration = Duration::from_secs(24 * 3600);
 
 /// The file at the end of a chain of links; it need not exist.

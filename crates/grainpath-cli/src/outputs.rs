@@ -447,7 +447,7 @@ pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)>
 }
 
 /// Pixels of the longer side of a picture of stress or directions: as `PictureOptions` has for layers, so
-/// that pictures of one layer have one size.
+/// that pictures of one layer have one size. Source: chosen by eye; only the picture depends on it.
 const GUIDE_PX: u32 = 1600;
 
 /// Pictures of stress, lines and directions, with their file names.

@@ -14,13 +14,14 @@ use glam::DVec3;
 
 use crate::{TriMesh, math};
 
-/// Triangles in a leaf.
+/// Triangles in a leaf. Source: chosen; it changes speed alone, never the result.
 const LEAF: usize = 4;
 /// A group of triangles counts as one dipole when it is seen from farther away than this many times
 /// its radius. Measured: with this value the winding numbers of the unit tests are off by less than
 /// 0.02.
 const FAR: f64 = 2.3;
 /// Subtrees with fewer triangles are built without a further thread.
+/// Source: chosen; it changes speed alone, never the result.
 const SERIAL: usize = 4096;
 
 /// A tree over the triangles of a mesh. Owns copies of their corners: about 130 bytes a triangle.

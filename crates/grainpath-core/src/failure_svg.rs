@@ -24,7 +24,7 @@ use crate::{Bounds2, Contour, Region};
 /// One colour a shape, in the order they are added.
 const COLOURS: [&str; 6] = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b"];
 
-/// Longer side of the picture, pixels.
+/// Longer side of the picture, pixels. Source: chosen by eye; only the picture depends on it.
 const SIDE_PX: f64 = 900.0;
 
 enum Shape {

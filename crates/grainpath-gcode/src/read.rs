@@ -4,6 +4,7 @@
 use grainpath_core::number::{Exponent, leading_number};
 
 /// Words that are kept of a line; a line with more is damaged. Real commands have at most about ten.
+/// Source: chosen; files of real programs stay far below it.
 const MAX_WORDS: usize = 16;
 
 /// One line of a program.

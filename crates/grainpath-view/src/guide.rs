@@ -77,7 +77,7 @@ pub struct DeformedPicture {
 }
 
 /// The largest displacement is drawn as this share of the part's longest side. Chosen: seen at a glance, and the shape
-/// stays readable.
+/// stays readable. Source: chosen by eye; only the picture depends on it.
 const DRAWN_DISPLACEMENT: f64 = 0.06;
 
 /// The deformed shape of the case that moves most, seen along the axis of least motion; `None` without displacements.

@@ -22,8 +22,10 @@ pub struct StepPicture {
 }
 
 /// Longest side, pixels, including the margin. Only the picture depends on it.
+/// Source: chosen by eye; only the picture depends on it.
 const SIZE: f64 = 1100.0;
 // Margin on every side, pixels: dots on the rim of the part stay inside the picture.
+// Source: chosen by eye; only the picture depends on it.
 const MARGIN: f64 = 24.0;
 
 /// All pictures; none for a part without triangles.

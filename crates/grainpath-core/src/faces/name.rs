@@ -28,6 +28,7 @@ use crate::math::ln;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Description([f64; N]);
 
+/// Source: the list of numbers in the module's text.
 const N: usize = 8;
 
 /// Range and tolerance of each number.

@@ -22,6 +22,7 @@ use crate::segment::{Meeting, meeting};
 /// pairs without that many crossings are at least ten times rarer than in any tangle.
 const PAIRS_PER_CROSSING: usize = 50;
 /// Cells in a direction at most: bounds memory for contours of many edges.
+/// Source: derived. 2000 x 2000 cells of a list each take 96 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
 
 /// Whether closed lines cross themselves and each other in more than `limit` places, or so nearly that finding out is as

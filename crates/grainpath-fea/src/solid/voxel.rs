@@ -29,6 +29,7 @@ use crate::sparse::BYTES_PER_MIB;
 /// Material index of a void cell.
 pub const VOID: u16 = u16::MAX;
 const NONE: u32 = u32::MAX;
+/// Nodes for each task. Source: chosen; it changes speed alone, never the result.
 const CHUNK: usize = 1024;
 
 /// A part made of cells.
@@ -385,6 +386,7 @@ impl VoxelSystem {
 }
 
 /// Shape functions of a box: those of its eight corners, and the three modes `1 - xi^2` that let it bend.
+/// Source: derived. Wilson's incompatible modes, one for each axis.
 const MODES: usize = 11;
 
 /// Stiffness of a box of eight nodes that bends without locking, by 2 x 2 x 2 points. Three incompatible modes of

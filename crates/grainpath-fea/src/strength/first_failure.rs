@@ -188,7 +188,7 @@ pub fn first_failure_of_bricks<const N: usize>(
             let plane = [stress[0], stress[1], stress[3]];
             for (worst, card) in worst.iter_mut().zip(cards) {
                 let ([through, between], mode) = card.indices(plane);
-                // The plies of a brick part together from the layer below: the first one stands for both.
+                // All plies of a brick come off the layer below at once, so the first ply is asked for them.
                 let apart = if k == 0 { card.layer_index([stress[2], stress[4], stress[5]]).0 } else { 0.0 };
                 let mode = mode_of([through, between, apart], card.is_sliding(plane), mode);
                 let index = through.max(between).max(apart);

@@ -29,6 +29,8 @@ pub(super) struct Arc {
 
 /// Fewest points of an arc. Three points lie on a circle by chance, and an arc of a few chords saves no
 /// lines.
+/// Source: derived from the two reasons above: the fourth point is the first to confirm a circle, the fifth leaves
+/// less to chance.
 const MIN_POINTS: usize = 5;
 // Radii of arcs, mm. Source: derived. A smaller arc is at most 1.65 mm long (`MAX_SWEEP`), a few chords. Firmware
 // computes with 24 bits, in which the square of a larger radius has steps of more than 0.06 mm2, and the radius

@@ -40,6 +40,7 @@ pub enum CornersNotFound {
 
 /// Longest side of the picture that is searched is at most twice this. Corners are refined in the full
 /// picture afterwards, so a finer search would only cost time.
+/// Source: chosen; it changes speed, and corners by less than a pixel after they are refined.
 const SEARCH_PX: usize = 700;
 
 /// The corners of the largest object that differs from the ground along the picture's border: upper left,

@@ -1,10 +1,12 @@
 //! A contact sheet: slices of a scan side by side.
 
 /// Slices in a row of the sheet, and slices shown at most. Twenty tiles fit a screen without scrolling;
-/// only the picture depends on the values.
+/// only the picture depends on the values. Source: chosen by eye; only the picture depends on it.
 const COLUMNS: usize = 5;
+/// Source: chosen by eye; only the picture depends on it.
 const SHOWN: usize = 20;
 /// Longest side of a slice on the sheet, px. Only the picture depends on it.
+/// Source: chosen by eye; only the picture depends on it.
 const TILE_PX: usize = 240;
 
 /// Slices of a scan, shrunk as they arrive.

@@ -15,8 +15,11 @@ use grainpath_core::tensor::von_mises;
 
 /// Peak stress in MPa above which the unit is doubted. No printed part bears as much; only a warning
 /// depends on the value.
+/// Source: chosen; more than twice the tensile strength of continuous carbon fibre composites along the fibre
+/// (about 2000 MPa).
 const LIKELY_MAX_MPA: f64 = 5000.0;
 /// Size in mm above which the unit is doubted; only a warning depends on the value.
+/// Source: chosen; five times the longest axis of large-format FDM printers (1 m).
 const LIKELY_MAX_MM: f64 = 5000.0;
 /// Size in mm below which the part is likely in metres; only a warning depends on the value.
 const LIKELY_MIN_MM: f64 = 1.0;

@@ -26,7 +26,9 @@ const NUMBERS_ALWAYS: usize = 8 << 20;
 // 64-fold or 128-fold.
 const NUMBERS_A_BYTE: usize = 16;
 /// Limits on pieces and on arrays in a piece; parallel solvers write a piece for each process.
+/// Source: chosen; files of real programs stay far below it.
 const MAX_PIECES: usize = 100_000;
+/// Source: chosen; files of real programs stay far below it.
 const MAX_ARRAYS: usize = 2000;
 
 /// Encoding of the arrays of a file.

@@ -97,7 +97,7 @@ pub enum OutlineProblem {
 /// Limit on the points of a drawing. Source: derived. They take 64 MB. A drawing with more is a hatching or a traced
 /// photograph.
 pub(super) const MAX_POINTS: usize = 4_000_000;
-/// Limit on coordinates, mm. A part 1 km wide comes from a wrong unit or damage.
+/// Limit on coordinates, mm. A part 1 km wide comes from a wrong unit or damage. Source: chosen; the reason above.
 const MAX_MM: f64 = 1e6;
 /// Pieces of the part with a smaller area are dropped, mm2. Source: derived. They come from rounding where shapes
 /// touch; a bead 0.4 mm wide covers as much in 3 um of length.
@@ -194,4 +194,5 @@ pub(super) struct Line {
 }
 
 /// Points nearer than this are the same point, mm. Files round their coordinates.
+/// Source: derived. Files with three decimals of a millimetre round by half of it.
 pub(super) const SAME_MM: f64 = 1e-3;

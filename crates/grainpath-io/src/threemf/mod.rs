@@ -31,9 +31,9 @@ use part::{Component, Content, ModelPart, ObjectType};
 use transform::Transform;
 
 /// Limit on the nesting of components. The specification forbids circles; a deeper nesting is damage or
-/// malice.
+/// malice. Source: chosen; files of real programs stay far below it.
 const MAX_DEPTH: usize = 32;
-/// Limit on warnings while bodies are assembled.
+/// Limit on warnings while bodies are assembled. Source: chosen; nobody reads more.
 const MAX_WARNINGS: usize = 50;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {

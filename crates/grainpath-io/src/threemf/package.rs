@@ -27,6 +27,7 @@ const MAX_INFLATED: u64 = 1 << 30;
 /// A part that inflates to more than `BOMB_SIZE` may be at most `BOMB_RATIO` times its packed size.
 /// Source: derived. Deflate alone reaches 1032; XML of a mesh is mostly digits, which stays far below 100.
 const BOMB_SIZE: u64 = 32 << 20;
+/// See `BOMB_SIZE`. Source: derived there.
 const BOMB_RATIO: u64 = 100;
 
 const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
@@ -37,8 +38,9 @@ const MODEL_CONTENT_TYPE: &str = "application/vnd.ms-package.3dmanufacturing-3dm
 const ROOT_RELATIONSHIPS: &str = "/_rels/.rels";
 
 /// Packages with more relationships in one part are refused: checking them would take time without end.
+/// Source: chosen; files of real programs stay far below it.
 const MAX_RELATIONSHIPS: usize = 10_000;
-/// A relationships part gives no more warnings than this.
+/// A relationships part gives no more warnings than this. Source: chosen; nobody reads more.
 const MAX_WARNINGS: usize = 50;
 
 pub(crate) struct Package<'a> {

@@ -46,6 +46,7 @@ const KNOWN_EXTENSIONS: [&str; 5] = [
 ];
 
 /// Limit on warnings of a part. A damaged file could otherwise give one for each triangle.
+/// Source: chosen; nobody reads more.
 const MAX_WARNINGS: usize = 50;
 
 /// A use of an object, by a component or a build item.

@@ -21,6 +21,7 @@ use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, sp
 const FORMAT: &str = "MetaImage";
 
 // Limit on the header, bytes. ElementDataFile ends the header and comes long before.
+// Source: chosen; files of real programs stay far below it.
 const MAX_HEADER: u64 = 1 << 16;
 
 pub(super) fn is(head: &[u8]) -> bool {

@@ -8,9 +8,11 @@ use grainpath_core::{DVec2, TriMesh};
 use super::{ExampleFile, stl};
 use crate::shapes::{arc, prism};
 
-/// Length and width of the plate, mm; its centre is the origin.
+/// Length and width of the plate, mm; its centre is the origin. Source: chosen; the shape of an example of ours.
 const SIZE_MM: DVec2 = DVec2::new(60.0, 40.0);
+/// Source: chosen; the shape of an example of ours.
 const THICKNESS_MM: f64 = 1.6;
+/// Source: chosen; the shape of an example of ours.
 const HOLE_RADIUS_MM: f64 = 8.0;
 /// Distance of the points that have a direction, mm. Source: derived: the flow turns by less than
 /// 30 degrees over 2 mm at the hole.

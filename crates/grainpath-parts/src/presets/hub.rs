@@ -6,22 +6,30 @@ use grainpath_core::DVec2;
 use grainpath_core::math::{cross, direction, exp};
 use rayon::prelude::*;
 
-/// Side of the scanned square, mm.
+/// Side of the scanned square, mm. Source: chosen; the shape of an example of ours.
 const SIDE_MM: f64 = 102.4;
 /// Height of the scan, mm. The part stands 4 mm above the bottom of the scan, so that air surrounds
-/// it on every side.
+/// it on every side. Source: chosen; the shape of an example of ours.
 const HEIGHT_MM: f64 = 40.0;
+/// Source: chosen; the shape of an example of ours.
 const BOTTOM_MM: f64 = 4.0;
 // Inner and outer radius of the rim and of the hub. The rim is the tallest part, so its height is the
 // height of the whole. All sizes are choices of ours; the truth is written from the same constants.
+// Source: chosen; the shape of an example of ours.
 const RIM_MM: [f64; 2] = [38.0, 46.0];
+/// Source: chosen; the shape of an example of ours.
 const RIM_HEIGHT_MM: f64 = 32.0;
+/// Source: chosen; the shape of an example of ours.
 const HUB_MM: [f64; 2] = [7.5, 15.0];
+/// Source: chosen; the shape of an example of ours.
 const HUB_HEIGHT_MM: f64 = 26.0;
+/// Source: chosen; the shape of an example of ours.
 const SPOKE_WIDTH_MM: f64 = 8.0;
+/// Source: chosen; the shape of an example of ours.
 const SPOKE_HEIGHT_MM: f64 = 12.0;
 // Bolt holes lie halfway between the hub's two radii, where walls on both sides are equal.
 const BOLT_RADIUS_MM: f64 = 2.0;
+/// Source: chosen; the shape of an example of ours.
 const BOLT_CIRCLE_MM: f64 = 11.25;
 
 /// Columns, rows and slices, and the size of a voxel in mm, for a picture of `n` columns.

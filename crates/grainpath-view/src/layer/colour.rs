@@ -36,7 +36,7 @@ impl ColourBy {
 pub(super) type Rgb = [u8; 3];
 
 /// Colour of beads where the guide asks for no direction: a grey that is not on the ramp, so that it
-/// cannot be read as a value.
+/// cannot be read as a value. Source: chosen by eye; only the picture depends on it.
 pub(super) const UNASKED: Rgb = [88, 92, 100];
 
 /// The colour of a role: warm for walls and cool for fill, as previews of slicers have it.
@@ -100,6 +100,7 @@ impl Scale {
 pub(super) fn ramp(value: f64, low: f64, high: f64) -> Rgb {
     // Five colours in even steps, chosen so that neighbours differ and the bead's darker rim still shows
     // on each. Only looks depend on them; no value is read back from a picture.
+    // Source: chosen by eye; only the picture depends on it.
     const STOPS: [[f64; 3]; 5] = [
         [60.0, 80.0, 200.0],
         [50.0, 160.0, 200.0],

@@ -65,7 +65,7 @@ pub struct LayerPicture {
 }
 
 /// Half the size of the cross that marks a cut, mm: 1.6 mm across, so that the cross is wider than a bead
-/// of fibre. Only looks depend on it.
+/// of fibre. Only looks depend on it. Source: chosen by eye; only the picture depends on it.
 const CUT_MM: f64 = 0.8;
 
 /// The two strokes of a cross.

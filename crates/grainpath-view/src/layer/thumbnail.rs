@@ -15,19 +15,23 @@ use super::raster::png;
 use super::{DrawnBead, LayerPicture};
 
 /// Colour of the part at full light: only looks depend on it.
+/// Source: chosen by eye; only the picture depends on it.
 const BODY: [f64; 3] = [236.0, 150.0, 74.0];
 /// Colour of supports: grey, so that the part stands out. Only looks depend on it.
+/// Source: chosen by eye; only the picture depends on it.
 const SUPPORT: [f64; 3] = [176.0, 182.0, 190.0];
 /// The light ground of pictures on paper and pages. Only looks depend on it.
+/// Source: chosen by eye; only the picture depends on it.
 const PAPER: [u8; 3] = [246, 244, 240];
 /// Direction towards the light: left of the part, in front of it and above. Tops are then lightest and
-/// the two visible sides differ, which shows the edges.
+/// the two visible sides differ, which shows the edges. Source: chosen by eye; only the picture depends on it.
 const LIGHT: DVec3 = DVec3::new(-0.35, -0.60, 0.72);
 /// Most samples of a picture; larger pictures get fewer samples a pixel. Measured: eight million take 64 MB, and 3DBenchy
 /// at 1200 x 900 takes 2.0 s. Nine samples a pixel
 /// for 800 x 600, four for 1200 x 900 and more: what more would smooth is no longer seen.
 const MOST_SAMPLES: usize = 8_000_000;
 /// Width of a bead's bevels as a share of its height. Chosen by eye: only looks depend on it.
+/// Source: chosen by eye; only the picture depends on it.
 const BEVEL: f64 = 0.35;
 
 /// What lies behind the part.
@@ -281,6 +285,7 @@ impl Canvas {
     /// Light from the surroundings, 0.6 to 1: less where they lie nearer to the eye. Eight neighbours at two distances;
     /// the share of darkening is chosen by eye, and only looks depend on it.
     fn openness(&self, x: usize, y: usize, samples: usize) -> f64 {
+        // Source: chosen by eye; only the picture depends on it.
         const RING: [(i64, i64); 8] = [(3, 0), (2, 2), (0, 3), (-2, 2), (-3, 0), (-2, -2), (0, -3), (2, -2)];
         let here = self.depth[y * self.w + x];
         let mut hidden = 0;

@@ -13,7 +13,7 @@ use grainpath_io::fe::{Element, Encoding, PointData, VtuMesh, stress_point_data,
 use super::{Guide, ResultMesh};
 
 /// Number of lines of each family across the longer side of the part. Only the picture
-/// depends on it.
+/// depends on it. Source: chosen by eye; only the picture depends on it.
 const LINES_ACROSS: f64 = 60.0;
 
 /// Evenly spaced principal stress lines of a layer: the families of the greater and of the smaller

@@ -18,6 +18,7 @@ const MAX_IMBALANCE: f64 = 1e-3;
 /// No reserve is told above this multiple of the strength, nor above this estimated share of missed stress.
 /// Source: issue 22, item 12.
 const MAX_RESERVE_MULTIPLE: f64 = 5.0;
+/// The share of stress missed by the mesh above which no reserve is told. Source: issue 22, item 12.
 const MAX_RESERVE_MESH_ERROR: f64 = 0.3;
 /// Displacement over the longest side of the part at which small displacements are no longer small.
 /// Source: issue 22, item 12.

@@ -50,6 +50,7 @@ impl Standing {
 }
 
 /// Larger parts are taken for damaged files, mm.
+/// Source: chosen; ten times the longest axis of large-format FDM printers (1 m).
 const MAX_SIZE_MM: f64 = 10_000.0;
 
 /// Scales and rotates bodies and moves them together down to z = 0. Returned is the height they

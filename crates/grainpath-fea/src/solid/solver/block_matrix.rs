@@ -61,7 +61,7 @@ pub(crate) fn assemble<const N: usize>(
     let (start, around) = incidence(n_nodes, tets);
     let at = |i: usize| &around[start[i] as usize..start[i + 1] as usize];
     // Rows assembled by one task: enough to share the elements between them, few enough to spread
-    // over the threads.
+    // over the threads. Source: chosen; it changes speed alone, never the result.
     const ROWS: usize = 4096;
     let parts: Vec<(Vec<u32>, Vec<u32>, Vec<DMat3>)> = (0..n_nodes.div_ceil(ROWS))
         .into_par_iter()

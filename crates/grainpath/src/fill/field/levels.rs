@@ -60,8 +60,8 @@ pub(super) fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Leve
         }
         for corner in 0..3 {
             let sides = [(corner + 1) % 3, (corner + 2) % 3];
-            // Crossings on the two sides that meet at the corner, less those on the opposite side,
-            // half of them each.
+            // Lines that pass around this corner cross both sides that meet there; every other line crosses one of
+            // the two and the opposite side. So the lines around it are half of what the two sides have more.
             let around = (count[sides[0]] + count[sides[1]] - count[corner]) / 2;
             for p in 0..around {
                 let [a, b] = sides.map(|side| {
