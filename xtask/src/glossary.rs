@@ -98,7 +98,7 @@ fn faults(terms: &[String], senses: &[Sense], sources: &[Source], pages: &[Strin
             wrong.push(format!("{PAGE}: \"{term}\" is used in no page and no source"));
         }
     }
-    let named: Vec<Names> = sources.iter().map(Names::of).collect();
+    let named: Vec<Names> = sources.iter().map(Names::new).collect();
     for term in terms {
         let mut files: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         for (source, names) in sources.iter().zip(&named).filter(|(s, _)| s.path != CHOICES) {
@@ -202,7 +202,7 @@ struct Names {
 }
 
 impl Names {
-    fn of(source: &Source) -> Self {
+    fn new(source: &Source) -> Self {
         let mut names = Self::default();
         source.items.iter().for_each(|item| names.visit_item(item));
         names

@@ -319,7 +319,7 @@ pub(crate) fn read_photos(
         let name = path.display().to_string();
         let image =
             decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
-        Ok(Photo::of(name, image))
+        Ok(Photo::from_image(name, image))
     };
     own.iter().map(read).collect()
 }

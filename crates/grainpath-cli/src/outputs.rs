@@ -40,7 +40,7 @@ pub(crate) struct Paths {
 
 impl Paths {
     /// Output paths of a job, relative to `out`.
-    pub(crate) fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
+    pub(crate) fn new(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
         // The program is always written; without a name it takes that of the shape.
@@ -63,10 +63,10 @@ impl Paths {
         };
         // Endings are checked here, before planning: a slip in a name must not cost the time of a plan.
         if let Some(path) = &paths.support {
-            MeshEnding::of(path)?;
+            MeshEnding::from_path(path)?;
         }
         if let Some(path) = &paths.lines
-            && LinesFormat::of(path).is_none()
+            && LinesFormat::from_path(path).is_none()
         {
             return Err(Failure::usage(format!("output.lines = {:?} should end in .svg or .vtp", o.lines)));
         }
@@ -541,7 +541,7 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
         let middle = &planned.stack.layers()[planned.stack.layers().len() / 2];
         let z = middle.z_top_mm() - 0.5 * middle.height_mm();
         let families = guide.lines(middle.region(), z);
-        let text = match LinesFormat::of(path) {
+        let text = match LinesFormat::from_path(path) {
             Some(LinesFormat::Vtp) => lines_vtp(&families, z),
             Some(LinesFormat::Svg) | None => lines_svg(middle.region(), &families),
         };
@@ -567,7 +567,7 @@ enum LinesFormat {
 
 impl LinesFormat {
     /// The format for the ending of a file name.
-    fn of(path: &Path) -> Option<Self> {
+    fn from_path(path: &Path) -> Option<Self> {
         meaning(&[("svg", Self::Svg), ("vtp", Self::Vtp)], files::ending(path))
     }
 }
@@ -581,7 +581,7 @@ pub(crate) enum MeshEnding {
 
 impl MeshEnding {
     /// The format for the ending of a file name.
-    pub(crate) fn of(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn from_path(path: &Path) -> Result<Self, Failure> {
         let ending = files::ending(path).to_ascii_lowercase();
         meaning(&[("stl", Self::Stl), ("3mf", Self::ThreeMf)], &ending).ok_or_else(|| {
             let name = path.display();
@@ -592,7 +592,7 @@ impl MeshEnding {
 
 /// Writes bodies as STL or 3MF, by the file's ending.
 pub(crate) fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
-    let format = MeshEnding::of(path)?;
+    let format = MeshEnding::from_path(path)?;
     let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
     // STL knows no bodies, so they are joined; 3MF keeps them apart, and a slicer can then print the
     // support with other settings.

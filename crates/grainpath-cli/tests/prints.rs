@@ -268,15 +268,15 @@ fn gaps_spill_and_overlap_are_small_and_as_the_outside_check_measures() {
         let near = |a: f64, b: f64, share: f64, what: &str| {
             assert!((a / b - 1.0).abs() < share, "{file}: {what}: {a} {b}");
         };
-        let of = |v: &Value| v.as_f64().expect("a number");
+        let float = |v: &Value| v.as_f64().expect("a number");
         near(
-            of(&check["part_mm3"]),
-            of(&check["against_mesh"]["mesh_mm3"]),
+            float(&check["part_mm3"]),
+            float(&check["against_mesh"]["mesh_mm3"]),
             0.015,
             "volume against the mesh",
         );
-        near(of(&report["extruded_mm3"]), of(&check["extruded_mm3"]), 1e-3, "volume");
-        near(of(&report["travel_mm"]), of(&check["travel_mm"]), 0.02, "travel");
+        near(float(&report["extruded_mm3"]), float(&check["extruded_mm3"]), 1e-3, "volume");
+        near(float(&report["travel_mm"]), float(&check["travel_mm"]), 0.02, "travel");
         assert_eq!(report["layers"], check["layers"]);
     }
 }

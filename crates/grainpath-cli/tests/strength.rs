@@ -125,22 +125,22 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
     let told: f64 = told.split_once(" MiB").and_then(|t| t.0.parse().ok()).expect("a number");
     let all = number(&run, "peak_rss_mb");
     assert!(all == 0.0 || (told / all - 1.0).abs() < 0.1, "{told} MiB on the page, {all} in all");
-    let of = |extra: &[&'static str]| {
+    let peak_n = |extra: &[&'static str]| {
         let mut all = args(&["strength", "--job", "along.toml", "--json"]);
         all.extend(extra);
         number(&json(&grainpath(&dir, &all))["strength"], "peak_load_n")
     };
-    let read = of(&["bar.gcode", "--threads", "1"]);
+    let read = peak_n(&["bar.gcode", "--threads", "1"]);
     assert!((read / own - 1.0).abs() < 0.01, "{own} {read}");
     assert_eq!(
         read.to_bits(),
-        of(&["bar.gcode", "--threads", "2"]).to_bits(),
+        peak_n(&["bar.gcode", "--threads", "2"]).to_bits(),
         "the same for any number of threads"
     );
     // E in mm3, as `M200` announces.
     fs::write(dir.join("mm3.gcode"), format!("M200 D1.75\n{}", in_mm3(&dir.join("bar.gcode"))))
         .expect("written");
-    let volumes = of(&["mm3.gcode"]);
+    let volumes = peak_n(&["mm3.gcode"]);
     assert!((read / volumes - 1.0).abs() < 1e-3, "{read} {volumes}");
 }
 

@@ -7,7 +7,7 @@ use crate::DVec2;
 /// ```
 /// use grainpath_core::{Bounds2, DVec2};
 ///
-/// let bounds = Bounds2::of([DVec2::new(1.0, 5.0), DVec2::new(4.0, 2.0)]).unwrap();
+/// let bounds = Bounds2::around_points([DVec2::new(1.0, 5.0), DVec2::new(4.0, 2.0)]).unwrap();
 /// assert_eq!(bounds.size(), DVec2::new(3.0, 3.0));
 /// assert_eq!(bounds.grown(1.0).min, DVec2::new(0.0, 1.0));
 /// ```
@@ -21,7 +21,7 @@ pub struct Bounds2 {
 
 impl Bounds2 {
     /// The box around these points; `None` when there are none.
-    pub fn of(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
+    pub fn around_points(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
         let mut points = points.into_iter();
         let first = points.next()?;
         let (min, max) = points.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));

@@ -142,7 +142,7 @@ impl CellGrid {
 /// use grainpath_core::{Bounds2, DVec2, buckets::{Buckets, CellGrid}};
 ///
 /// let segments = [[DVec2::ZERO, DVec2::new(4.0, 0.0)], [DVec2::new(0.0, 3.0), DVec2::new(4.0, 3.0)]];
-/// let bounds = Bounds2::of(segments.iter().flatten().copied()).unwrap();
+/// let bounds = Bounds2::around_points(segments.iter().flatten().copied()).unwrap();
 /// let grid = CellGrid::covering(bounds, 1.0, 1000);
 /// let buckets = Buckets::new(grid, 2, |i, add| grid.for_each_passed(segments[i][0], segments[i][1], add));
 /// let cell = grid.index(grid.cell_of(DVec2::new(2.5, 0.2)));

@@ -276,10 +276,10 @@ mod tests {
         fn apply(&self, x: &[f64], out: &mut [f64]) {
             self.calls.set(self.calls.get() + 1);
             for i in 0..self.n {
-                let of = |k: usize| x[k] * self.scale(k).sqrt();
-                let left = if i > 0 { of(i - 1) } else { 0.0 };
-                let right = if i + 1 < self.n { of(i + 1) } else { 0.0 };
-                out[i] = (2.1 * of(i) - left - right) * self.scale(i).sqrt();
+                let scaled = |k: usize| x[k] * self.scale(k).sqrt();
+                let left = if i > 0 { scaled(i - 1) } else { 0.0 };
+                let right = if i + 1 < self.n { scaled(i + 1) } else { 0.0 };
+                out[i] = (2.1 * scaled(i) - left - right) * self.scale(i).sqrt();
             }
         }
 

@@ -70,7 +70,7 @@ impl FailurePicture {
         });
         // A NaN is often the failure itself; it must not make the whole picture unreadable.
         let finite = points.filter(|p| p.is_finite());
-        let bounds = Bounds2::of(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+        let bounds = Bounds2::around_points(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         // A single point has no extent, and the scale below divides by it.
         let margin = 0.05 * bounds.size().max_element().max(1e-6);
         let bounds = bounds.grown(margin);

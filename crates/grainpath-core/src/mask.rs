@@ -151,7 +151,7 @@ impl Mask {
     }
 
     /// The cells whose centres lie in the region.
-    pub fn of(grid: Grid, region: &Region) -> Self {
+    pub fn from_region(grid: Grid, region: &Region) -> Self {
         Self::of_contours(grid, region.contours())
     }
 
@@ -204,7 +204,7 @@ impl Mask {
     /// The same, and every cell that a border passes through, so that thin parts between the cells'
     /// centres are not lost.
     pub fn touched(grid: Grid, region: &Region) -> Self {
-        let mut mask = Self::of(grid, region);
+        let mut mask = Self::from_region(grid, region);
         for (a, b) in region.contours().flat_map(|c| edges(c)) {
             // Half a cell between samples: no cell that the border crosses over more than half a
             // cell's length is missed.
@@ -482,7 +482,7 @@ mod tests {
     #[test]
     fn area_of_a_ring_and_back() {
         let ring = square(5.0, 25.0).difference(&square(10.0, 20.0));
-        let mask = Mask::of(grid(), &ring);
+        let mask = Mask::from_region(grid(), &ring);
         assert!((mask.area_mm2() - 300.0).abs() < 1.0, "{}", mask.area_mm2());
         let lines = mask.contours();
         assert_eq!(lines.len(), 2);
@@ -493,19 +493,20 @@ mod tests {
 
     #[test]
     fn growing_and_opening() {
-        let mask = Mask::of(grid(), &square(10.0, 20.0));
+        let mask = Mask::from_region(grid(), &square(10.0, 20.0));
         let grown = mask.grown(5).area_mm2();
         assert!(grown > 142.0 && grown < 144.1, "{grown}");
         assert_eq!(mask.grown(5).shrunk(5), mask);
-        let sliver = Mask::of(grid(), &Region::rectangle(DVec2::new(0.0, 5.0), DVec2::new(30.0, 5.5)));
+        let sliver =
+            Mask::from_region(grid(), &Region::rectangle(DVec2::new(0.0, 5.0), DVec2::new(30.0, 5.5)));
         assert!(!sliver.is_empty() && sliver.opened(2).is_empty());
         // One cell, and two side by side across a word.
         let cells = |x: usize, n: usize| {
             let low = grid().origin() + 0.2 * DVec2::new(x as f64, 30.0);
             Region::rectangle(low, low + 0.2 * DVec2::new(n as f64, 1.0))
         };
-        let both = Mask::of(grid(), &cells(20, 1).union(&cells(63, 2)));
-        assert_eq!((both.count(), both.without_lone()), (3, Mask::of(grid(), &cells(63, 2))));
+        let both = Mask::from_region(grid(), &cells(20, 1).union(&cells(63, 2)));
+        assert_eq!((both.count(), both.without_lone()), (3, Mask::from_region(grid(), &cells(63, 2))));
     }
 
     #[test]
@@ -522,7 +523,7 @@ mod tests {
             let mut one = Mask::empty(g);
             one.add_convex(&corners);
             let region: Region = Polygon { outer: corners.clone(), holes: Vec::new() }.into();
-            assert_eq!(one, Mask::of(g, &region), "{k}");
+            assert_eq!(one, Mask::from_region(g, &region), "{k}");
             assert!(one.is_empty() || one.meets_convex(&corners));
             let aside: Vec<DVec2> = corners.iter().map(|p| *p + 20.0 * across).collect();
             assert!(!one.meets_convex(&aside), "{k}");
@@ -535,6 +536,6 @@ mod tests {
     fn cells_that_touch_at_corners_stay_apart() {
         let g = Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 1.0);
         let two = square(0.0, 1.0).union(&square(1.0, 2.0));
-        assert_eq!(Mask::of(g, &two).contours().len(), 2);
+        assert_eq!(Mask::from_region(g, &two).contours().len(), 2);
     }
 }

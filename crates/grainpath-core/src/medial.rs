@@ -40,7 +40,7 @@ pub fn medial_axis(region: &Region, min_width_mm: f64, max_width_mm: f64) -> Vec
         if area < 1e-4 || thickness < 0.2 * min_width_mm {
             continue;
         }
-        if let Some(graph) = Graph::of(polygon, (0.6 * thickness).clamp(0.06, 0.4)) {
+        if let Some(graph) = Graph::new(polygon, (0.6 * thickness).clamp(0.06, 0.4)) {
             let clipper = LineClipper::new(&Region::from(polygon.clone()));
             for path in graph.into_paths() {
                 finish(path, &clipper, min_width_mm, max_width_mm, &mut out);
@@ -79,7 +79,7 @@ fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &
 }
 
 impl Graph {
-    fn of(polygon: &Polygon, step_mm: f64) -> Option<Self> {
+    fn new(polygon: &Polygon, step_mm: f64) -> Option<Self> {
         let (mut points, mut sides) = (Vec::new(), Vec::new());
         // The number of samples of a long border is bounded by a coarser step.
         let step_mm = step_mm.max(polygon.contours().map(|c| perimeter_mm(c)).sum::<f64>() / 100_000.0);

@@ -257,7 +257,7 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
     if line.closed || line.points.len() < 8 {
         return line;
     }
-    let Some(bounds) = Bounds2::of(line.points.iter().copied()) else { return line };
+    let Some(bounds) = Bounds2::around_points(line.points.iter().copied()) else { return line };
     let mut near = PointGrid2::new(bounds, d_mm);
     let mut waiting: VecDeque<(DVec2, f64)> = VecDeque::new();
     let mut length = 0.0;

@@ -98,7 +98,7 @@ impl Triangulation {
     ///
     /// # Errors
     /// [`TriangulationError`] for an empty region, crossing contours, and sides too short for memory.
-    pub fn of(region: &Region, size: &TriangleSize, extra: &[DVec2]) -> Result<Self, TriangulationError> {
+    pub fn new(region: &Region, size: &TriangleSize, extra: &[DVec2]) -> Result<Self, TriangulationError> {
         if region.is_empty() {
             return Err(TriangulationError::Empty);
         }
@@ -245,7 +245,7 @@ mod tests {
         let hole = Region::from(crate::Polygon { outer: (0..64).map(disc).collect(), holes: Vec::new() });
         let plate = Region::rectangle(DVec2::splat(-10.0), DVec2::splat(10.0)).difference(&hole);
         let size = TriangleSize { longest_mm: 1.0, sides_of_hole: 64, shortest_mm: 0.05 };
-        let mesh = Triangulation::of(&plate, &size, &[]).expect("a sound region");
+        let mesh = Triangulation::new(&plate, &size, &[]).expect("a sound region");
         let mut area = 0.0;
         for &[a, b, c] in &mesh.triangles {
             let [a, b, c] = [a, b, c].map(|i| mesh.points[i as usize]);

@@ -9,7 +9,6 @@
 //! case act together.
 
 use grainpath_core::DVec3;
-
 use grainpath_core::selection::Selection;
 
 /// Fixtures, load cases and density: everything that acts on a part.

@@ -377,12 +377,12 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
     let active: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.05).collect();
     let [nx, ny, _] = bricks.n;
     let place = |c: usize| [c % nx, c / nx % ny, c / nx / ny];
-    let of = |k: usize| (0..active.len()).filter(|c| active[*c]).map(place).map(move |p| p[k]);
-    let (low, high) = (of(axis).min().expect("cells"), of(axis).max().expect("cells"));
+    let coordinates = |k: usize| (0..active.len()).filter(|c| active[*c]).map(place).map(move |p| p[k]);
+    let (low, high) = (coordinates(axis).min().expect("cells"), coordinates(axis).max().expect("cells"));
     let (mut holds, mut forces) = (Vec::new(), Vec::new());
     let direction = DVec3::AXES[axis];
     let others = [(axis + 1) % 3, (axis + 2) % 3];
-    let middle = others.map(|k| of(k).sum::<usize>() / of(k).count());
+    let middle = others.map(|k| coordinates(k).sum::<usize>() / coordinates(k).count());
     let mut sum = 0.0;
     for c in (0..active.len()).filter(|c| active[*c]) {
         for k in 0..8 {

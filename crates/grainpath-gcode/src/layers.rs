@@ -74,7 +74,7 @@ pub(crate) enum LayerMark {
 
 impl LayerMark {
     /// The mark that this comment is, if it is one.
-    pub(crate) fn of(comment: &str) -> Option<Self> {
+    pub(crate) fn from_comment(comment: &str) -> Option<Self> {
         let number_after = |head: &str| {
             let rest = comment.get(..head.len()).filter(|h| h.eq_ignore_ascii_case(head));
             rest.is_some_and(|_| {

@@ -73,7 +73,7 @@ pub struct Speeds {
 
 impl Speeds {
     /// The speed of a path: that of its role, limited by its class and by the first layer.
-    pub fn of(&self, role: Role, class: SpeedClass, first_layer: bool) -> f64 {
+    pub fn speed_mm_s(&self, role: Role, class: SpeedClass, first_layer: bool) -> f64 {
         let by_role = match role {
             Role::OuterWall => self.outer_wall,
             Role::InnerWall => self.inner_wall,

@@ -235,12 +235,12 @@ fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
 
 /// Widths at 1, 50 and 99 % of the printed length.
 fn widths(layers: &[&BeadLayer]) -> [f64; 3] {
-    let of = |l: &&BeadLayer| -> Vec<(f64, f64)> {
+    let widths_and_lengths = |l: &&BeadLayer| -> Vec<(f64, f64)> {
         // Very short beads are the ends of paths, whose width is rounding.
         let long = |b: &&Bead| b.role.is_part() && b.start().distance(b.end()) > 0.05;
         l.beads.iter().filter(long).map(|b| (b.width_mm(l.height_mm), b.start().distance(b.end()))).collect()
     };
-    let mut all: Vec<(f64, f64)> = layers.iter().flat_map(of).collect();
+    let mut all: Vec<(f64, f64)> = layers.iter().flat_map(widths_and_lengths).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = all.iter().map(|w| w.1).sum();
     [0.01, 0.5, 0.99].map(|share| {

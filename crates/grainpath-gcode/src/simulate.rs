@@ -243,7 +243,7 @@ impl Machine {
         // Names of files in comments may be in any encoding.
         let text = String::from_utf8_lossy(comment);
         let text = text.as_ref();
-        if let Some(kind) = LayerMark::of(text) {
+        if let Some(kind) = LayerMark::from_comment(text) {
             self.layers.mark(kind);
             self.path_open = false;
             return;

@@ -138,8 +138,8 @@ impl Histogram {
         // The mode is the densest window of 4 % of the range: narrower ones follow the noise, wider ones
         // reach into the partly filled voxels.
         let width = self.range.map_or(0.0, |(a, b)| b - a) * 0.04;
-        let of = |side: Vec<(f32, f32)>| commonest(away_from_edges(side), width).unwrap_or(split);
-        (of(low), of(high))
+        let mode = |side: Vec<(f32, f32)>| commonest(away_from_edges(side), width).unwrap_or(split);
+        (mode(low), mode(high))
     }
 }
 

@@ -15,11 +15,11 @@ pub(crate) fn cli(py: Python<'_>, args: Vec<OsString>) -> u8 {
 #[pyfunction]
 pub(crate) fn cli_commands() -> Vec<(String, Vec<String>)> {
     let command = grainpath_cli::command();
-    let of = |c: &clap::Command| {
+    let options = |c: &clap::Command| {
         let shown = c
             .get_arguments()
             .map(|a| a.get_long().map_or_else(|| a.get_id().to_string(), |l| format!("--{l}")));
         (c.get_name().to_owned(), shown.collect())
     };
-    command.get_subcommands().map(of).collect()
+    command.get_subcommands().map(options).collect()
 }

@@ -36,6 +36,6 @@ pub(crate) fn image_from_array(py: Python<'_>, name: String, pixels: Pixels<'_>)
     let (height, width, channels) = shape;
     worker::run(py, &Caller::default(), move |_, _| {
         let image = Image { format: ImageFormat::Png, width, height, channels, samples };
-        Ok(ImageData { photo: Photo::of(name, image) })
+        Ok(ImageData { photo: Photo::from_image(name, image) })
     })
 }

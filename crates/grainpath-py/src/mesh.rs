@@ -21,7 +21,7 @@ pub struct MeshData {
 
 impl MeshData {
     /// One body in mm.
-    pub fn of(mesh: TriMesh) -> Self {
+    pub fn from_mesh(mesh: TriMesh) -> Self {
         let bodies = vec![MeshBody { mesh, ..MeshBody::default() }];
         Self { file: MeshFile { bodies, unit: Some(LengthUnit::Millimetre), warnings: Vec::new() } }
     }
@@ -51,8 +51,8 @@ impl MeshData {
 
     /// For each body its name and its numbers of vertices and triangles.
     fn bodies(&self) -> Vec<(Option<String>, usize, usize)> {
-        let of = |b: &MeshBody| (b.name.clone(), b.mesh.vertices.len(), b.mesh.triangles.len());
-        self.file.bodies.iter().map(of).collect()
+        let summary = |b: &MeshBody| (b.name.clone(), b.mesh.vertices.len(), b.mesh.triangles.len());
+        self.file.bodies.iter().map(summary).collect()
     }
 
     /// Whether supports were painted on it.

@@ -30,7 +30,7 @@ pub(crate) fn support(
         let report = SupportReport::new(&grown.support, beads, solid, settings.material.density_g_cm3);
         let report = json!({ "support": report, "warnings": diagnostics.warnings() }).to_string();
         let is_some = !grown.surface.triangles.is_empty();
-        Ok((is_some.then(|| MeshData::of(grown.surface)), report))
+        Ok((is_some.then(|| MeshData::from_mesh(grown.surface)), report))
     })
 }
 
@@ -58,10 +58,10 @@ pub(crate) fn pieces() -> Vec<(&'static str, &'static str, bool)> {
 #[pyfunction]
 pub(crate) fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
     if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
-        return Some((MeshData::of(piece.mesh()), Some(piece.job(name))));
+        return Some((MeshData::from_mesh(piece.mesh()), Some(piece.job(name))));
     }
     let piece = SPECIMENS.iter().find(|s| s.name == name)?;
-    Some((MeshData::of((piece.mesh)()), None))
+    Some((MeshData::from_mesh((piece.mesh)()), None))
 }
 
 /// The files of an example, the job first: names and contents; with `pixels` those of the scan. `None` for an unknown name, whose list is the second.

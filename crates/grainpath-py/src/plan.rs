@@ -176,7 +176,7 @@ impl PlanData {
             let mesh =
                 grainpath::support::surface(&support.cut.layers, &plan.planned.stack, method, diagnostics)
                     .map_err(grainpath::Error::from)?;
-            Ok((!mesh.triangles.is_empty()).then(|| MeshData::of(mesh)))
+            Ok((!mesh.triangles.is_empty()).then(|| MeshData::from_mesh(mesh)))
         })
     }
 

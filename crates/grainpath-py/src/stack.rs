@@ -35,14 +35,13 @@ impl StackData {
 
     /// The rings of a section: for each polygon its outer ring and its holes, `(n, 2)`.
     #[allow(clippy::type_complexity)]
-    #[allow(clippy::type_complexity)]
     fn section<'py>(&self, py: Python<'py>, k: usize) -> PyResult<Vec<Vec<Bound<'py, PyArray2<f64>>>>> {
         let ring = |points: &[DVec2]| {
             let flat: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
             PyArray1::from_vec(py, flat).reshape([points.len(), 2])
         };
-        let of = |p: &Polygon| p.contours().map(|c| ring(c)).collect();
-        self.stack.layers()[k].region().polygons.iter().map(of).collect()
+        let rings = |p: &Polygon| p.contours().map(|c| ring(c)).collect();
+        self.stack.layers()[k].region().polygons.iter().map(rings).collect()
     }
 
     /// The stack as bytes, the same for the same stack.

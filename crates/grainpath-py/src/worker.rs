@@ -171,8 +171,8 @@ impl Watch<'_, '_> {
             return Err(errors::exception(py, Kind::Cancelled, "cancelled; nothing was written", None, None));
         }
         let Some(progress) = &self.caller.progress else { return Ok(()) };
-        let of = |n: &AtomicUsize| n.load(Ordering::Relaxed);
-        let now = (of(&self.counter.stage), of(&self.counter.done), of(&self.counter.total));
+        let read = |n: &AtomicUsize| n.load(Ordering::Relaxed);
+        let now = (read(&self.counter.stage), read(&self.counter.done), read(&self.counter.total));
         if now.0 > 0 && now != self.shown {
             self.shown = now;
             progress.call1((Stage::ALL[now.0 - 1].name(), now.1, now.2))?;

@@ -148,7 +148,7 @@ const ENDINGS: [(&str, FileKind); 28] = [
 ];
 
 impl FileKind {
-    fn of(path: &FilePath) -> Self {
+    fn from_path(path: &FilePath) -> Self {
         // An ending may have two parts (`.nii.gz`), so the end of the whole name is compared.
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let has = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| stem.ends_with('.'));
@@ -158,7 +158,7 @@ impl FileKind {
 
 async fn state(State(studio): Shared) -> impl IntoResponse {
     let shown = |p: &PathBuf| p.display().to_string();
-    let opened = studio.opened.as_ref().map(|p| json!({ "path": shown(p), "kind": FileKind::of(p) }));
+    let opened = studio.opened.as_ref().map(|p| json!({ "path": shown(p), "kind": FileKind::from_path(p) }));
     Json(json!({
         "ok": true, "version": env!("CARGO_PKG_VERSION"), "opened": opened,
         "work": studio.roots.work().display().to_string(),
@@ -201,7 +201,7 @@ fn listing(roots: &Roots, folder: &FilePath) -> Result<serde_json::Value, Refusa
         if metadata.is_dir() {
             folders.push((name, path));
         } else if metadata.is_file() {
-            let kind = FileKind::of(&entry.path());
+            let kind = FileKind::from_path(&entry.path());
             files.push(FileRow { name, path, bytes: metadata.len(), kind });
         }
     }
@@ -252,7 +252,7 @@ async fn text(
 ) -> Answer<Json<serde_json::Value>> {
     let Query(query) = query?;
     let path = PathBuf::from(query.path);
-    if FileKind::of(&path) != FileKind::Job {
+    if FileKind::from_path(&path) != FileKind::Job {
         return Err(Refusal::usage(format!("{}: only job files (.toml) are shown", path.display())).into());
     }
     let job = job_text(&studio.roots, &path)?;

@@ -182,7 +182,7 @@ pub struct Records {
 
 impl Records {
     /// Measures a program. Cost: two passes over its beads.
-    pub fn of(program: &Program) -> Self {
+    pub fn new(program: &Program) -> Self {
         let (all, part) = extents(program);
         let size = all.max - all.min;
         let step_mm = (size.max_element() / f64::from(u16::MAX)).max(1e-6);
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn records_hold_the_beads_and_the_travels_between_them() {
         let program = simulate(TEXT.as_bytes(), 1.75, &Limits::default()).expect("G-code");
-        let records = Records::of(&program);
+        let records = Records::new(&program);
         let index = records.index();
         let bytes = records.layer(&program.layers[0]);
         assert_eq!(bytes.len(), RECORD_BYTES * index.layers[0].records);
@@ -341,7 +341,7 @@ mod tests {
             let _ = writeln!(text, "G1 X{} E0.05 F{}", k % 7, 600 + 6 * k);
         }
         let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
-        let records = Records::of(&program);
+        let records = Records::new(&program);
         assert_eq!(records.index().speeds_mm_s.len(), 256);
         let bytes = records.layer(&program.layers[0]);
         let beads = bytes.chunks(RECORD_BYTES).filter(|r| r[6] < TRAVEL);
@@ -358,7 +358,7 @@ mod tests {
     #[test]
     fn empty_programs_have_no_layers() {
         let program = simulate(b"G28\nM104 S0\n", 1.75, &Limits::default()).expect("G-code");
-        let records = Records::of(&program);
+        let records = Records::new(&program);
         assert_eq!((records.index().layers.len(), records.index().records), (0, 0));
     }
 }

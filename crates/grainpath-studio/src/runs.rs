@@ -348,7 +348,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         let is_stopped = run.diagnostics.check().is_err();
         match outcome {
             Ok(finished) => {
-                let records = Records::of(&finished.program);
+                let records = Records::new(&finished.program);
                 run.end(Phase::Done, Ok(Arc::new(Result { finished, records })));
             }
             Err(_) if is_stopped => run.end(Phase::Cancelled, Err(interrupted())),

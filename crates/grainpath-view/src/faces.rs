@@ -170,7 +170,7 @@ mod tests {
         let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let cube = TriMesh { vertices: (0..8).map(corner).collect(), triangles };
-        let faces = Faces::of(&cube);
+        let faces = Faces::segment(&cube);
         let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
         let seen = |t: DVec3| -> Vec<usize> {
             numbered(&view(&cube, &faces, t, 200), faces.len()).into_iter().map(|n| n.0).collect()

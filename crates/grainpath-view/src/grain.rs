@@ -38,20 +38,20 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
         let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
         out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, ..Picture::default() }));
     };
-    let mut canvas = Canvas::of(photo, 1.0, false);
+    let mut canvas = Canvas::new(photo, 1.0, false);
     let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
     canvas.line(&ring, 3.0, [255, 60, 40]);
     canvas.number_corners(*corners);
     put("1_photograph", "The photograph and the corners: 1 upper left of the board, then clockwise", canvas);
-    put("2_rectified", "Rectified", Canvas::of(&image.grey, 1.0, true));
-    put("3_denoised", "Denoised", Canvas::of(&denoised.grey, 1.0, true));
+    put("2_rectified", "Rectified", Canvas::new(&image.grey, 1.0, true));
+    put("3_denoised", "Denoised", Canvas::new(&denoised.grey, 1.0, true));
     if let Some(edges) = edges {
         let mask = Grey {
             width: edges.width,
             height: edges.height,
             data: edges.mask.iter().map(|&m| if m { 1.0 } else { 0.0 }).collect(),
         };
-        put("4_edges", "Edges", Canvas::of(&mask, 1.0, true));
+        put("4_edges", "Edges", Canvas::new(&mask, 1.0, true));
     }
     // Places on the part have y upwards in mm, pictures have rows from the top.
     let to_px = |p: DVec2| {
@@ -62,7 +62,7 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     put("5_field", "Directions: yellow clear, violet unclear", canvas);
     if !curves.is_empty() {
         // Half the brightness lets the coloured curves stand out.
-        let mut canvas = Canvas::of(&image.grey, 0.5, true);
+        let mut canvas = Canvas::new(&image.grey, 0.5, true);
         for (k, curve) in curves.iter().enumerate() {
             let line: Vec<DVec2> = curve.iter().map(|&p| to_px(p)).collect();
             // Four hues in turn, so that neighbouring curves differ.
@@ -92,7 +92,7 @@ fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
 /// A darkened picture, rows from the bottom, with strokes along the axis, 14 pixels of the drawing apart.
 /// `axis` takes pixels of `grey`.
 fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
-    let mut canvas = Canvas::of(grey, 0.55, true);
+    let mut canvas = Canvas::new(grey, 0.55, true);
     let every = 14.0 / canvas.scale;
     let turned = |p: DVec2| DVec2::new(p.x, grey.height as f64 - p.y);
     for j in 0..(grey.height as f64 / every) as usize {
@@ -116,7 +116,7 @@ struct Canvas {
 
 impl Canvas {
     /// A grey picture, scaled to fit. `upwards` is for a picture whose rows begin at the bottom.
-    fn of(grey: &Grey, brightness: f32, upwards: bool) -> Self {
+    fn new(grey: &Grey, brightness: f32, upwards: bool) -> Self {
         let longest = grey.width.max(grey.height).max(1) as f64;
         // Small pictures are enlarged, up to six times, so that lines on them can be told apart.
         let scale = (LONGEST_PX / longest).min(6.0);

@@ -19,7 +19,7 @@ const WIDTH_MM: f64 = 40.0;
 
 fn photo(name: &str) -> Photo {
     let bytes = data::read_data(&format!("wood/{name}"));
-    Photo::of(name.to_owned(), decode(&bytes).expect(name))
+    Photo::from_image(name.to_owned(), decode(&bytes).expect(name))
 }
 
 /// Angle from +x (rows downwards) and coherence at each pixel, rows from the top.

@@ -204,7 +204,7 @@ fn only_a_border_through_a_section_is_warned_of() {
 fn a_depth_below_a_face_is_a_region() {
     // The face at x = 40 of the plate, found by its name.
     let plate = block(&Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0)), 0.0, 0.2 * LAYERS as f64);
-    let faces = grainpath_core::faces::Faces::of(&plate);
+    let faces = grainpath_core::faces::Faces::segment(&plate);
     let right =
         (0..faces.len()).find(|&f| (faces.all()[f].centroid - DVec3::new(40.0, 15.0, 1.2)).length() < 1e-6);
     let name = faces.name(right.expect("a plane at x = 40"));

@@ -16,7 +16,7 @@ struct Points {
 const CELL_MM: f64 = 1.0;
 
 impl Points {
-    fn of<'a>(layers: impl Iterator<Item = &'a LayerPlan>, wanted: impl Fn(Role) -> bool) -> Self {
+    fn new<'a>(layers: impl Iterator<Item = &'a LayerPlan>, wanted: impl Fn(Role) -> bool) -> Self {
         let mut cells: HashMap<[i64; 2], Vec<DVec2>> = HashMap::new();
         for path in layers.flat_map(|l| &l.paths).map(|p| &p.path).filter(|p| wanted(p.role)) {
             for i in 0..path.n_segments() {
@@ -54,9 +54,9 @@ fn is_support(role: Role) -> bool {
 fn on_air_mm(layers: &[LayerPlan]) -> (f64, f64) {
     let (mut air_mm, mut all_mm) = (0.0, 0.0);
     for k in 1..layers.len() {
-        let support = Points::of(layers[k - 1..k].iter(), is_support);
+        let support = Points::new(layers[k - 1..k].iter(), is_support);
         let near = |l: &&LayerPlan| l.z_top_mm > layers[k].z_top_mm - 0.65;
-        let part = Points::of(layers[..k].iter().filter(near), Role::is_part);
+        let part = Points::new(layers[..k].iter().filter(near), Role::is_part);
         for path in layers[k].paths.iter().map(|p| &p.path).filter(|p| is_support(p.role)) {
             for i in 0..path.n_segments() {
                 let (a, b, w) = path.segment(i);

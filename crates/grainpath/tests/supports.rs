@@ -298,7 +298,7 @@ fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
         post: false,
     };
     let nodes = vec![node(40.0, Some(1), Kind::Contact(0)), node(0.0, None, Kind::Foot)];
-    let found = bending::of(&Forest { nodes, ..Forest::default() }, &s);
+    let found = bending::tip_bending(&Forest { nodes, ..Forest::default() }, &s);
     let wall = s.beads.bead_width_mm;
     let second = 0.25 * std::f64::consts::PI * (2f64.powi(4) - (2.0 - wall).powi(4));
     let exact = s.side_load_n * 40f64.powi(3) / (3.0 * s.stiffness_mpa * second);

@@ -27,7 +27,7 @@ impl Draw {
         if end == 0 { 0 } else { (self.bits() % end as u64) as usize }
     }
 
-    fn of<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
+    fn one<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
         &choices[self.below(choices.len())]
     }
 }
@@ -86,9 +86,9 @@ fn change_bytes(bytes: &mut Vec<u8>, start: usize, draw: &mut Draw) {
     match draw.below(8) {
         0 => bytes[at] ^= 1 << draw.below(8),
         1 => bytes[at] = draw.bits() as u8,
-        2 => bytes[at] = *draw.of(&[0, 0xFF, 0x7F, 0x80, b'\n', b' ']),
+        2 => bytes[at] = *draw.one(&[0, 0xFF, 0x7F, 0x80, b'\n', b' ']),
         3 => {
-            let word = *draw.of(&WORDS);
+            let word = *draw.one(&WORDS);
             let word = if draw.below(2) == 0 { word.to_le_bytes() } else { word.to_be_bytes() };
             for (byte, new) in bytes[at..].iter_mut().zip(word) {
                 *byte = new;
@@ -123,7 +123,7 @@ fn change_text(bytes: &mut Vec<u8>, start: usize, draw: &mut Draw) {
             let numbers = starts_of(bytes, &is_number);
             let Some(&from) = numbers.get(draw.below(numbers.len())) else { return };
             let end = end_of(bytes, from, &is_number);
-            let number = draw.of(&NUMBERS).bytes();
+            let number = draw.one(&NUMBERS).bytes();
             bytes.splice(from..end, number);
         }
         2 => {

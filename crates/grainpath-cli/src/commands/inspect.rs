@@ -225,7 +225,7 @@ fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
 }
 
 fn image_json(name: &str, image: &Image) -> Value {
-    let photo = Photo::of(name.to_owned(), image.clone());
+    let photo = Photo::from_image(name.to_owned(), image.clone());
     let grey = photo.whole();
     let round = |v: f32| (f64::from(v) * 1e3).round() / 1e3;
     let sample = match image.samples {

@@ -65,7 +65,7 @@ fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces), Failure> {
     // Mended as a run mends it: facets that are inside out would have their normals reversed.
     let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
         .map_err(|source| grainpath::Error::Shape { path: name.to_owned(), source })?;
-    let faces = Faces::of(&mesh);
+    let faces = Faces::segment(&mesh);
     Ok((mesh, faces))
 }
 

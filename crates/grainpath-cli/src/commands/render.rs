@@ -81,7 +81,7 @@ pub fn tell_directions(picture: &mut LayerPicture, program: &Program, planned: &
     let Some(off) = grainpath::measure::report::direction_error(planned) else { return false };
     // Skirts and supports lie outside the part and would shift its centre.
     let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
-    let printed = Bounds2::of(printed.flat_map(|b| [b.start(), b.end()]));
+    let printed = Bounds2::around_points(printed.flat_map(|b| [b.start(), b.end()]));
     let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
     let (Some(printed), Some(part)) = (printed, part) else { return true };
     let shift = printed.centre() - part.centre();

@@ -79,7 +79,7 @@ fn check(
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, shape, out)?;
+    let paths = outputs::Paths::new(settings, shape, out)?;
     claim_inputs(settings, shape, base, &mut claims);
     paths.claim(&mut claims);
     claims.check()?;
@@ -161,7 +161,7 @@ pub(crate) fn execute(
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, shape, out)?;
+    let paths = outputs::Paths::new(settings, shape, out)?;
     claim_inputs(settings, shape, base, &mut claims);
     paths.claim(&mut claims);
     claims.check()?;

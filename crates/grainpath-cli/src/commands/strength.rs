@@ -166,7 +166,7 @@ impl TestedJob {
         let standing = grainpath::run::config::standing(settings, lowered_mm);
         let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh, &standing)
             .map_err(|e| failed(e.into()))?;
-        TestSetup::of(&strength_settings(settings), &mesh, &stack, conditions).map_err(failed)
+        TestSetup::new(&strength_settings(settings), &mesh, &stack, conditions).map_err(failed)
     }
 
     /// Plans the job and tests the program that is written.
@@ -200,10 +200,10 @@ fn test_printed(
     diagnostics: &Diagnostics,
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Tested, StrengthError> {
-    let part = PrintedPart::of(program)?;
+    let part = PrintedPart::new(program)?;
     let conditions = part.conditions(&grainpath::run::config::loads(settings))?;
     let wanted = strength_settings(settings);
-    let setup = TestSetup::of(&wanted, &part.mesh, &part.stack, conditions)?;
+    let setup = TestSetup::new(&wanted, &part.mesh, &part.stack, conditions)?;
     test_noting(&wanted, &setup, program, Some(DVec2::ZERO), diagnostics, note)
 }
 

@@ -158,7 +158,7 @@ impl Engine for Commands {
     ) -> Result<Finished, Refusal> {
         let settings = settings(job, roots)?;
         let shape = shape_of(&settings, &job.folder).ok_or_else(|| refusal(no_shape(&job.name)))?;
-        let paths = outputs::Paths::of(&settings, &shape, out).map_err(refusal)?;
+        let paths = outputs::Paths::new(&settings, &shape, out).map_err(refusal)?;
         let mut claims = Claims::default();
         claims.read("the job file", Path::new(&job.name));
         claim_inputs(&settings, &shape, &job.folder, &mut claims);

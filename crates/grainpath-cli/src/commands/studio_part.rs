@@ -87,7 +87,7 @@ pub(super) fn shape(
     add("faces_in_all", json!(faces.len()));
     add("faces", face_rows(&faces, standing.rotation, standing.shift()));
     let ends = |edge: [u32; 2]| edge.map(|v| single(mesh.vertices[v as usize]));
-    let edges = EdgeUses::of(&mesh);
+    let edges = EdgeUses::count(&mesh);
     // A mesh of noise has as many faces as triangles; borders between them would hide it.
     let borders = if faces.len() > TOO_MANY_FACES { Vec::new() } else { borders(&mesh, &edges, &faces) };
     let surface = Surface {

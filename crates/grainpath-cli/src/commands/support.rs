@@ -31,7 +31,7 @@ pub(crate) fn support(args: &Support) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
     // A wrong ending is refused before the work.
-    MeshEnding::of(&output)?;
+    MeshEnding::from_path(&output)?;
     let mut claims = Claims::default();
     claims.read("model", &args.model);
     claims.write("--output", &output);

@@ -247,7 +247,7 @@ impl Search<'_> {
         let mut found: Vec<(u32, f64)> = Vec::new();
         for &t in self.pieces.members[id as usize].iter().take(MAX_OF_PIECE) {
             for n in self.graph.around(t as usize) {
-                let (other, cosine) = (self.pieces.of[n], self.graph.cosine(t as usize, n));
+                let (other, cosine) = (self.pieces.piece_of[n], self.graph.cosine(t as usize, n));
                 let is_new = other != id && found.iter().all(|f| f.0 != other);
                 if is_new && cosine > SHARP && label[n] == NONE {
                     found.push((other, cosine));
@@ -260,7 +260,7 @@ impl Search<'_> {
     /// Patches of three pieces, the first in the middle, that bend alike on both sides: strips of a
     /// cylinder or a cone, facets of a sphere. Beyond a blunt edge lies another face.
     fn strips(&self, seed: u32, label: &[u32]) -> Vec<Vec<u32>> {
-        let id = self.pieces.of[seed as usize];
+        let id = self.pieces.piece_of[seed as usize];
         let around = self.smooth_neighbours(id, label);
         let members = |id: u32| self.pieces.members[id as usize].iter().take(MAX_OF_PIECE).copied();
         let mut patches = Vec::new();
@@ -279,7 +279,7 @@ impl Search<'_> {
     /// The triangles of the nearest `n_pieces` pieces around a triangle, over smooth edges. `None`
     /// where there are fewer than three.
     fn patch(&self, seed: u32, n_pieces: usize, label: &[u32]) -> Option<Vec<u32>> {
-        let mut ids = vec![self.pieces.of[seed as usize]];
+        let mut ids = vec![self.pieces.piece_of[seed as usize]];
         let mut patch = Vec::new();
         let mut at = 0;
         while let Some(&id) = ids.get(at) {
@@ -412,7 +412,7 @@ impl Search<'_> {
     fn judged(&self, shape: Shape, model: Model, side: f64, mut region: Vec<u32>) -> Option<Grown> {
         let graph = self.graph;
         region.sort_unstable();
-        let mut ids: Vec<u32> = region.iter().map(|&t| self.pieces.of[t as usize]).collect();
+        let mut ids: Vec<u32> = region.iter().map(|&t| self.pieces.piece_of[t as usize]).collect();
         ids.sort_unstable();
         ids.dedup();
         let (points, normals) = self.samples(&region);

@@ -36,12 +36,12 @@ pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &m
     let is_left: Vec<bool> = (0..n).map(|id| left(id, label)).collect();
     let mut bends: Vec<Vec<Bend>> = vec![Vec::new(); n];
     for t in 0..graph.len() {
-        let id = pieces.of[t] as usize;
+        let id = pieces.piece_of[t] as usize;
         if !is_left[id] || label[t] != NONE {
             continue;
         }
         for other in graph.around(t) {
-            let to = pieces.of[other];
+            let to = pieces.piece_of[other];
             // Normals of whole pieces: those of slender triangles are inexact.
             let cosine = pieces.normal[id].dot(pieces.normal[to as usize]);
             let is_new = to as usize != id && bends[id].iter().all(|b| b.to != to);
@@ -73,7 +73,7 @@ pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &m
     }
     for t in 0..graph.len() {
         if label[t] == NONE {
-            label[t] = label_of[pieces.of[t] as usize];
+            label[t] = label_of[pieces.piece_of[t] as usize];
         }
     }
     splinters(graph, label, kinds);

@@ -64,7 +64,7 @@ pub struct Face {
 /// let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
 /// let cube = TriMesh { vertices: (0..8).map(corner).collect(), triangles };
 ///
-/// let faces = Faces::of(&cube);
+/// let faces = Faces::segment(&cube);
 /// assert_eq!(faces.len(), 6);
 /// let top = faces.of_triangle(10).unwrap();
 /// assert_eq!(faces.all()[top].surface, Surface::Plane { normal: DVec3::Z });
@@ -84,7 +84,7 @@ const ROUNDING: f64 = 5e-6;
 
 impl Faces {
     /// Finds the faces of a mesh, largest first.
-    pub fn of(mesh: &TriMesh) -> Self {
+    pub fn segment(mesh: &TriMesh) -> Self {
         let Some((low, high)) = mesh.bounds() else { return Self::default() };
         let largest = low.abs().max(high.abs()).max_element().max((high - low).length());
         let graph = Graph::new(mesh, ROUNDING * largest);

@@ -7,7 +7,7 @@ use super::graph::Graph;
 /// Flat pieces of a mesh.
 pub(super) struct Pieces {
     /// The piece of each triangle.
-    pub of: Vec<u32>,
+    pub piece_of: Vec<u32>,
     /// The triangles of each piece, from the one that it grew from; in descending order of that one's
     /// area.
     pub members: Vec<Vec<u32>>,
@@ -31,10 +31,14 @@ pub(super) fn flat_pieces(graph: &Graph) -> Pieces {
     order.sort_unstable_by(|&a, &b| {
         graph.area[b as usize].total_cmp(&graph.area[a as usize]).then_with(|| a.cmp(&b))
     });
-    let mut pieces =
-        Pieces { of: vec![FREE; graph.len()], members: Vec::new(), normal: Vec::new(), area: Vec::new() };
+    let mut pieces = Pieces {
+        piece_of: vec![FREE; graph.len()],
+        members: Vec::new(),
+        normal: Vec::new(),
+        area: Vec::new(),
+    };
     for seed in order {
-        if pieces.of[seed as usize] == FREE {
+        if pieces.piece_of[seed as usize] == FREE {
             grow(graph, seed, &mut pieces);
         }
     }
@@ -48,17 +52,17 @@ fn grow(graph: &Graph, seed: u32, pieces: &mut Pieces) {
     let (mut vector, mut moment) = (graph.area[s] * normal, graph.area[s] * point);
     let (mut area, mut fitted) = (graph.area[s], graph.area[s]);
     let mut members = vec![seed];
-    pieces.of[s] = id;
+    pieces.piece_of[s] = id;
     let mut at = 0;
     while let Some(&t) = members.get(at) {
         at += 1;
         for n in graph.around(t as usize) {
             let flat = |p: &DVec3| (*p - point).dot(normal).abs() <= graph.tolerance;
             let turned = graph.normal[n].dot(normal) < NO_FOLD && graph.normal[n] != DVec3::ZERO;
-            if pieces.of[n] != FREE || turned || !graph.points(n).iter().all(flat) {
+            if pieces.piece_of[n] != FREE || turned || !graph.points(n).iter().all(flat) {
                 continue;
             }
-            pieces.of[n] = id;
+            pieces.piece_of[n] = id;
             members.push(n as u32);
             vector += graph.area[n] * graph.normal[n];
             moment += graph.area[n] * graph.centroid(n);

@@ -321,7 +321,7 @@ fn known_faces_are_found() {
         for chord in [0.01, 0.05, 0.2] {
             for k in 0..3 {
                 let part = make(chord, k);
-                let faces = Faces::of(&part.mesh);
+                let faces = Faces::segment(&part.mesh);
                 let (_, right) = compared(&part, &faces);
                 let words: Vec<_> = faces.all().iter().map(|f| f.surface.word()).collect();
                 assert!(right >= 0.95, "{name} {k} at {chord} mm: {right:.3}, {words:?}");
@@ -333,7 +333,7 @@ fn known_faces_are_found() {
 #[test]
 fn measures_are_those_of_the_part() {
     let part = turned_pin(0.02, 0);
-    let faces = Faces::of(&part.mesh);
+    let faces = Faces::segment(&part.mesh);
     let (found, _) = compared(&part, &faces);
     let surface = |k: usize| faces.all()[found[k]].surface;
     let Surface::Cylinder { radius_mm, axis, hollow, .. } = surface(1) else { panic!("{:?}", surface(1)) };
@@ -342,7 +342,7 @@ fn measures_are_those_of_the_part() {
     assert!((half_angle_rad - crate::math::atan(4.0 / 12.0)).abs() < 1e-6 && axis.z < 1e-9 - 1.0);
     let Surface::Sphere { radius_mm, centre, .. } = surface(5) else { panic!("{:?}", surface(5)) };
     assert!((radius_mm - 9.0).abs() < 1e-6 && centre.truncate().length() < 1e-6);
-    let holes = Faces::of(&plate_with_holes(0.05, 0).mesh);
+    let holes = Faces::segment(&plate_with_holes(0.05, 0).mesh);
     let hollow = |f: &&Face| matches!(f.surface, Surface::Cylinder { hollow: true, .. });
     assert_eq!(holes.all().iter().filter(hollow).count(), 4);
 }
@@ -406,12 +406,12 @@ fn names_survive_another_export() {
     for (name, make) in PARTS {
         for k in 0..3 {
             let part = make(0.05, k);
-            let faces = Faces::of(&part.mesh);
+            let faces = Faces::segment(&part.mesh);
             let (found, _) = compared(&part, &faces);
             let names: Vec<String> = found.iter().map(|&f| faces.name(f)).collect();
             assert!(names.iter().all(|n| faces.find(n).is_ok()), "{name} {k}: {names:?}");
             for (what, other) in variants(make, k) {
-                let others = Faces::of(&other.mesh);
+                let others = Faces::segment(&other.mesh);
                 let (wanted, _) = compared(&other, &others);
                 for (face, text) in names.iter().enumerate() {
                     all += 1;
@@ -435,7 +435,7 @@ fn names_look_the_same_after_rounding() {
     for (_, make) in PARTS {
         let part = make(0.05, 1);
         let inches = soup(&shuffled(&part, 5), |p, _| (p / 25.4).as_vec3().as_dvec3());
-        let (before, after) = (Faces::of(&part.mesh), Faces::of(&inches.mesh));
+        let (before, after) = (Faces::segment(&part.mesh), Faces::segment(&inches.mesh));
         let (old, new) = (compared(&part, &before).0, compared(&inches, &after).0);
         for (o, n) in old.into_iter().zip(new) {
             all += 1;
@@ -454,12 +454,12 @@ fn equal_and_missing_faces_are_refused_with_candidates() {
     let copy: Vec<[u32; 3]> = part.mesh.triangles.iter().map(|t| t.map(|v| v + n)).collect();
     part.mesh.triangles.extend(copy);
     // The weld would join them, and edges of four faces join nothing.
-    let faces = Faces::of(&part.mesh);
+    let faces = Faces::segment(&part.mesh);
     let error = faces.find(&faces.name(0)).expect_err("equal faces");
     assert!(matches!(error, FaceError::Doubtful { .. }), "{error}");
     assert!(error.to_string().matches("mm2").count() >= 2, "{error}");
-    let faces = Faces::of(&channel(0.05, 0).mesh);
-    let hole = Faces::of(&nut(0.05, 0).mesh);
+    let faces = Faces::segment(&channel(0.05, 0).mesh);
+    let hole = Faces::segment(&nut(0.05, 0).mesh);
     let bore = hole.all().iter().position(|f| f.surface.word() == "cylinder").expect("a bore");
     let error = faces.find(&hole.name(bore)).expect_err("a channel has no bore");
     assert!(matches!(&error, FaceError::NotFound { candidates, .. } if candidates.contains("f:")), "{error}");
@@ -470,10 +470,10 @@ fn equal_and_missing_faces_are_refused_with_candidates() {
 
 #[test]
 fn odd_meshes_have_faces_too() {
-    assert!(Faces::of(&TriMesh::default()).is_empty());
+    assert!(Faces::segment(&TriMesh::default()).is_empty());
     let vertices = vec![DVec3::ZERO, DVec3::NAN, DVec3::X, DVec3::X * 2.0, DVec3::Y];
     let odd = TriMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3], [2, 2, 2], [0, 2, 4]] };
-    let faces = Faces::of(&odd);
+    let faces = Faces::segment(&odd);
     assert!(faces.all().iter().all(|f| f.area_mm2 > 0.0));
     // A roof of 30 degrees is two planes, although one cylinder goes through all its vertices.
     let d = &mut Draw::new(0.1);
@@ -483,7 +483,7 @@ fn odd_meshes_have_faces_too() {
     }
     let outline = d.done();
     let roof = extruded(Draw { kinds: d.kinds.clone(), ..Draw::new(0.1) }, &[outline], 30.0);
-    let words: Vec<_> = Faces::of(&roof.mesh).all().iter().map(|f| f.surface.word()).collect();
+    let words: Vec<_> = Faces::segment(&roof.mesh).all().iter().map(|f| f.surface.word()).collect();
     assert_eq!(words, ["plane"; 5]);
 }
 
@@ -505,7 +505,7 @@ fn waves(n: u32) -> TriMesh {
 
 #[test]
 fn a_free_surface_is_one_face() {
-    let faces = Faces::of(&waves(40));
+    let faces = Faces::segment(&waves(40));
     assert!(faces.all()[0].area_mm2 > 0.95 * faces.all().iter().map(|f| f.area_mm2).sum::<f64>());
     assert_eq!(faces.all()[0].surface, Surface::Free);
 }
@@ -517,12 +517,12 @@ fn fine_meshes_have_the_faces_of_coarse_ones() {
     // million triangles, the cone and one cylinder fall into 279 pieces.
     let (fine, coarse) = (turned_pin(6e-5, 0).mesh, turned_pin(0.02, 0).mesh);
     assert!(fine.triangles.len() > 600_000);
-    let (of_fine, of_coarse) = (Faces::of(&fine), Faces::of(&coarse));
+    let (of_fine, of_coarse) = (Faces::segment(&fine), Faces::segment(&coarse));
     assert_eq!((of_fine.len(), of_coarse.len()), (6, 6));
     for (a, b) in of_fine.all().iter().zip(of_coarse.all()) {
         assert_eq!(a.surface.word(), b.surface.word());
         assert!((a.area_mm2 / b.area_mm2 - 1.0).abs() < 0.01, "{} {}", a.area_mm2, b.area_mm2);
     }
-    let sheet = Faces::of(&waves(710));
+    let sheet = Faces::segment(&waves(710));
     assert_eq!(sheet.all()[0].surface, Surface::Free);
 }

@@ -52,7 +52,7 @@ pub struct EdgeUses(Vec<Use>);
 
 impl EdgeUses {
     /// Finds all edges; 12 bytes for each side of each triangle. Sides of no length are left out.
-    pub fn of(mesh: &TriMesh) -> Self {
+    pub fn count(mesh: &TriMesh) -> Self {
         let sides = || {
             mesh.triangles.iter().enumerate().flat_map(|(t, &[a, b, c])| {
                 let side = move |(from, to): (u32, u32)| Use {
@@ -97,7 +97,7 @@ pub struct Shells(Vec<u32>);
 
 impl Shells {
     /// Groups the triangles of a mesh.
-    pub fn of(mesh: &TriMesh, edges: &EdgeUses) -> Self {
+    pub fn find(mesh: &TriMesh, edges: &EdgeUses) -> Self {
         let mut shells = DisjointSets::new(mesh.triangles.len());
         for mut edge in edges.edges() {
             // Where more than two faces meet, bodies touch; which face continues into which is undefined.
@@ -127,8 +127,8 @@ pub fn diagnose(mesh: &TriMesh) -> Option<MeshHealth> {
 /// As [`diagnose`], with the edges and shells that it was counted from.
 pub fn examine(mesh: &TriMesh) -> Option<(MeshHealth, EdgeUses, Shells)> {
     let bounds = mesh.bounds()?;
-    let uses = EdgeUses::of(mesh);
-    let shells = Shells::of(mesh, &uses);
+    let uses = EdgeUses::count(mesh);
+    let shells = Shells::find(mesh, &uses);
     let (mut open, mut nonmanifold, mut badly_wound) = (0, 0, 0);
     for edge in uses.edges() {
         let (mut up, mut down) = (0usize, 0usize);

@@ -102,7 +102,7 @@ impl Polygon {
 
     /// The box around the outline.
     pub fn bounds(&self) -> Option<Bounds2> {
-        Bounds2::of(self.outer.iter().copied())
+        Bounds2::around_points(self.outer.iter().copied())
     }
 
     /// Whether `p` is inside; see [`even_odd_contains`] for points on an edge.
@@ -164,7 +164,7 @@ impl Region {
 
     /// The box around the region; `None` for an empty one.
     pub fn bounds(&self) -> Option<Bounds2> {
-        Bounds2::of(self.polygons.iter().flat_map(|p| p.outer.iter().copied()))
+        Bounds2::around_points(self.polygons.iter().flat_map(|p| p.outer.iter().copied()))
     }
 
     /// Whether `p` is inside; see [`even_odd_contains`] for points on an edge.

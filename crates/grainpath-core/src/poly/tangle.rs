@@ -40,7 +40,7 @@ pub fn crosses_more_than(contours: &[Contour], limit: usize) -> bool {
     let all: Vec<[DVec2; 2]> =
         contours.iter().flat_map(|c| edges(c)).filter(|(a, b)| a != b).map(|(a, b)| [a, b]).collect();
     let n = all.len();
-    let Some(bounds) = Bounds2::of(all.iter().flatten().copied()) else { return false };
+    let Some(bounds) = Bounds2::around_points(all.iter().flatten().copied()) else { return false };
     if n * n.saturating_sub(1) / 2 <= limit {
         return false;
     }

@@ -69,7 +69,7 @@ pub(super) fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTens
                 patch.sort_unstable();
                 patch.dedup();
             }
-            Some(Fit::of(mesh.nodes[i], patch.iter().flat_map(|&t| samples[t as usize])))
+            Some(Fit::new(mesh.nodes[i], patch.iter().flat_map(|&t| samples[t as usize])))
         })
         .collect();
     let mut sum = vec![([0.0; 3], 0.0); mesh.nodes.len()];
@@ -104,7 +104,7 @@ struct Fit {
 }
 
 impl Fit {
-    fn of(origin: DVec2, samples: impl Iterator<Item = (DVec2, PlaneTensor)> + Clone) -> Self {
+    fn new(origin: DVec2, samples: impl Iterator<Item = (DVec2, PlaneTensor)> + Clone) -> Self {
         // Coordinates are divided by the size of the patch, so that the terms of the normal
         // equations are of the same order.
         let scale = samples.clone().map(|(p, _)| p.distance(origin)).fold(1e-12, f64::max);

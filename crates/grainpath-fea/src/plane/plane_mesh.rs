@@ -94,5 +94,5 @@ pub fn mesh_region(
 ) -> Result<PlaneMesh, TriangulationError> {
     // 72 sides cut a circle into steps of 5 degrees, so that small holes get small triangles.
     let size = TriangleSize { longest_mm, sides_of_hole: 72, shortest_mm };
-    Ok(PlaneMesh::quadratic(&Triangulation::of(region, &size, &[])?))
+    Ok(PlaneMesh::quadratic(&Triangulation::new(region, &size, &[])?))
 }

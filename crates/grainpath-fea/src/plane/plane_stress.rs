@@ -44,12 +44,12 @@ impl PlaneStress {
             }
         }
         let error = (missed / all.max(f64::MIN_POSITIVE)).sqrt();
-        Self::of(mesh, nodal, error)
+        Self::from_nodes(mesh, nodal, error)
     }
 
     /// A field from stresses given at the nodes.
-    pub fn of(mesh: PlaneMesh, nodal: Vec<PlaneTensor>, error: f64) -> Self {
-        let bounds = Bounds2::of(mesh.nodes.iter().copied());
+    pub fn from_nodes(mesh: PlaneMesh, nodal: Vec<PlaneTensor>, error: f64) -> Self {
+        let bounds = Bounds2::around_points(mesh.nodes.iter().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         let size = bounds.size().max(DVec2::splat(1e-9));
         let cell_mm = (size.x * size.y / mesh.elements.len().max(1) as f64).sqrt();

@@ -91,7 +91,7 @@ pub fn recover(
         if first.iter().all(|&t| model.material(t as usize) == own) {
             patch.retain(|&t| model.material(t as usize) == own);
         }
-        Some(Fit::of(mesh.nodes[v as usize], patch.iter().flat_map(|&t| samples[t as usize])))
+        Some(Fit::new(mesh.nodes[v as usize], patch.iter().flat_map(|&t| samples[t as usize])))
     };
     let fits: Vec<Option<Fit>> = (0..mesh.nodes.len() as u32).into_par_iter().map(fit).collect();
     let mut ends = vec![[u32::MAX; 2]; mesh.nodes.len()];
@@ -165,7 +165,7 @@ fn powers(d: DVec3) -> [f64; 10] {
 }
 
 impl Fit {
-    fn of(origin: DVec3, samples: impl Iterator<Item = (DVec3, Stress)> + Clone) -> Self {
+    fn new(origin: DVec3, samples: impl Iterator<Item = (DVec3, Stress)> + Clone) -> Self {
         let reach = samples.clone().map(|s| s.0.distance(origin)).fold(0.0, f64::max);
         // Coordinates of at most 1 keep the terms of the normal equations of the same order.
         let scale = 1.0 / reach.max(f64::MIN_POSITIVE);

@@ -785,7 +785,7 @@ fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
 }
 
 fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> {
-    let of = |(own, &p): (usize, &IVec3)| {
+    let neighbours = |(own, &p): (usize, &IVec3)| {
         std::array::from_fn(|k| {
             let q = p + IVec3::new(k as i32 % 3, k as i32 / 3 % 3, k as i32 / 9) - 1;
             let inside = q.cmpge(IVec3::ZERO).all() && q.cmple(part.size()).all();
@@ -793,7 +793,7 @@ fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> 
             if node == NONE { own as u32 } else { node }
         })
     };
-    nodes.par_iter().enumerate().map(of).collect()
+    nodes.par_iter().enumerate().map(neighbours).collect()
 }
 
 /// For corners `a` and `b` of a cell, the position of `b` among the 27 neighbours of `a`. Source:

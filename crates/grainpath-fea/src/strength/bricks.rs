@@ -206,16 +206,16 @@ impl Slab {
         fine: &CellGrid,
     ) {
         let (part, nx) = (part as f32, self.nx);
-        let of = |i: usize| coarse(i, fine.nx, nx);
+        let coarse_cell = |i: usize| coarse(i, fine.nx, nx);
         for share in shares {
-            let (cell, fan) = (of(share.slot as usize / FANS), share.slot as usize % FANS);
+            let (cell, fan) = (coarse_cell(share.slot as usize / FANS), share.slot as usize % FANS);
             let sum = &mut self.fans[cell * FANS + fan];
             // The finer cells have a quarter of the area.
             (0..3).for_each(|k| sum[k] += 0.25 * part * share.sum[k]);
         }
         let Some(below) = below else { return };
         for (i, own) in own.iter().enumerate().filter(|(_, own)| **own > 0.0) {
-            let bond = &mut self.bond[of(i)];
+            let bond = &mut self.bond[coarse_cell(i)];
             bond[0] += own.min(below[i]);
             bond[1] += own;
         }

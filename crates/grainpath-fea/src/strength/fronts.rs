@@ -112,8 +112,8 @@ impl Fronts {
                 fronts[child].up = up;
             }
             fronts[f].elements.iter_mut().for_each(|(_, corners)| *corners = corners.map(at));
-            let of = |n: &u32| [forces[2 * *n as usize], forces[2 * *n as usize + 1]];
-            fronts[f].forces = nodes[..own].iter().flat_map(of).collect();
+            let force = |n: &u32| [forces[2 * *n as usize], forces[2 * *n as usize + 1]];
+            fronts[f].forces = nodes[..own].iter().flat_map(force).collect();
             (fronts[f].own, fronts[f].nodes, fronts[f].stale) = (own, nodes, true);
         }
         for &(row, column, value) in added {

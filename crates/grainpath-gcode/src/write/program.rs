@@ -255,7 +255,7 @@ impl<'a> Writer<'a> {
 
     /// Speed of a path before any slowing down: that of its role, limited by the melting rate.
     fn speed(&self, path: &Toolpath, height_mm: f64, first_layer: bool) -> f64 {
-        let speed = self.config.speeds.of(path.role, path.speed, first_layer);
+        let speed = self.config.speeds.speed_mm_s(path.role, path.speed, first_layer);
         // The widest place decides, because the speed is the same along the path.
         let widest = match &path.width {
             grainpath_core::BeadWidth::Constant(w) => *w,

@@ -328,10 +328,10 @@ fn travels_go_by_their_points() {
 #[test]
 fn first_layer_melt_and_classes_limit_the_speed() {
     let c = config(Flavour::Marlin);
-    assert_eq!(c.speeds.of(Role::SparseFill, SpeedClass::Normal, false), 80.0);
-    assert_eq!(c.speeds.of(Role::SparseFill, SpeedClass::Normal, true), 20.0);
-    assert_eq!(c.speeds.of(Role::OuterWall, SpeedClass::SmallWall, false), 20.0);
-    assert_eq!(c.speeds.of(Role::OuterWall, SpeedClass::Overhang, true), 15.0);
+    assert_eq!(c.speeds.speed_mm_s(Role::SparseFill, SpeedClass::Normal, false), 80.0);
+    assert_eq!(c.speeds.speed_mm_s(Role::SparseFill, SpeedClass::Normal, true), 20.0);
+    assert_eq!(c.speeds.speed_mm_s(Role::OuterWall, SpeedClass::SmallWall, false), 20.0);
+    assert_eq!(c.speeds.speed_mm_s(Role::OuterWall, SpeedClass::Overhang, true), 15.0);
     let mut slow = c;
     slow.material.max_volumetric_mm3_s = 1.0;
     let (text, _) = written(&two_layers(), &slow);

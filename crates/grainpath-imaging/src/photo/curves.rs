@@ -185,7 +185,9 @@ fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
     const CELL: f64 = 4.0;
     // Longest step, pixels. Longer ones join unrelated edges and are cut again below.
     const FAR: f64 = 12.0;
-    let Some(bounds) = grainpath_core::Bounds2::of(points.iter().copied()) else { return Vec::new() };
+    let Some(bounds) = grainpath_core::Bounds2::around_points(points.iter().copied()) else {
+        return Vec::new();
+    };
     let count = |v: f64| (v / CELL) as usize + 1;
     let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
     let cell = |p: DVec2| (((p.x - bounds.min.x) / CELL) as usize, ((p.y - bounds.min.y) / CELL) as usize);

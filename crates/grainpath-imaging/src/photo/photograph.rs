@@ -33,7 +33,7 @@ impl Photo {
 
     /// Converts an image to grey. Floats are stretched so that the lowest value is black and the highest
     /// white.
-    pub fn of(name: String, image: Image) -> Self {
+    pub fn from_image(name: String, image: Image) -> Self {
         let (width, height) = (image.width, image.height);
         let samples = match image.samples {
             Samples::U8(bytes) if image.channels == 1 => {

@@ -278,7 +278,7 @@ mod tests {
         let values: Vec<f32> = (0..n * n).map(at).collect();
         let signed: Vec<f32> = values.iter().map(|v| v - threshold).collect();
         let (found, points) =
-            on_edges(Grid::of(&signed, n, n).contours(), &values, n, n, &SETTINGS, |_| false);
+            on_edges(Grid::new(&signed, n, n).contours(), &values, n, n, &SETTINGS, |_| false);
         let mut areas: Vec<f64> = found.iter().map(|c| signed_area_mm2(c)).collect();
         areas.sort_by(f64::total_cmp);
         let covered = Region::from_contours(&found, FillRule::Positive);

@@ -265,7 +265,8 @@ impl Builder<'_> {
     }
 
     fn pair(&self, p: &Contour, q: &Contour, slab: &mut Slab) -> Option<()> {
-        let (bp, bq) = (Bounds2::of(p.iter().copied())?, Bounds2::of(q.iter().copied())?);
+        let (bp, bq) =
+            (Bounds2::around_points(p.iter().copied())?, Bounds2::around_points(q.iter().copied())?);
         let apart = bq.centre() - bp.centre();
         // Contours that do not overlap, or that move more than they grow, are brought together first.
         let over = apart.abs().cmplt(0.5 * (bp.size().min(bq.size()))).all();

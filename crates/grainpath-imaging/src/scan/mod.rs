@@ -245,7 +245,7 @@ pub fn slice_scan(
         return slice_scan(&mut turned, &settings.as_turned(), diagnostics);
     }
     let settings = &as_fine_as_pixels(settings, &lattice);
-    let survey = Survey::of(source, &lattice, settings, diagnostics)?;
+    let survey = Survey::run(source, &lattice, settings, diagnostics)?;
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
     job.begin_layers(diagnostics)?;
     let all = job.collect(source, 0..lattice.z_mm.len(), diagnostics)?;
@@ -537,7 +537,7 @@ impl Job<'_> {
         // For interpolated grey values sections are made per layer, so none is needed here.
         let region = (self.mode != Interpolation::Grey).then(|| {
             let step = self.survey.contrast as f32;
-            let mut contours = Grid::of(&signed, nx, ny).with_flats(|_| step).contours();
+            let mut contours = Grid::new(&signed, nx, ny).with_flats(|_| step).contours();
             // Points are kept denser than in the result, because pairing needs them.
             let mut simplify_mm = 0.2 * self.settings.simplify_mm;
             if self.settings.tracing == Tracing::Canny {
@@ -560,7 +560,9 @@ impl Job<'_> {
     /// Whether a contour in pixels encloses a pixel that is plainly material or, for a hole, plainly air.
     fn is_clear(&self, contour: &Contour, signed: &[f32]) -> bool {
         let (nx, ny) = (self.lattice.nx, self.lattice.ny);
-        let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return false };
+        let Some(bounds) = grainpath_core::Bounds2::around_points(contour.iter().copied()) else {
+            return false;
+        };
         let side = if signed_area_mm2(contour) > 0.0 { 1.0 } else { -1.0 };
         let least = (CLEAR * self.survey.contrast) as f32;
         let index = |v: f64, n: usize| v.clamp(0.0, n as f64) as usize;
@@ -601,7 +603,7 @@ impl Job<'_> {
     /// The section of a slice.
     fn region(&self, slice: &Prepared) -> Region {
         slice.region.clone().unwrap_or_else(|| {
-            let grid = Grid::of(&slice.signed, self.lattice.nx, self.lattice.ny);
+            let grid = Grid::new(&slice.signed, self.lattice.nx, self.lattice.ny);
             self.without_specks(
                 self.section(grid.contours(), self.settings.simplify_mm),
                 &mut Lost::default(),
@@ -664,7 +666,9 @@ impl Job<'_> {
     /// over its pixels.
     fn change_share(&self, slab: &Between, contour: &Contour, of_lower: bool) -> f64 {
         let l = self.lattice;
-        let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return 0.5 };
+        let Some(bounds) = grainpath_core::Bounds2::around_points(contour.iter().copied()) else {
+            return 0.5;
+        };
         let size = l.pixel_mm();
         let (low, high) = (bounds.min / size - 0.5, bounds.max / size - 0.5);
         let index = |v: f64, n: usize| v.clamp(0.0, (n - 1) as f64) as usize;

@@ -59,7 +59,7 @@ impl PartedScan {
         source: &mut dyn SliceSource,
         diagnostics: &Diagnostics,
     ) -> Result<Survey, ScanError> {
-        let survey = Survey::of(source, &self.lattice, &self.settings, diagnostics)?;
+        let survey = Survey::run(source, &self.lattice, &self.settings, diagnostics)?;
         let job = self.job(&survey);
         job.begin_layers(diagnostics)?;
         let start_mm = match survey.start_mm {

@@ -162,7 +162,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    pub(super) fn of(
+    pub(super) fn run(
         source: &mut dyn SliceSource,
         lattice: &Lattice,
         s: &CtSettings,

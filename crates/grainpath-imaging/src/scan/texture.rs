@@ -177,14 +177,17 @@ pub fn read_texture(
     // Contrast below this share of the range of grey values counts as blank.
     let floor = FAINT * FAINT * range * range;
     let found: Vec<Node> =
-        (0..near[0].len()).into_par_iter().with_min_len(4096).map(|k| Node::of(&near, k, floor)).collect();
+        (0..near[0].len()).into_par_iter().with_min_len(4096).map(|k| Node::mean(&near, k, floor)).collect();
     // Noise is coherent over a few voxels by chance, and texture over many: three times the neighbourhood
     // tells them apart.
     let wide = {
         let wide: Vec<Vec<f32>> =
             near[..6].iter().map(|c| blurred(c, nodes, sigma.map(|s| 3.0 * s))).collect();
-        let all: Vec<Node> =
-            (0..found.len()).into_par_iter().with_min_len(4096).map(|k| Node::of(&wide, k, floor)).collect();
+        let all: Vec<Node> = (0..found.len())
+            .into_par_iter()
+            .with_min_len(4096)
+            .map(|k| Node::mean(&wide, k, floor))
+            .collect();
         mean_coherence(&all)
     };
     if wide < LEAST_COHERENCE {
@@ -465,7 +468,7 @@ struct Node {
 }
 
 impl Node {
-    fn of(each: &[Vec<f32>], k: usize, floor: f32) -> Self {
+    fn mean(each: &[Vec<f32>], k: usize, floor: f32) -> Self {
         let tensor: [f64; 6] = std::array::from_fn(|c| f64::from(each[c][k]));
         let floor = f64::from(floor) + 1e-30;
         let e = eigenvalues(tensor);
@@ -491,17 +494,17 @@ impl Node {
 }
 
 fn mean_coherence(nodes: &[Node]) -> f64 {
-    weighted(nodes, |n| (n.coherence, n.energy))
+    weighted_mean(nodes, |n| (n.coherence, n.energy))
 }
 
 fn mean_lean_rad(nodes: &[Node]) -> f64 {
-    weighted(nodes, |n| (n.lean_rad, n.energy * n.line))
+    weighted_mean(nodes, |n| (n.lean_rad, n.energy * n.line))
 }
 
-fn weighted(nodes: &[Node], of: impl Fn(&Node) -> (f32, f32)) -> f64 {
+fn weighted_mean(nodes: &[Node], value_and_weight: impl Fn(&Node) -> (f32, f32)) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for node in nodes {
-        let (v, w) = of(node);
+        let (v, w) = value_and_weight(node);
         sum += f64::from(v) * f64::from(w);
         weight += f64::from(w);
     }

@@ -87,7 +87,7 @@ impl Grid {
     }
 
     /// A grid of these values.
-    pub fn of(values: &[f32], nx: usize, ny: usize) -> Self {
+    pub fn new(values: &[f32], nx: usize, ny: usize) -> Self {
         Self::mixed(values, values, 0.0, nx, ny)
     }
 
@@ -316,7 +316,7 @@ mod tests {
             (r - p.length()) as f32
         };
         let values: Vec<f32> = (0..nx * ny).map(value).collect();
-        let contours = Grid::of(&values, nx, ny).contours();
+        let contours = Grid::new(&values, nx, ny).contours();
         assert_eq!(contours.len(), 1);
         let area = signed_area_mm2(&contours[0]);
         assert!((area / (std::f64::consts::PI * r * r) - 1.0).abs() < 1e-3, "{area}");
@@ -324,16 +324,16 @@ mod tests {
 
     #[test]
     fn what_fills_the_picture_ends_half_a_pixel_outside_its_middles() {
-        let contours = Grid::of(&[1.0; 12], 4, 3).contours();
+        let contours = Grid::new(&[1.0; 12], 4, 3).contours();
         assert_eq!(contours.len(), 1);
         assert!((signed_area_mm2(&contours[0]) - 12.0).abs() < 0.6);
         let hole = [1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
-        let areas: Vec<f64> = Grid::of(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
+        let areas: Vec<f64> = Grid::new(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
         assert!(areas.len() == 2 && areas[0] > 0.0 && areas[1] < 0.0, "{areas:?}");
-        assert!(Grid::of(&[-1.0; 9], 3, 3).contours().is_empty());
+        assert!(Grid::new(&[-1.0; 9], 3, 3).contours().is_empty());
         // Exact zeros are outside and break nothing; what meets at corners hangs together if its mean is inside.
-        assert_eq!(Grid::of(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 1);
-        assert_eq!(Grid::of(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(), 4);
+        assert_eq!(Grid::new(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 1);
+        assert_eq!(Grid::new(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(), 4);
     }
 
     #[test]

@@ -132,9 +132,9 @@ impl Level {
                 }
                 let (c0, c1, tx) = corner(column, coarse.columns);
                 for k in 0..3 {
-                    let of = |r: usize, c: usize| coarse.cells[r * coarse.columns + c][k];
-                    let low = of(r0, c0) * (1.0 - tx) + of(r0, c1) * tx;
-                    let high = of(r1, c0) * (1.0 - tx) + of(r1, c1) * tx;
+                    let value = |r: usize, c: usize| coarse.cells[r * coarse.columns + c][k];
+                    let low = value(r0, c0) * (1.0 - tx) + value(r0, c1) * tx;
+                    let high = value(r1, c0) * (1.0 - tx) + value(r1, c1) * tx;
                     cell[k] += open * (low * (1.0 - ty) + high * ty);
                 }
             }

@@ -304,8 +304,9 @@ fn grid(
     let mut grid = Grid::new(columns, rows, cell);
     if let Some(spacing) = numbers.spacing {
         let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
-        let of = |(c, r): (usize, usize)| (unit * spacing.fields[0].1[index(c, r)]) as f32;
-        let all: Vec<f32> = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r))).map(of).collect();
+        let spacing_mm = |(c, r): (usize, usize)| (unit * spacing.fields[0].1[index(c, r)]) as f32;
+        let all: Vec<f32> =
+            (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r))).map(spacing_mm).collect();
         if let Some(i) = all.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(invalid(place, format!("the spacing of cell {} is not above 0", i + 1)));
         }

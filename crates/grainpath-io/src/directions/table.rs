@@ -104,9 +104,9 @@ fn vectors(bases: &[String]) -> Vec<VectorColumns> {
     }
     for (i, base) in bases.iter().enumerate() {
         if let Some((stem, 0)) = component(base) {
-            let of = |axis| bases.iter().position(|b| component(b) == Some((stem, axis)));
-            if let Some(y) = of(1) {
-                out.push(VectorColumns { name: stem.to_owned(), columns: [Some(i), Some(y), of(2)] });
+            let column_of = |axis| bases.iter().position(|b| component(b) == Some((stem, axis)));
+            if let Some(y) = column_of(1) {
+                out.push(VectorColumns { name: stem.to_owned(), columns: [Some(i), Some(y), column_of(2)] });
             }
         }
     }

@@ -146,8 +146,8 @@ impl StressField {
         // Free faces are cut into flat triangles, while the element's face may be curved. Two natural
         // positions are tried, from the foot point on the triangle and from the point itself; the nearer
         // one counts.
-        let place = |of: DVec3| {
-            let natural = kind.clamped(self.natural(element, of).unwrap_or(kind.centre()));
+        let place = |q: DVec3| {
+            let natural = kind.clamped(self.natural(element, q).unwrap_or(kind.centre()));
             Location { element, natural, distance_mm: p.distance(self.position(element, natural)) }
         };
         let (a, b) = (place(q), place(p));
@@ -529,8 +529,8 @@ impl Tree {
 
     fn build(&mut self, boxes: &[(DVec3, DVec3)], start: usize, end: usize) {
         let items = &mut self.items[start..end];
-        let of = items.iter().map(|&i| boxes[i as usize]);
-        let (lo, hi) = of.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let items_boxes = items.iter().map(|&i| boxes[i as usize]);
+        let (lo, hi) = items_boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
         let node = self.nodes.len();
         let n_items = items.len();
         self.nodes.push(TreeNode { lo, hi, link: start as u32, n_items: n_items as u32 });
@@ -589,8 +589,8 @@ impl Tree {
                 }
                 continue;
             }
-            let of = |i: u32| (self.nodes[i as usize].distance_squared(p), i);
-            let (a, b) = (of(at + 1), of(node.link));
+            let child = |i: u32| (self.nodes[i as usize].distance_squared(p), i);
+            let (a, b) = (child(at + 1), child(node.link));
             let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
             // The nearer child goes on top: its items shrink the limit before the farther child is looked
             // at.

@@ -193,16 +193,16 @@ impl FeFile {
 
     /// Lowest and highest corner of the box around the nodes that elements use (all nodes where there are none).
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let of = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
+        let grown = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
         // Unused nodes are common (centres of arcs, reference points) and would inflate the box.
         let used = self.elements.iter().flat_map(|e| e.nodes()).map(|&i| self.nodes[i as usize]);
         let start = |p: DVec3| (p, p);
         if self.elements.is_empty() {
             let first = *self.nodes.first()?;
-            return Some(self.nodes.iter().copied().fold(start(first), of));
+            return Some(self.nodes.iter().copied().fold(start(first), grown));
         }
         let first = self.nodes[self.elements[0].nodes()[0] as usize];
-        Some(used.fold(start(first), of))
+        Some(used.fold(start(first), grown))
     }
 
     /// Number of elements of each kind, in the order of [`ElementKind::ALL`]; kinds that do not occur are

@@ -58,11 +58,11 @@ mod tests {
         let mut painted = PaintedSupports::default();
         decode(digits.as_bytes(), CORNERS, &mut painted)?;
         let area = |m: &grainpath_core::TriMesh| {
-            let of = |t: &[u32; 3]| {
+            let triangle_area = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|i| m.vertices[i as usize]);
                 0.5 * (b - a).cross(c - a).length()
             };
-            m.triangles.iter().map(of).sum()
+            m.triangles.iter().map(triangle_area).sum()
         };
         Some((area(&painted.enforcers), area(&painted.blockers)))
     }

@@ -141,7 +141,7 @@ pub(super) fn oriented(
     let mut source: Box<dyn SliceSource> = Box::new(source);
     let mut origin_mm = placement.origin_mm;
     // The shear comes first: it is defined by the stored axes.
-    if let Some(shear) = Shear::of(&r, &info, file)? {
+    if let Some(shear) = Shear::find(&r, &info, file)? {
         info.warnings.push(Warning::new(WarningId::ScanSheared, shear.told(&info)).in_file(file));
         info.size = shear.size;
         check_size(file, info.size)?;
@@ -201,7 +201,7 @@ pub(super) fn oriented(
 
 impl Shear {
     /// The shear in `r`, where it is more than rounding.
-    fn of(r: &DMat3, info: &VolumeInfo, file: &str) -> Result<Option<Self>, VolumeError> {
+    fn find(r: &DMat3, info: &VolumeInfo, file: &str) -> Result<Option<Self>, VolumeError> {
         let [nx, ny, nz] = info.size;
         let (pixel_x, pixel_y, rise_mm) = (r.x_axis.x, r.y_axis.y, r.z_axis.z);
         let columns_per_row = r.y_axis.x / pixel_x;

@@ -168,6 +168,7 @@ impl SliceSource for TiffSource {
         self.advance()?;
         Ok(true)
     }
+
     fn n_not_finite(&self) -> u64 {
         self.not_finite.n_voxels
     }

@@ -69,7 +69,7 @@ pub struct Scale {
 
 impl Scale {
     /// The scale of a layer.
-    pub fn of(picture: &LayerPicture, by: ColourBy) -> Self {
+    pub fn new(picture: &LayerPicture, by: ColourBy) -> Self {
         // A fixed range for directions makes layers and jobs comparable. At 45 degrees a bead is as much
         // across as along.
         if by == ColourBy::Direction {

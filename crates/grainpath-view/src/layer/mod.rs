@@ -150,14 +150,14 @@ mod tests {
     fn widths_and_speeds_have_a_scale() {
         let mut picture = layer(0.2);
         picture.beads[0].width_mm = 0.6;
-        let scale = Scale::of(&picture, ColourBy::Width);
+        let scale = Scale::new(&picture, ColourBy::Width);
         assert_eq!((scale.low, scale.high), (0.45, 0.6));
         assert_ne!(scale.colour(&picture.beads[0]), scale.colour(&picture.beads[1]));
     }
 
     #[test]
     fn only_what_was_asked_for_a_direction_shows_its_error() {
-        let scale = Scale::of(&layer(0.2), ColourBy::Direction);
+        let scale = Scale::new(&layer(0.2), ColourBy::Direction);
         let [wall, .., fill] = &layer(0.2).beads[..] else { panic!("no beads") };
         assert_eq!((scale.low, scale.high), (0.0, 45.0));
         assert_eq!(scale.colour(wall), colour::UNASKED);

@@ -17,7 +17,7 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     let mut canvas = Pixmap::new(w, h).expect("the size is between 1 and what was asked for");
     canvas.fill(Color::from_rgba8(28, 30, 34, 255));
     let at = |p: DVec2| (((p.x - size.min.x) * scale) as f32, ((size.max.y - p.y) * scale) as f32);
-    let colours = Scale::of(picture, options.colour_by);
+    let colours = Scale::new(picture, options.colour_by);
     // Beads outside a small window would cost time in the rasteriser and draw nothing.
     let visible =
         |b: &&DrawnBead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);

@@ -26,7 +26,7 @@ pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
         r##"<rect x="{:.3}" y="{:.3}" width="{:.3}" height="{:.3}" fill="#1c1e22"/>"##,
         b.min.x, -b.max.y, size.x, size.y
     ));
-    let colours = Scale::of(picture, options.colour_by);
+    let colours = Scale::new(picture, options.colour_by);
     for run in picture.beads.chunk_by(super::DrawnBead::goes_on_as) {
         let [r, g, bl] = colours.colour(&run[0]);
         // y is negated, since SVG counts it downwards.

@@ -98,7 +98,7 @@ impl View {
                 DVec3::new(x, y, if i & 4 == 0 { l.z_mm - l.height_mm } else { l.z_mm })
             };
             let all = (0..8).map(corner);
-            Bounds2::of(all.map(|p| Self::turned(p).truncate()))
+            Bounds2::around_points(all.map(|p| Self::turned(p).truncate()))
         };
         let b = layers.iter().filter_map(corners).reduce(Bounds2::union)?;
         let size = b.size().max(DVec2::splat(1e-6));

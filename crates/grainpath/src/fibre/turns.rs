@@ -311,7 +311,7 @@ fn free(arc: &Arc, line: &[DVec2], out: &[DVec2], inside: &dyn Fn(DVec2, DVec2) 
     if !points.windows(2).all(|w| inside(w[0], w[1])) {
         return false;
     }
-    let Some(around) = Bounds2::of(points.iter().copied()) else { return false };
+    let Some(around) = Bounds2::around_points(points.iter().copied()) else { return false };
     let meets = |a: DVec2, b: DVec2| {
         let near = Bounds2 { min: a.min(b), max: a.max(b) }.meets(around);
         near && points.windows(2).any(|w| crosses(a, b, w[0], w[1]))

@@ -52,7 +52,7 @@ pub(super) fn waves(
     // The raster is anchored at the part's centre, so that the hexagons of all layers lie on
     // each other.
     let centre = rotated(context.part.centre(), back);
-    let local = Bounds2::of(infill_region.outer.iter().map(|&p| rotated(p, back) - centre));
+    let local = Bounds2::around_points(infill_region.outer.iter().map(|&p| rotated(p, back) - centre));
     let Some(bounds) = local else { return true };
     let clipper = LineClipper::new(&Region::from(infill_region.clone()));
     let (low, high) = ((bounds.min.y / pitch).floor() as i64 - 1, (bounds.max.y / pitch).ceil() as i64 + 1);

@@ -323,7 +323,7 @@ pub fn read_scan(
 
 /// The points of all lines, each with the number of its line.
 fn points_of_lines(lines: &[Vec<DVec2>], cell_mm: f64) -> PointGrid2<u32> {
-    let bounds = Bounds2::of(lines.iter().flatten().copied());
+    let bounds = Bounds2::around_points(lines.iter().flatten().copied());
     let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
     let mut grid = PointGrid2::new(bounds, cell_mm);
     for (line, number) in lines.iter().zip(0..) {
@@ -405,8 +405,8 @@ fn read_photo(
         integration_mm: s.integration_mm.max(2.0 * image.px_mm),
         smooth_mm: s.smooth_mm,
     };
-    let of = |grey: Grey| MetricImage { grey, min_mm: image.min_mm, px_mm: image.px_mm };
-    let cleaned = of(image.grey.median(s.median_px));
+    let in_mm = |grey: Grey| MetricImage { grey, min_mm: image.min_mm, px_mm: image.px_mm };
+    let cleaned = in_mm(image.grey.median(s.median_px));
     let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
     let wanted = s.mode == Mode::Edges || s.pictures;
     // Tracing curves uses one thread, and so does much of the directions, so both run at the same
@@ -414,7 +414,7 @@ fn read_photo(
     let (axes, (denoised, edges, curves)) = rayon::join(
         || grain_axes(&cleaned, &tensor),
         || {
-            let denoised = of(cleaned.grey.blurred(blur_px));
+            let denoised = in_mm(cleaned.grey.blurred(blur_px));
             let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
             let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
             (denoised, edges, curves)

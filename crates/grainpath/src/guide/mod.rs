@@ -446,11 +446,11 @@ impl Places<'_> {
 /// The faces of a part. Names describe the part as it is turned in its file, whichever way it stands.
 pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
     if standing.rotation == DMat3::IDENTITY {
-        return Faces::of(mesh);
+        return Faces::segment(mesh);
     }
     let back = standing.rotation.transpose();
     let vertices = mesh.vertices.iter().map(|p| back * (*p - standing.shift())).collect();
-    Faces::of(&TriMesh { vertices, triangles: mesh.triangles.clone() })
+    Faces::segment(&TriMesh { vertices, triangles: mesh.triangles.clone() })
 }
 
 /// The part as the guide needs it.

@@ -102,7 +102,7 @@ fn sums(planned: &Planned, layer: &LayerPlan) -> Option<LayerSums> {
     let off = direction_error(planned)?;
     let z_mid_mm = layer.z_top_mm - 0.5 * layer.height_mm;
     let beads = || layer.paths.iter().map(|p| &p.path).filter(|p| p.role.is_fill());
-    let bounds = Bounds2::of(beads().flat_map(|p| p.points.iter().copied()));
+    let bounds = Bounds2::around_points(beads().flat_map(|p| p.points.iter().copied()));
     let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
     let size = bounds.size().max(DVec2::splat(1e-9));
     let mut sums = LayerSums {

@@ -99,7 +99,7 @@ pub enum DimensionProblem {
 }
 
 impl DimensionProblem {
-    fn of(e: &toml::de::Error) -> Self {
+    fn from_toml(e: &toml::de::Error) -> Self {
         Self::Toml(e.message().replace('\n', "; "))
     }
 }
@@ -111,7 +111,7 @@ impl DimensionProblem {
 /// [`DimensionError`] that names the file and the dimension.
 pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
     let error = |problem| DimensionError { file: name.to_owned(), problem };
-    let table: Table = text.parse().map_err(|e| error(DimensionProblem::of(&e)))?;
+    let table: Table = text.parse().map_err(|e| error(DimensionProblem::from_toml(&e)))?;
     let rows =
         table.get("dimension").and_then(Value::as_array).ok_or_else(|| error(DimensionProblem::Empty))?;
     rows.iter()
@@ -164,14 +164,15 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
 /// [`DimensionError`] where the file does not state `middle_mm`, or the program has no outer walls.
 pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, DimensionError> {
     let error = |problem| DimensionError { file: name.to_owned(), problem };
-    let table: Table = text.parse().map_err(|e| error(DimensionProblem::of(&e)))?;
+    let table: Table = text.parse().map_err(|e| error(DimensionProblem::from_toml(&e)))?;
     let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
     let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();
     let &[x, y] = middle.as_slice() else {
         return Err(error(DimensionProblem::NoMiddle));
     };
     let ends = program.layers.iter().flat_map(|l| outer(l).flat_map(|b| [b.start(), b.end()]));
-    let bounds = grainpath_core::Bounds2::of(ends).ok_or_else(|| error(DimensionProblem::NoOuterWalls))?;
+    let bounds =
+        grainpath_core::Bounds2::around_points(ends).ok_or_else(|| error(DimensionProblem::NoOuterWalls))?;
     Ok(bounds.centre() - DVec2::new(x, y))
 }
 

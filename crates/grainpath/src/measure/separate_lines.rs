@@ -71,7 +71,7 @@ impl Samples {
             return None;
         }
         let points = lines().map(|p| resampled(&p.points, p.closed, 0.5 * width_mm)).collect::<Vec<_>>();
-        let bounds = Bounds2::of(points.iter().flatten().copied())?;
+        let bounds = Bounds2::around_points(points.iter().flatten().copied())?;
         let mut near = PointGrid2::new(bounds, TOUCHING * width_mm);
         for (line, points) in (0u32..).zip(&points) {
             (0u32..).zip(points).for_each(|(k, &p)| near.insert(p, (line, k)));

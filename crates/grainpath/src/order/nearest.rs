@@ -23,7 +23,7 @@ impl NearestEnds {
     /// Both ends of every path.
     pub(crate) fn new(ends: &[[DVec2; 2]]) -> Self {
         let points = ends.as_flattened().to_vec();
-        let bounds = Bounds2::of(points.iter().copied());
+        let bounds = Bounds2::around_points(points.iter().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-3));
         // About two ends a cell.

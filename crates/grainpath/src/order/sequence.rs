@@ -269,7 +269,7 @@ pub(super) fn walls(
     let mut rings: Vec<WallGroup> = Vec::new();
     for wall in walls {
         let is_hole = signed_area_mm2(&wall.path.points) < 0.0;
-        let Some(bounds) = Bounds2::of(wall.path.points.iter().copied()) else { continue };
+        let Some(bounds) = Bounds2::around_points(wall.path.points.iter().copied()) else { continue };
         let offset = |r: &WallGroup| r.bounds.centre().distance_squared(bounds.centre());
         let home = rings
             // The outermost wall opens a ring; inner walls follow the contour whose middle is

@@ -362,7 +362,7 @@ fn plan_stack(
     // words.
     let conditions = guide::boundary_conditions(&config::loads(settings), &mesh, &standing)?;
     // The test runs on the finished program. Its setup keeps what it needs of the mesh.
-    let test = || TestSetup::of(&config::strength(settings), &mesh, &stack, conditions.clone());
+    let test = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing };
     let stress_settings = config::stress(settings);

@@ -169,7 +169,9 @@ const CELL_MM: f64 = 0.1;
 
 /// The cells that closed lines wind around, as a region: bounded work however often the lines cross.
 fn gridded(contours: &[Contour]) -> Region {
-    let Some(bounds) = Bounds2::of(contours.iter().flatten().copied()) else { return Region::default() };
+    let Some(bounds) = Bounds2::around_points(contours.iter().flatten().copied()) else {
+        return Region::default();
+    };
     let mask = Mask::wound(Grid::over(bounds, CELL_MM), contours);
     Region::from_contours(&mask.contours(), FillRule::NonZero)
 }
@@ -179,7 +181,8 @@ fn gridded(contours: &[Contour]) -> Region {
 const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
 
 fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
-    let extent_mm = Bounds2::of(contour.iter().copied()).map_or(0.0, |b| (b.max - b.min).max_element());
+    let extent_mm =
+        Bounds2::around_points(contour.iter().copied()).map_or(0.0, |b| (b.max - b.min).max_element());
     simplify_contour(contour, tolerance_mm.min(MAX_SIMPLIFY_SHARE * extent_mm))
 }
 

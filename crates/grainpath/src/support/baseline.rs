@@ -10,7 +10,7 @@ use super::{Style, SupportSettings};
 
 /// Layers of the baseline: all that lies below an overhang, or in the box around one, less the part and its gap.
 pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSettings) -> Layers {
-    let heights = Heights::of(stack);
+    let heights = Heights::new(stack);
     let half = 0.5 * settings.sample_mm() + settings.contact_radius_mm;
     let square = |p: DVec2, half: f64| Bounds2 { min: p - half, max: p + half };
     // What each sample and each contact asks for, and up to which layer.

@@ -34,7 +34,7 @@ pub struct Bending {
 const PIECE_MM: f64 = 1.0;
 
 /// The movement of every tip under the side load.
-pub fn of(forest: &Forest, settings: &SupportSettings) -> Bending {
+pub fn tip_bending(forest: &Forest, settings: &SupportSettings) -> Bending {
     let mut out = Bending::default();
     let limit_mm = settings.tip_moves_at_most_mm();
     for tip in forest.nodes.iter().filter(|n| matches!(n.kind, Kind::Contact(_))) {

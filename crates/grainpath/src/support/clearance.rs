@@ -60,7 +60,7 @@ pub struct Clearance {
 impl Clearance {
     /// Measures the part. Branches keep `keep_mm` from it with their centres, lean at most by `angle_rad` from the
     /// vertical and stand within `bed` (part coordinates); the grid reaches `margin_mm` beyond the part.
-    pub fn of(stack: &LayerStack, bed: Bounds2, margin_mm: f64, keep_mm: f64, angle_rad: f64) -> Self {
+    pub fn new(stack: &LayerStack, bed: Bounds2, margin_mm: f64, keep_mm: f64, angle_rad: f64) -> Self {
         let layers = stack.layers();
         let part = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
         let part = part.unwrap_or(bed).grown(margin_mm);
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn distances_are_those_of_the_sections() {
         let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
-        let c = Clearance::of(&stack(vec![square; 20]), bed(), 15.0, 1.0, 0.7);
+        let c = Clearance::new(&stack(vec![square; 20]), bed(), 15.0, 1.0, 0.7);
         for (p, want) in [((12.0, 5.0), 2.0), ((5.0, 5.0), 0.0), ((13.0, 14.0), 5.0), ((-6.0, 3.0), 6.0)] {
             let found = c.distance_mm(DVec2::from(p).extend(2.0));
             assert!((found - want).abs() < 0.45, "{p:?}: {found} instead of {want}");
@@ -379,7 +379,7 @@ mod tests {
         regions.extend(vec![Region::default(); 60]);
         regions.push(Region::rectangle(DVec2::splat(-12.0), DVec2::splat(12.0)));
         let angle = 40f64.to_radians();
-        let c = Clearance::of(&stack(regions), bed(), 20.0, 1.0, angle);
+        let c = Clearance::new(&stack(regions), bed(), 20.0, 1.0, angle);
         let high = 15.9;
         assert!(!c.leads_to_plate(DVec3::new(0.0, 0.0, 8.0)));
         let start = DVec3::new(3.0, 0.0, high);

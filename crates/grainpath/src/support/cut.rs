@@ -88,7 +88,7 @@ pub fn cut(
     clearance: &Clearance,
     settings: &SupportSettings,
 ) -> Layers {
-    let heights = Heights::of(stack);
+    let heights = Heights::new(stack);
     let discs = discs(forest, contacts, &heights, clearance, settings);
     let cut_layer = |k: usize| layer(&discs[k], k, stack, &heights, settings);
     let layers: Vec<SupportLayer> = (0..discs.len()).into_par_iter().map(cut_layer).collect();
@@ -114,7 +114,7 @@ pub struct Heights {
 
 impl Heights {
     /// The heights of a stack.
-    pub fn of(stack: &LayerStack) -> Self {
+    pub fn new(stack: &LayerStack) -> Self {
         let layers = stack.layers();
         let tops = layers.iter().map(|l| l.z_top_mm()).collect();
         let middles = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
@@ -277,7 +277,7 @@ fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &Su
     let rests = |k: usize| -> Vec<(bool, Vec<u32>)> {
         let region = &out.layers[k].region;
         let below = &out.layers[k - 1].region;
-        let index = Boxes::of(below);
+        let index = Boxes::new(below);
         let on = |p: &Polygon| {
             let on_support: Vec<u32> =
                 index.meeting(p).filter(|&i| overlap(p, &below.polygons[i as usize])).collect();
@@ -332,10 +332,10 @@ fn rests_on_part(
 
 /// Pieces of support with nothing below: found afresh from the layers, as a judge would.
 pub fn count_floating(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> usize {
-    let heights = Heights::of(stack);
+    let heights = Heights::new(stack);
     let of_layer = |k: usize| {
         let below = &layers[k - 1].region;
-        let index = Boxes::of(below);
+        let index = Boxes::new(below);
         let stands = |p: &&Polygon| {
             index.meeting(p).any(|i| overlap(p, &below.polygons[i as usize]))
                 || rests_on_part(p, k, stack, &heights, settings)
@@ -361,7 +361,7 @@ struct Boxes {
 }
 
 impl Boxes {
-    fn of(region: &Region) -> Self {
+    fn new(region: &Region) -> Self {
         let boxed =
             |(i, p): (usize, &Polygon)| p.bounds().map(|b| ([b.min.x, b.max.x, b.min.y, b.max.y], i as u32));
         let mut rows: Vec<_> = region.polygons.iter().enumerate().filter_map(boxed).collect();

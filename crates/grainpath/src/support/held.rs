@@ -80,7 +80,7 @@ pub fn stand(
     stack: &LayerStack,
     settings: &SupportSettings,
 ) {
-    let heights = &Heights::of(stack);
+    let heights = &Heights::new(stack);
     let lay = |k: usize, layer: &SupportLayer| lay(layer, k, stack, &settings.beads);
     let islands: Vec<Vec<Island>> =
         out.layers.par_iter().enumerate().map(|(k, layer)| lay(k, layer)).collect();
@@ -143,10 +143,10 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
 
 /// Beads of the support that lie on air: their number, and the length that does, mm. Found afresh from the beads.
 pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> (usize, f64) {
-    let heights = Heights::of(stack);
+    let heights = Heights::new(stack);
     let of_layer = |k: usize| -> (usize, f64) {
         let mut part = Part::new(stack, &heights, settings.z_gap_mm);
-        let below = Beads::of(layers[k - 1].islands());
+        let below = Beads::new(layers[k - 1].islands());
         let air_mm = paths(layers[k].islands()).map(|path| {
             let samples = samples(path);
             let free = samples.iter().filter(|s| !held(s, &below, &mut part, k, LEAVE + 1e-6)).count();
@@ -196,9 +196,9 @@ fn samples(path: &Toolpath) -> Vec<Sample> {
 struct Beads(PointGrid2<u32>);
 
 impl Beads {
-    fn of(islands: &[Island]) -> Option<Self> {
+    fn new(islands: &[Island]) -> Option<Self> {
         let points = || paths(islands).flat_map(|p| p.points.iter().copied());
-        let bounds = Bounds2::of(points())?.grown(1.0);
+        let bounds = Bounds2::around_points(points())?.grown(1.0);
         let mut beads = Self(PointGrid2::new(bounds, 1.0));
         for (i, island) in islands.iter().enumerate() {
             paths(std::slice::from_ref(island)).for_each(|path| beads.add(path, i as u32));
@@ -301,7 +301,7 @@ fn hold(
     settings: &SupportSettings,
     heights: &Heights,
 ) {
-    let mut below = Beads::of(lower.islands());
+    let mut below = Beads::new(lower.islands());
     if below.is_none() {
         return;
     }
@@ -409,7 +409,7 @@ fn lengthen(line: &mut Vec<DVec2>) {
 
 /// Takes out of a layer what lies on air above `lower`; the length taken, mm.
 fn leave_out(upper: &mut SupportLayer, lower: &SupportLayer, k: usize, part: &mut Part<'_>) -> f64 {
-    let below = Beads::of(lower.islands());
+    let below = Beads::new(lower.islands());
     let mut lost_mm = 0.0;
     let Some(islands) = &mut upper.islands else { return 0.0 };
     for island in islands.iter_mut() {

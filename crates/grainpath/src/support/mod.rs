@@ -200,8 +200,8 @@ pub struct Support {
 impl Support {
     /// Volume of all layers, mm3, as if they were dense.
     pub fn volume_mm3(&self, stack: &LayerStack) -> f64 {
-        let of = |(s, l): (&SupportLayer, &grainpath_core::Layer)| s.region.area_mm2() * l.height_mm();
-        self.cut.layers.iter().zip(stack.layers()).map(of).sum()
+        let layer_mm3 = |(s, l): (&SupportLayer, &grainpath_core::Layer)| s.region.area_mm2() * l.height_mm();
+        self.cut.layers.iter().zip(stack.layers()).map(layer_mm3).sum()
     }
 
     /// Volume of the beads of trees, mm3; `None` for the baselines, whose beads are laid with the part's.
@@ -273,7 +273,7 @@ pub fn plan(
         max: grainpath_core::DVec2::splat(1e5),
     });
     let keep = settings.branch_radius_mm + settings.xy_gap_mm;
-    let clearance = Clearance::of(stack, bed, settings.margin_mm, keep, settings.branch_angle_rad);
+    let clearance = Clearance::new(stack, bed, settings.margin_mm, keep, settings.branch_angle_rad);
     diagnostics.check()?;
     diagnostics.advance(1);
     let forest = tree::grow(&overhangs.contacts, &clearance, settings);
@@ -282,7 +282,7 @@ pub fn plan(
     let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
     held::stand(&mut cut, &forest, &overhangs.contacts, stack, settings);
     diagnostics.advance(1);
-    let bending = bending::of(&forest, settings);
+    let bending = bending::tip_bending(&forest, settings);
     let mut support = Support { overhangs, forest, cut, bending, ..Support::default() };
     support.tell(stack, settings, diagnostics);
     Ok(support)
@@ -326,7 +326,7 @@ pub fn surface(
 impl Support {
     /// Sorts out which contacts are not held, and says so.
     fn tell(&mut self, stack: &LayerStack, settings: &SupportSettings, diagnostics: &Diagnostics) {
-        let heights = cut::Heights::of(stack);
+        let heights = cut::Heights::new(stack);
         let mut missing: Vec<u32> = self.forest.unreached.iter().chain(&self.cut.lost).copied().collect();
         missing.sort_unstable();
         for i in missing {

@@ -119,7 +119,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         Painted::covers(&painted.enforcers, p)
             || (beyond(t as usize) && !Painted::covers(&painted.blockers, p))
     };
-    let edges = EdgeUses::of(mesh);
+    let edges = EdgeUses::count(mesh);
     let region = regions(mesh, &edges, &hanging);
     out.facets = (0..mesh.triangles.len() as u32).filter(|&t| hanging[t as usize]).collect();
     let pitch = settings.sample_mm();

@@ -123,7 +123,7 @@ pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
 
 /// Grows trees from the contacts to the plate.
 pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSettings) -> Forest {
-    let bounds = Bounds2::of(contacts.iter().map(|c| c.at.truncate()));
+    let bounds = Bounds2::around_points(contacts.iter().map(|c| c.at.truncate()));
     let Some(bounds) = bounds else { return Forest::default() };
     let mut grower = Grower {
         s: settings,

@@ -88,7 +88,7 @@ pub fn split_window<T: Send>(
             let lowest = first.saturating_sub(most_bottom.max(1));
             let highest = (end + most_top.max(1)).min(sections.len());
             let masks: Vec<Mask> =
-                sections[lowest..highest].iter().map(|l| Mask::of(grid, l.region())).collect();
+                sections[lowest..highest].iter().map(|l| Mask::from_region(grid, l.region())).collect();
             let masks = Window { grid, masks, lowest, n_layers: sections.len() };
             (first..end)
                 .map(|i| {
@@ -188,7 +188,7 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
             Coverage::Part => {
                 let zone: &Vec<(Bounds2, Polygon)> = zone.get_or_insert_with(|| {
                     let ring = |outer: Contour| {
-                        let bounds = Bounds2::of(outer.iter().copied())?;
+                        let bounds = Bounds2::around_points(outer.iter().copied())?;
                         Some((bounds, Polygon { outer, holes: Vec::new() }))
                     };
                     cells.contours().into_iter().filter_map(ring).collect()

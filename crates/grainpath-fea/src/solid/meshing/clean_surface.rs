@@ -63,7 +63,7 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     if shells.len() < 2 {
         return unchanged();
     }
-    for edge in EdgeUses::of(surface).edges() {
+    for edge in EdgeUses::count(surface).edges() {
         let uses: Vec<usize> = edge.map(|u| u.0).collect();
         if let Some(shell) = shells.get_mut(&shell_of[uses[0]]) {
             shell.open |= uses.len() == 1;
@@ -94,7 +94,7 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
 /// For each facet the lowest facet that it is connected to over edges.
 fn shells(surface: &TriMesh) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.triangles.len() as u32).collect();
-    for mut edge in EdgeUses::of(surface).edges() {
+    for mut edge in EdgeUses::count(surface).edges() {
         let Some((first, _)) = edge.next() else { continue };
         for (other, _) in edge {
             let (a, b) = (root(&mut parent, first as u32), root(&mut parent, other as u32));

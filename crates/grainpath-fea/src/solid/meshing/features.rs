@@ -24,7 +24,7 @@ pub(super) struct Features {
 }
 
 impl Features {
-    pub(super) fn of(mesh: &TriMesh) -> Self {
+    pub(super) fn find(mesh: &TriMesh) -> Self {
         let v = |i: u32| mesh.vertices[i as usize];
         let normal = |t: usize| {
             let [a, b, c] = mesh.triangles[t].map(v);
@@ -32,7 +32,7 @@ impl Features {
         };
         let mut patch: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         let mut sharp = Vec::new();
-        for uses in EdgeUses::of(mesh).edges() {
+        for uses in EdgeUses::count(mesh).edges() {
             let uses: Vec<(usize, bool)> = uses.collect();
             let &[(s, s_down), (t, t_down)] = uses.as_slice() else { continue };
             // Facets wound against each other have normals of opposite sign.

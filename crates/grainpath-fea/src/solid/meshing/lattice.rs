@@ -119,11 +119,11 @@ impl Lattice {
     /// Finds the sign of every point. Only blocks near the surface are examined point by point.
     pub(super) fn classify(&mut self, bvh: &Bvh, closed: bool) {
         let blocks = (self.n + 1 + BLOCK - 1) / BLOCK;
-        let of = |b: i32| IVec3::new(b % blocks.x, b / blocks.x % blocks.y, b / (blocks.x * blocks.y));
+        let block_at = |b: i32| IVec3::new(b % blocks.x, b / blocks.x % blocks.y, b / (blocks.x * blocks.y));
         let found: Vec<Vec<i8>> = (0..blocks.element_product())
             .into_par_iter()
             .map(|b| {
-                let lo = of(b) * BLOCK;
+                let lo = block_at(b) * BLOCK;
                 let side = Side { bvh, closed, last: None };
                 let mut block = Block { lattice: self, lo, signs: Vec::new(), side };
                 block.signs.resize(2 * BLOCK.pow(3) as usize, -1);
@@ -133,7 +133,7 @@ impl Lattice {
             .collect();
         for (b, signs) in (0..).zip(found) {
             for (i, pair) in (0..).zip(signs.chunks_exact(2)) {
-                let cell = of(b) * BLOCK + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
+                let cell = block_at(b) * BLOCK + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
                 for (p, &sign) in [cell * 2, cell * 2 + 1].into_iter().zip(pair) {
                     if self.has(p) {
                         let index = self.index(p);
@@ -410,10 +410,10 @@ fn parent(level: u32, lo: IVec3) -> Octant {
 /// A number that sorts corners of the grid first, then its centres, then finer points; within each
 /// class by position.
 fn key(p: IVec3) -> u64 {
-    let of = |m: i32| (p % CELL).cmpeq(IVec3::splat(m)).all();
-    let class = if of(0) {
+    let all_are = |m: i32| (p % CELL).cmpeq(IVec3::splat(m)).all();
+    let class = if all_are(0) {
         0
-    } else if of(CELL / 2) {
+    } else if all_are(CELL / 2) {
         1
     } else {
         2

@@ -125,7 +125,7 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
         // No tetrahedron at all: either every wall was too thin, or the surface encloses no volume.
         return Err(if wall_mm < size_mm { thin } else { SolidError::NothingInside });
     }
-    let features = Features::of(surface);
+    let features = Features::find(surface);
     let bounds = snap::snap(&mut tets, &features, &bvh);
     let mut mesh = quadratic(&tets, &bounds, &features, &bvh);
     let lost_share = lost_walls(&mesh, &walls, size_mm);

@@ -43,7 +43,7 @@ type Corner = u32;
 /// Fills the inside of a lattice. Points for which `stays` is true are not moved; `keep` decides
 /// about tetrahedra whose corners all lie on the surface.
 pub(super) fn stuff(lattice: &Background, stays: &[bool], keep: impl Fn(DVec3) -> bool + Sync) -> Tets {
-    let warp = Warped::of(lattice, stays);
+    let warp = Warped::new(lattice, stays);
     let parts: Vec<Vec<[Corner; 4]>> = lattice
         .tets
         .par_chunks(4096)
@@ -85,7 +85,7 @@ struct Warped<'a> {
 impl<'a> Warped<'a> {
     /// Each point, in order, moves to the nearest cut that is too near to it. It stays where the
     /// other end of the edge has moved onto that cut already, or where the point has to stay.
-    fn of(lattice: &'a Background, stays: &[bool]) -> Self {
+    fn new(lattice: &'a Background, stays: &[bool]) -> Self {
         let mut near: Vec<(u32, u32, usize, f64)> = Vec::new();
         for (i, cut) in lattice.cuts.iter().enumerate() {
             let [p, q] = cut.ends;
@@ -173,9 +173,9 @@ impl<'a> Warped<'a> {
 
 fn cut_tet(points: [u32; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, out: &mut Vec<[Corner; 4]>) {
     let signs = points.map(|p| warp.sign(p));
-    let of = |s: i8| points.into_iter().zip(signs).filter(move |&(_, t)| t == s).map(|(p, _)| p);
+    let with_sign = |s: i8| points.into_iter().zip(signs).filter(move |&(_, t)| t == s).map(|(p, _)| p);
     let (plus, zero, minus): (Vec<u32>, Vec<u32>, Vec<u32>) =
-        (of(1).collect(), of(0).collect(), of(-1).collect());
+        (with_sign(1).collect(), with_sign(0).collect(), with_sign(-1).collect());
     match (plus.as_slice(), minus.as_slice()) {
         ([], []) => {
             // All corners lie on the surface, and the tetrahedron may be inside or outside.

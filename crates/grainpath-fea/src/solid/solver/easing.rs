@@ -62,8 +62,8 @@ pub(crate) fn within(
 
 /// Updates the residual of a displacement at some nodes.
 pub(crate) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec3], residual: &mut [DVec3]) {
-    let of = |&i: &u32| freed(rows, i, load[i as usize] - rows.row(i as usize, u));
-    let new: Vec<DVec3> = nodes.par_iter().map(of).collect();
+    let residual_of = |&i: &u32| freed(rows, i, load[i as usize] - rows.row(i as usize, u));
+    let new: Vec<DVec3> = nodes.par_iter().map(residual_of).collect();
     nodes.iter().zip(new).for_each(|(&i, r)| residual[i as usize] = r);
 }
 

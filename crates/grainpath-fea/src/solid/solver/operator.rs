@@ -128,12 +128,13 @@ impl System for Operator<'_> {
 
     fn inverse_diagonal(&self) -> Vec<DMat3> {
         let mesh = self.model.mesh;
-        let of = |t: usize| element::diagonal(&mesh.places(t), &self.laws[self.model.material(t)]);
+        let blocks_of_tet = |t: usize| element::diagonal(&mesh.places(t), &self.laws[self.model.material(t)]);
         let mut sum = vec![DMat3::ZERO; self.n_nodes()];
         // Blocks of elements bound the memory: the ten matrices of an element take 720 bytes.
         for (c, tets) in mesh.tets.chunks(16 * GROUP).enumerate() {
             let first = c * 16 * GROUP;
-            let blocks: Vec<[DMat3; 10]> = (first..first + tets.len()).into_par_iter().map(of).collect();
+            let blocks: Vec<[DMat3; 10]> =
+                (first..first + tets.len()).into_par_iter().map(blocks_of_tet).collect();
             for (tet, blocks) in tets.iter().zip(blocks) {
                 for (&i, b) in tet.iter().zip(blocks) {
                     sum[i as usize] += b;

@@ -19,7 +19,7 @@ pub(super) fn ends(points: &[DVec2]) -> [DVec2; 2] {
 /// A key of ends and bounds, rounded to `SAME_MM`. It is equal for a line that was drawn twice, in either
 /// direction.
 pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
-    let bounds = Bounds2::of(line.points.iter().copied())?;
+    let bounds = Bounds2::around_points(line.points.iter().copied())?;
     let [a, b] = ends(&line.points);
     let round = |p: DVec2| [(p.x / SAME_MM).round() as i64, (p.y / SAME_MM).round() as i64];
     let (a, b, low, high) = (round(a), round(b), round(bounds.min), round(bounds.max));

@@ -93,7 +93,7 @@ pub(super) enum Side {
 
 impl Side {
     /// The unit vector towards this side of a ring that runs along `way`.
-    fn of(self, way: DVec2) -> DVec2 {
+    fn normal(self, way: DVec2) -> DVec2 {
         if self == Self::Left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) }
     }
 }
@@ -258,7 +258,7 @@ impl Rings {
         let known = walk.facing.and_then(|before| self.still_facing(p, way, side, range, before));
         let place = known.or_else(|| self.facing_along(ring, p, way, segment, side, range));
         *walk = Walk { segment, facing: place.map(|other| (other.ring, other.segment)) };
-        place.map(|other| (other, [p, p + other.distance_mm * side.of(way)]))
+        place.map(|other| (other, [p, p + other.distance_mm * side.normal(way)]))
     }
 
     /// The facing place, if it lies on the same ring and near the same segment as the one before.
@@ -270,7 +270,7 @@ impl Rings {
         range: [f64; 2],
         (ring, before): (usize, usize),
     ) -> Option<Place> {
-        let look = side.of(way);
+        let look = side.normal(way);
         let [least, most] = [range[0], CLOSE.value()].map(|beads| beads * self.spacing_mm);
         let n = self.lines[ring].n_segments();
         // The same segment first, then its two neighbours: a walk moves by at most one or two
@@ -298,7 +298,7 @@ impl Rings {
         side: Side,
         range: [f64; 2],
     ) -> Option<Place> {
-        let look = side.of(way);
+        let look = side.normal(way);
         let skips = |r: usize, s: usize| r == ring && s == segment;
         let hit = self.neighbours.hit(p, look, range[1] * self.spacing_mm, skips)?;
         let other = hit.line?;
@@ -325,7 +325,7 @@ impl Rings {
         let (p, way, middle_segment) = self.point(ring, at_mm);
         let known = known.and_then(|facing| self.still_facing(p, way, side, range, facing));
         let middle = known.or_else(|| self.facing_along(ring, p, way, middle_segment, side, range))?;
-        let look = side.of(way);
+        let look = side.normal(way);
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
             let (q, along, segment) = self.point_near(ring, self.wrapped(ring, at_mm + by), middle_segment);

@@ -420,7 +420,7 @@ fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Lone cells lie between strips that do not
     // quite touch.
-    let open = Mask::of(grid, infill_region).and_not(&filled).without_lone();
+    let open = Mask::from_region(grid, infill_region).and_not(&filled).without_lone();
     if open.is_empty() {
         return Region::default();
     }

@@ -112,7 +112,7 @@ impl Neighbours {
         for contour in border.contours() {
             pieces.extend(edges(contour).map(|(a, b)| BeadSegment { a, b, line: BORDER, segment: 0 }));
         }
-        Self::of(pieces, cell_mm)
+        Self::from_pieces(pieces, cell_mm)
     }
 
     /// Only those segments of `lines` that lie within about `reach_mm` of the beads that `chosen`
@@ -124,7 +124,7 @@ impl Neighbours {
         cell_mm: f64,
     ) -> Self {
         let points = lines.iter().flat_map(|l| l.points.iter().copied());
-        let bounds = Bounds2::of(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let bounds = Bounds2::around_points(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         // Coarse cells of the size of the reach: a segment counts as near if it passes one of the
         // nine cells around a chosen bead.
         let cells = CellGrid::covering(bounds, reach_mm, 4000);
@@ -145,7 +145,7 @@ impl Neighbours {
                 near
             }));
         }
-        Self::of(pieces, cell_mm)
+        Self::from_pieces(pieces, cell_mm)
     }
 
     /// A copy with those segments that lie within two cells of `places`, at the positions that
@@ -169,12 +169,12 @@ impl Neighbours {
             BeadSegment { a, b, ..*p }
         };
         let near = self.pieces.iter().zip(is_near).filter(|p| p.1);
-        Self::of(near.map(|p| moved(p.0)).collect(), cells.cell_mm)
+        Self::from_pieces(near.map(|p| moved(p.0)).collect(), cells.cell_mm)
     }
 
-    fn of(pieces: Vec<BeadSegment>, cell_mm: f64) -> Self {
+    fn from_pieces(pieces: Vec<BeadSegment>, cell_mm: f64) -> Self {
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
-        let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let bounds = Bounds2::around_points(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 4000);
         let buckets =
             Buckets::new(cells, pieces.len(), |i, add| cells.for_each_passed(pieces[i].a, pieces[i].b, add));

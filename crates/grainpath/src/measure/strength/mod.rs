@@ -385,7 +385,7 @@ struct PlacedCells {
 }
 
 impl PlacedCells {
-    fn of(size_mm: f64) -> Self {
+    fn unmoved(size_mm: f64) -> Self {
         Self { size_mm, moved: 0.0 }
     }
 }
@@ -397,7 +397,7 @@ enum LoadedPart {
 }
 
 impl LoadedPart {
-    fn of(setup: &TestSetup, sheets: &[BeadSheet], cells: PlacedCells) -> Result<Self, StrengthError> {
+    fn new(setup: &TestSetup, sheets: &[BeadSheet], cells: PlacedCells) -> Result<Self, StrengthError> {
         Ok(match setup.fidelity {
             Fidelity::Plane => Self::Plane(setup.prepared(sheets, cells)?),
             Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cells)?),
@@ -523,7 +523,7 @@ impl ChosenCells {
         let mut round = 0;
         loop {
             limits.cancel.check().map_err(TestError::from)?;
-            let body = LoadedPart::of(setup, sheets, PlacedCells::of(cell_mm))?;
+            let body = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
             let bending = body.unresolved_bending(cards, limits)?;
             let needed_mm = bending.wall_mm / CELLS_ACROSS;
             let is_free = given_mm.is_none()
@@ -756,7 +756,7 @@ fn at_corners(
         return Ok(CoarsePeaks::default());
     }
     // Geometry and loads do not depend on the strengths, so one body serves all corners.
-    let prepared = LoadedPart::of(setup, sheets, PlacedCells::of(cell_mm))?;
+    let prepared = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
     let peak = |corner: &Corner| Ok(prepared.run(&settings.cards(*corner)?, limits)?.peak_load_n);
     let nominal = peak(&corners[0])?;
@@ -764,7 +764,7 @@ fn at_corners(
     let (rest, moved_n) = rayon::join(
         || corners[1..].par_iter().map(peak).collect::<Vec<Result<f64, StrengthError>>>(),
         || {
-            let moved = LoadedPart::of(setup, sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
+            let moved = LoadedPart::new(setup, sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
             Ok::<f64, StrengthError>(moved.run(&settings.cards(corners[0])?, limits)?.peak_load_n)
         },
     );

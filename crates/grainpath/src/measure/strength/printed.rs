@@ -129,7 +129,7 @@ impl PrintedPart {
     ///
     /// # Errors
     /// [`StrengthError::NothingPrinted`].
-    pub fn of(program: &Program) -> Result<Self, StrengthError> {
+    pub fn new(program: &Program) -> Result<Self, StrengthError> {
         let (layers, heights, bottom_mm) = layers_of_part(program);
         let below_mm = layers.last().map_or(bottom_mm, |l| l.z_mm);
         let mut sections: Vec<Region> =
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn voids_of_fill_are_part_and_holes_are_not() {
-        let part = PrintedPart::of(&plate(4)).expect("a part");
+        let part = PrintedPart::new(&plate(4)).expect("a part");
         let layers = part.stack.layers();
         assert_eq!(layers.len(), 4);
         let section = layers[2].region();
@@ -232,6 +232,6 @@ mod tests {
     #[test]
     fn nothing_printed_is_no_part() {
         let program = simulate(b"G28\nG1 X10 Y10\n", 1.75, &Limits::default()).expect("G-code");
-        assert_eq!(PrintedPart::of(&program), Err(StrengthError::NothingPrinted));
+        assert_eq!(PrintedPart::new(&program), Err(StrengthError::NothingPrinted));
     }
 }

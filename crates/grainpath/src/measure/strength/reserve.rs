@@ -114,7 +114,7 @@ pub struct StressedPart<'a> {
 /// The reserve of a part on the program that was written.
 pub fn reserve(settings: &StrengthSettings, part: StressedPart<'_>, program: &Program) -> ReserveReport {
     let start = Instant::now();
-    let told = LaidCells::of(settings, part, program).and_then(|cells| cells.reserve(part.guide));
+    let told = LaidCells::new(settings, part, program).and_then(|cells| cells.reserve(part.guide));
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
     report.seconds = digits(start.elapsed().as_secs_f64());
     report
@@ -147,7 +147,7 @@ struct LaidCells<'a> {
 }
 
 impl<'a> LaidCells<'a> {
-    fn of(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
+    fn new(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
         let StressedPart { guide, stack, density, plate_from_part_mm: shift } = part;
         let cards = TOLD.iter().map(|c| settings.cards(*c)).collect::<Result<Vec<_>, _>>()?;
         if !guide.is_trusted() {
@@ -326,7 +326,7 @@ impl<'a> LaidCells<'a> {
                 let layer = self.layer_at(at(slab.start).z) - 1;
                 let Some(region) = layers.get(layer).map(|l| l.region()) else { continue };
                 let Some(bounds) = region.bounds() else { continue };
-                let mask = Mask::of(Grid::over(bounds, 0.5 * cell_mm[0]), region);
+                let mask = Mask::from_region(Grid::over(bounds, 0.5 * cell_mm[0]), region);
                 for cell in slab {
                     inside[cell] = f32::from(u8::from(mask.contains(at(cell).truncate())));
                 }

@@ -115,7 +115,7 @@ impl TestSetup {
     /// # Errors
     /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or where
     /// a plate test has a load out of the layers' plane.
-    pub fn of(
+    pub fn new(
         settings: &StrengthSettings,
         mesh: &TriMesh,
         stack: &LayerStack,
