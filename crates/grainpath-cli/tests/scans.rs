@@ -81,6 +81,99 @@ fn exports_are_written_and_the_surface_is_closed() {
     assert!(fs::read_to_string(dir.join("hub.svg")).expect("SVG").matches("<g ").count() == 160);
 }
 
+/// A scan as an image of OME-Zarr 0.5 whose chunks are plain bytes, 5 x 8 x 22 voxels each.
+fn write_ome_zarr(folder: &Path, [columns, rows, slices]: [usize; 3], voxels: &[u8]) {
+    let write = |name: String, bytes: &[u8]| {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, bytes).expect("a file");
+    };
+    let axis = |name: &str| serde_json::json!({ "name": name, "type": "space", "unit": "micrometer" });
+    let group = serde_json::json!({ "zarr_format": 3, "node_type": "group", "attributes": { "ome": { "version": "0.5",
+        "multiscales": [{ "axes": [axis("z"), axis("y"), axis("x")], "datasets": [{ "path": "0",
+            "coordinateTransformations": [{ "type": "scale", "scale": [250.0, 300.0, 300.0] }] }] }] } } });
+    let array = serde_json::json!({ "zarr_format": 3, "node_type": "array", "shape": [slices, rows, columns],
+        "data_type": "uint8", "fill_value": 0,
+        "chunk_grid": { "name": "regular", "configuration": { "chunk_shape": [5, 8, 22] } },
+        "chunk_key_encoding": { "name": "default" }, "codecs": [{ "name": "bytes" }] });
+    write("zarr.json".to_owned(), group.to_string().as_bytes());
+    write("0/zarr.json".to_owned(), array.to_string().as_bytes());
+    for z in 0..slices.div_ceil(5) {
+        for y in 0..rows.div_ceil(8) {
+            for x in 0..columns.div_ceil(22) {
+                let mut chunk = Vec::new();
+                for k in 5 * z..5 * z + 5 {
+                    for j in 8 * y..8 * y + 8 {
+                        for i in 22 * x..22 * x + 22 {
+                            let inside = i < columns && j < rows && k < slices;
+                            chunk.push(if inside { voxels[(k * rows + j) * columns + i] } else { 255 });
+                        }
+                    }
+                }
+                write(format!("0/c/{z}/{y}/{x}"), &chunk);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_zarr_prints_as_the_same_voxels_in_a_file() {
+    let dir = folder("zarr");
+    let size = [26, 20, 24];
+    // A leaning tube, so that no two slices are equal and no axis can be taken for another.
+    let voxels: Vec<u8> = (0..size[2] * size[1] * size[0])
+        .map(|at| {
+            let (i, j, k) = (at % size[0], at / size[0] % size[1], at / size[0] / size[1]);
+            let (x, y) = (i as f64 - 11.0 - 0.1 * k as f64, j as f64 - 9.0);
+            let off = (x * x + y * y).sqrt() - 6.0;
+            (120.0 - 60.0 * off.abs().min(2.0)) as u8
+        })
+        .collect();
+    let head = format!(
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: {} {} {}\nspacings: 0.3 0.3 0.25\nencoding: raw\n\n",
+        size[0], size[1], size[2]
+    );
+    fs::write(dir.join("a.nrrd"), [head.as_bytes(), &voxels].concat()).expect("a file");
+    write_ome_zarr(&dir.join("scan.ome.zarr"), size, &voxels);
+    job(&dir, "nrrd", "path = \"a.nrrd\"");
+    job(&dir, "zarr", "path = \"scan.ome.zarr\"");
+    job(&dir, "level", "path = \"scan.ome.zarr/0\"");
+    let read = |name: &str| fs::read(dir.join(format!("{name}.gcode"))).expect("G-code");
+    for name in ["nrrd", "zarr", "level"] {
+        let report = run(&dir, name, &["--threads", "1"]);
+        assert!(report["layers"].as_u64().is_some_and(|n| n > 20), "{report}");
+        assert!(read(name) == read("nrrd"), "{name}");
+    }
+    let seen = json(&grainpath(&dir, &["inspect", "scan.ome.zarr", "--json"]));
+    assert_eq!(
+        (seen["format"].as_str(), seen["sample"].as_str()),
+        (Some("OME-Zarr 0.5"), Some("u8")),
+        "{seen}"
+    );
+    assert_eq!(seen["voxels"], serde_json::json!(size));
+    assert_eq!(seen["spacing_mm"], serde_json::json!([0.3, 0.3, 0.25]));
+    assert_eq!(seen["stored"]["chunks"], "5 x 8 x 22");
+    let told = grainpath(&dir, &["inspect", "scan.ome.zarr"]);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("levels 1 (0); level 0 is read"));
+    // A chunk that is gone is told, and refused where warnings are; one that is cut short is an error.
+    let chunk = dir.join("scan.ome.zarr/0/c/2/1/0");
+    let bytes = fs::read(&chunk).expect("a chunk");
+    fs::remove_file(&chunk).expect("removed");
+    let report = run(&dir, "zarr", &[]);
+    let ids: Vec<&str> =
+        report["warnings"].as_array().into_iter().flatten().filter_map(|w| w["id"].as_str()).collect();
+    assert!(ids.contains(&"scan-chunks-missing"), "{ids:?}");
+    assert_eq!(grainpath(&dir, &["run", "zarr.toml", "--strict"]).status.code(), Some(4));
+    fs::write(&chunk, &bytes[..bytes.len() - 1]).expect("a chunk");
+    let out = grainpath(&dir, &["run", "zarr.toml"]);
+    let text = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("0/c/2/1/0: damaged chunk [2, 1, 0]: 879 bytes of voxels; 880 are needed"),
+        "{text}"
+    );
+}
+
 #[test]
 #[ignore = "needs GRAINPATH_DATA"]
 fn real_scans_run_and_give_the_same_bytes_for_any_number_of_threads() {

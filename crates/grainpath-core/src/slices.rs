@@ -73,6 +73,8 @@ pub struct VolumeInfo {
     pub z_mm: Vec<f64>,
     /// Position of the voxels in the file's world, if the file states one.
     pub world: Option<WorldFrame>,
+    /// How the file stores the voxels, for people: what it is, and its value.
+    pub stored: Vec<(&'static str, String)>,
     /// Oddities of the file that did not keep it from being read.
     pub warnings: Vec<crate::Warning>,
 }
@@ -106,6 +108,7 @@ impl VolumeInfo {
             spacing_mm: [None; 3],
             z_mm: Vec::new(),
             world: None,
+            stored: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -217,6 +220,12 @@ pub trait SliceSource: Send {
     fn n_not_finite(&self) -> u64 {
         0
     }
+
+    /// Number of pieces of the volume read since the last restart that the files do not hold, and that have the value
+    /// which stands for such pieces.
+    fn n_absent(&self) -> u64 {
+        0
+    }
 }
 
 /// The place in a source that reaches any of its slices at the same cost.
@@ -278,5 +287,8 @@ impl<S: SliceSource + ?Sized> SliceSource for &mut S {
     }
     fn n_not_finite(&self) -> u64 {
         (**self).n_not_finite()
+    }
+    fn n_absent(&self) -> u64 {
+        (**self).n_absent()
     }
 }

@@ -130,6 +130,12 @@ warning_ids! {
     ScanNotFinite = "scan-not-finite",
         "Voxels of a scan are NaN or infinite; they were taken for air.",
         "check what wrote the scan, if these voxels should be material";
+    ScanChunksMissing = "scan-chunks-missing",
+        "Chunks of a scan in Zarr are not stored; they were read as the fill value, as Zarr defines.",
+        "compare with the scan as it was written: programs leave out chunks of the fill value alone, but a copy that was cut short lacks others";
+    ScanFirstEntry = "scan-first-entry",
+        "A scan in Zarr has several channels or times; the first was read.",
+        "export the channel wanted as an image of its own, or choose it in Python with gp.read_zarr";
     ScanHeightRounded = "scan-height-rounded",
         "The height of a scan does not divide into layers, so the print is clearly higher or lower.",
         "choose process.layer_height_mm and process.first_layer_height_mm so that whole layers make the height";

@@ -104,7 +104,7 @@ sections! {
     }
     /// A CT scan to print.
     CtSection "shape.ct" {
-        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multi-page TIFF, a NRRD, MHD or NIfTI file, or raw data.";
+        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multi-page TIFF, a NRRD, MHD or NIfTI file, a Zarr or OME-Zarr folder (its finest level, or the one that the path names, as in scan.ome.zarr/1), or raw data.";
         pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; unset: as the file states.";
         slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance between slices; unset: as the file states.";
         window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice to use, counted from 0; unset: all.";

@@ -55,6 +55,7 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         }
         k += 1;
     }
+    let absent = Some(source.n_absent()).filter(|n| *n > 0);
     let not_finite = Some(source.n_not_finite()).filter(|n| *n > 0);
     let (low, high) = histogram.range().unwrap_or((0.0, 0.0));
     let (air, material) = histogram.materials();
@@ -87,10 +88,12 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         json!({ "frame": "LPS", "origin_mm": vector(w.origin_mm), "columns": vector(w.axes.x_axis),
                 "rows": vector(w.axes.y_axis), "slices": vector(w.axes.z_axis) })
     });
+    let stored: serde_json::Map<String, Value> =
+        info.stored.iter().map(|(what, value)| ((*what).to_owned(), json!(value))).collect();
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
-        "world": world, "not_finite": not_finite,
+        "world": world, "not_finite": not_finite, "stored": stored, "absent": absent,
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
         // Both thresholds that `shape.ct.threshold` can name are listed, so that the user can choose
         // beforehand.

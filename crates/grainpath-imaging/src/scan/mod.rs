@@ -250,8 +250,13 @@ pub fn slice_scan(
     job.begin_layers(diagnostics)?;
     let all = job.collect(source, 0..lattice.z_mm.len(), diagnostics)?;
     let not_finite = all.not_finite;
+    let absent = source.n_absent();
     let made = job.finish(all, diagnostics)?;
     warn_not_finite(not_finite, &info, diagnostics);
+    if absent > 0 {
+        let text = format!("{absent} chunks of the scan are not there; they have its fill value");
+        diagnostics.warn(WarningId::ScanChunksMissing, text);
+    }
     Ok(made)
 }
 

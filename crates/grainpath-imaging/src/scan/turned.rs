@@ -251,6 +251,10 @@ impl<S: SliceSource> SliceSource for Turned<S> {
     fn n_not_finite(&self) -> u64 {
         self.stored.n_not_finite()
     }
+
+    fn n_absent(&self) -> u64 {
+        self.stored.n_absent()
+    }
 }
 
 #[cfg(test)]

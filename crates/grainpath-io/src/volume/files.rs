@@ -77,12 +77,31 @@ impl Files {
 
     /// A whole file, which may not be larger than `limit` bytes.
     pub(crate) fn whole(&self, name: &str, limit: u64) -> Result<Vec<u8>, VolumeError> {
+        let missing = || io_error(name, &io::ErrorKind::NotFound.into());
+        self.whole_or_none(name, limit)?.ok_or_else(missing)
+    }
+
+    /// Opens a file; `None` where there is none.
+    pub(crate) fn open_or_none(
+        &self,
+        name: &str,
+    ) -> Result<Option<BufReader<Box<dyn ReadSeek>>>, VolumeError> {
+        match (self.open)(name) {
+            Ok(reader) => Ok(Some(BufReader::with_capacity(1 << 16, reader))),
+            Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
+            Err(e) => Err(io_error(name, &e)),
+        }
+    }
+
+    /// A whole file of at most `limit` bytes; `None` where there is none.
+    pub(crate) fn whole_or_none(&self, name: &str, limit: u64) -> Result<Option<Vec<u8>>, VolumeError> {
+        let Some(reader) = self.open_or_none(name)? else { return Ok(None) };
         let mut bytes = Vec::new();
-        self.open(name)?.take(limit + 1).read_to_end(&mut bytes).map_err(|e| io_error(name, &e))?;
+        reader.take(limit + 1).read_to_end(&mut bytes).map_err(|e| io_error(name, &e))?;
         if bytes.len() as u64 > limit {
             return Err(error(name, VolumeProblem::FileTooLarge { limit }));
         }
-        Ok(bytes)
+        Ok(Some(bytes))
     }
 
     /// Allows headers to name files outside their own folder.

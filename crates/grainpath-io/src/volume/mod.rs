@@ -1,6 +1,6 @@
 //! CT volumes, one slice after another: memory for a slice, whatever the size of the stack.
 //!
-//! NRRD, MetaImage, NIfTI, raw with its header given, DICOM series, multipage TIFF and folders of single images.
+//! NRRD, MetaImage, NIfTI, raw with its header given, DICOM series, multipage TIFF, folders of single images, Zarr.
 //! Front ends say how files are opened ([`Files`]); everything here survives any bytes.
 
 mod dicom;
@@ -16,6 +16,7 @@ mod sample;
 mod series;
 mod tiff_pages;
 mod write;
+mod zarr;
 
 pub use error::{VolumeError, VolumeProblem};
 pub use files::{Files, ReadSeek, natural_order};
@@ -52,7 +53,7 @@ fn spacing(mm: f64) -> Option<f64> {
 }
 
 /// Opens a volume. Several files are a series of slices, a single one is told by its content; a ZIP archive stands for
-/// the folder it holds. `raw` describes a single file without a header.
+/// the folder it holds, and a folder with the description of a Zarr array or group is one. `raw` describes a single file without a header.
 ///
 /// # Errors
 /// [`VolumeError`]: unknown or damaged formats, slices that do not belong together, missing slices.
@@ -65,13 +66,24 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
         return Ok(Box::new(raw::open(&files, &first, header)?));
     }
     if files.is_folder() {
+        if zarr::is(&files) {
+            return zarr::open(&files);
+        }
         return series::open(files);
     }
     // 512 bytes hold every signature below, up to NIfTI's at byte 344.
     let head = files.head(&first, 512)?;
     let starts = |magic: &[u8]| head.starts_with(magic);
     if starts(b"PK\x03\x04") {
-        return series::open(files::zip_files(&files, &first)?);
+        let inside = files::zip_files(&files, &first)?;
+        if zarr::is(&inside) {
+            return Err(unsupported(
+                &first,
+                "Zarr in a ZIP archive",
+                "unpack the archive and name its folder",
+            ));
+        }
+        return series::open(inside);
     }
     if starts(b"NRRD") {
         return nrrd::open(&files, &first);

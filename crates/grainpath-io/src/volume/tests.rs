@@ -4,6 +4,7 @@ use std::io::{Cursor, Write};
 use super::*;
 
 mod orientation;
+mod zarr;
 
 /// Files in memory.
 fn files(all: &[(&str, Vec<u8>)], folder: bool) -> Files {

@@ -286,7 +286,7 @@ def _hash_of_inputs(job: Job) -> str:
         if name and os.path.exists(path):
             digest.update(name.encode())
             for file in _files(path):
-                digest.update(os.path.basename(file).encode())
+                digest.update(os.path.relpath(file, path).encode())
                 with open(file, "rb") as stream:
                     digest.update(hashlib.file_digest(stream, "sha256").digest())
     return digest.hexdigest()
@@ -295,7 +295,11 @@ def _hash_of_inputs(job: Job) -> str:
 def _files(path: str) -> list[str]:
     if not os.path.isdir(path):
         return [path]
-    return [os.path.join(path, name) for name in sorted(os.listdir(path)) if os.path.isfile(os.path.join(path, name))]
+    names = sorted(os.listdir(path))
+    if any(name in names for name in ("zarr.json", ".zarray", ".zgroup", ".zattrs")):
+        # The chunks of a scan in Zarr are in folders of their own.
+        return sorted(os.path.join(folder, name) for folder, _, files in os.walk(path) for name in files)
+    return [os.path.join(path, name) for name in names if os.path.isfile(os.path.join(path, name))]
 
 
 def _key(job: Job, of_inputs: str, point: Mapping[str, Any]) -> str:
