@@ -133,7 +133,8 @@ impl Lattice {
             .collect();
         for (b, signs) in (0..).zip(found) {
             for (i, pair) in (0..).zip(signs.chunks_exact(2)) {
-                let cell = block_at(b) * BLOCK + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
+                let cell =
+                    block_at(b) * BLOCK + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
                 for (p, &sign) in [cell * 2, cell * 2 + 1].into_iter().zip(pair) {
                     if self.has(p) {
                         let index = self.index(p);
