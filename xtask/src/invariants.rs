@@ -49,6 +49,7 @@ pub fn check() -> Result<(), String> {
     let mut broken = Vec::new();
     broken.extend(outside_crates_stay_where_they_are_wrapped(sources));
     broken.extend(only_front_ends_open_files(sources));
+    broken.extend(only_diagnostics_read_the_clock(sources));
     broken.extend(no_length_is_an_integer(sources));
     broken.extend(platform_maths_and_hash_order_are_banned()?);
     broken.extend(points_name_what_holds_them()?);
@@ -88,6 +89,22 @@ fn only_front_ends_open_files(sources: &[Source]) -> Vec<String> {
     for source in libraries.filter(|s| !draws_for_tests(s)) {
         for (path, line) in paths(source) {
             if system.iter().any(|s| path.starts_with(&s.map(str::to_owned))) {
+                broken.push(format!("{}:{line} names {}", source.path, path.join("::")));
+            }
+        }
+    }
+    broken
+}
+
+/// The libraries take the time from `Diagnostics`, to which a front end may hand a clock: WebAssembly has none.
+fn only_diagnostics_read_the_clock(sources: &[Source]) -> Vec<String> {
+    let clocks = [["std", "time", "Instant"], ["std", "time", "SystemTime"]];
+    let mut broken = Vec::new();
+    let holds_it = |s: &Source| s.package == "grainpath-core" && s.module == ["diagnostics"];
+    let libraries = sources.iter().filter(|s| OPENS_NO_FILE.contains(&s.package.as_str()));
+    for source in libraries.filter(|s| !holds_it(s)) {
+        for (path, line) in paths(source) {
+            if clocks.iter().any(|clock| path.starts_with(&clock.map(str::to_owned))) {
                 broken.push(format!("{}:{line} names {}", source.path, path.join("::")));
             }
         }

@@ -30,7 +30,7 @@ pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};
 pub use inputs::{Given, Handed, no_shape, plan_given, plan_parted, read_body, shape_of};
 pub use memory::peak_rss_mb;
-pub use outputs::{picture, program_bytes, read_back, report_of};
+pub use outputs::{program_bytes, read_back, report_of};
 
 /// The reason why a command ends early: a line for the user and the exit code.
 #[derive(Debug)]

@@ -11,13 +11,11 @@ use grainpath::measure::report::{Report, measure, measure_fibre};
 use grainpath::measure::strength::{StressedPart, TestSetup, Tested, reserve, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
-use grainpath_core::{DVec2, DVec3, Diagnostics, TriMesh};
-use grainpath_gcode::{BeadLayer, Program, Thumbnail, Written, simulate, write_gcode};
+use grainpath_core::{DVec3, Diagnostics, TriMesh};
+use grainpath_gcode::{Program, Thumbnail, Written, simulate, write_gcode};
 use grainpath_job::{Row, Settings};
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
-use grainpath_view::layer::{
-    DrawnBead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
-};
+use grainpath_view::layer::{Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
 
@@ -219,7 +217,7 @@ pub fn report_of(
         let plate_from_part_mm = planned.plan.plate_from_part_mm.truncate();
         let part =
             StressedPart { guide, stack: &planned.stack, density: planned.density, plate_from_part_mm };
-        reserve(&grainpath::run::config::strength(settings), part, program)
+        reserve(&grainpath::run::config::strength(settings), part, program, diagnostics)
     });
     report
 }
@@ -304,33 +302,7 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     write_gcode(&planned.plan, &planned.config, &[], &mut plain)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
     let program = read_back(settings, &plain)?;
-    let layers: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
-    let draw = |&[w, h]: &[usize; 2]| {
-        let (width, height) = (w as u32, h as u32);
-        Thumbnail { width, height, png: thumbnail_png(&layers, width, height, Ground::Clear) }
-    };
-    Ok(settings.printer.thumbnails_px.iter().map(draw).collect())
-}
-
-/// A layer of a program as input of a picture.
-pub fn picture(layer: &BeadLayer) -> LayerPicture {
-    let beads = layer.beads.iter().map(|b| DrawnBead {
-        a: b.start(),
-        b: b.end(),
-        width_mm: b.width_mm(layer.height_mm),
-        role: b.role,
-        speed_mm_s: f64::from(b.speed_mm_s),
-        // Directions are known to a plan only; `render --job` fills them in.
-        off_deg: None,
-    });
-    let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
-    LayerPicture {
-        z_mm: layer.z_mm,
-        height_mm: layer.height_mm,
-        beads: beads.collect(),
-        travels: layer.travels.iter().map(|[a, b]| [point(*a), point(*b)]).collect(),
-        cuts: layer.cuts.iter().map(|p| point(*p)).collect(),
-    }
+    Ok(grainpath_view::layer::thumbnails(&program, &settings.printer.thumbnails_px))
 }
 
 /// Layers for the report: the first, the quarters, and the last. Problems of the first layer and of the
@@ -354,7 +326,7 @@ fn previews(
     if paths.report.is_none() && paths.preview.is_none() {
         return Ok(());
     }
-    let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
+    let all: Vec<LayerPicture> = program.layers.iter().map(LayerPicture::from).collect();
     let part = thumbnail_png(&all, 1200, 900, Ground::Paper);
     let part = page::Picture { title: "The part".into(), png: part, of: page::Of::Part, scale: None };
     let mut pictures = vec![part];

@@ -5,8 +5,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::{Duration, Instant};
 
 use crate::warning::{Warning, WarningId};
 
@@ -89,7 +89,7 @@ impl CancelFlag {
     }
 }
 
-/// Collects warnings from every thread, passes progress on, and holds the cancellation flag.
+/// Collects warnings from every thread, passes progress on, holds the cancellation flag, and reads the clock.
 ///
 /// ```
 /// use grainpath_core::{Diagnostics, WarningId};
@@ -101,17 +101,51 @@ impl CancelFlag {
 /// diagnostics.stop();
 /// assert!(diagnostics.check().is_err(), "long loops end here");
 /// ```
-#[derive(Default)]
 pub struct Diagnostics {
     warnings: Mutex<Vec<Warning>>,
     progress: Option<Box<dyn Progress>>,
     cancel: CancelFlag,
+    clock_s: fn() -> f64,
+}
+
+impl Default for Diagnostics {
+    /// Without progress, on the system's clock.
+    fn default() -> Self {
+        Self {
+            warnings: Mutex::default(),
+            progress: None,
+            cancel: CancelFlag::default(),
+            clock_s: system_clock_s,
+        }
+    }
+}
+
+/// Seconds since the first call, of a clock that never goes back.
+fn system_clock_s() -> f64 {
+    static FIRST: OnceLock<Instant> = OnceLock::new();
+    FIRST.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
 impl Diagnostics {
     /// Reports progress to `progress`.
     pub fn with_progress(progress: Box<dyn Progress>) -> Self {
         Self { progress: Some(progress), ..Self::default() }
+    }
+
+    /// Takes the time from `clock_s`: seconds since any moment, never going back. WebAssembly has no clock of its own.
+    ///
+    /// ```
+    /// use grainpath_core::Diagnostics;
+    ///
+    /// assert_eq!(Diagnostics::default().with_clock(|| 12.5).now_s(), 12.5);
+    /// ```
+    pub fn with_clock(self, clock_s: fn() -> f64) -> Self {
+        Self { clock_s, ..self }
+    }
+
+    /// The time in seconds, for differences.
+    pub fn now_s(&self) -> f64 {
+        (self.clock_s)()
     }
 
     /// Adds a warning about the whole run. The same warning is kept once.

@@ -2,7 +2,9 @@
 
 use grainpath_cli::Failure;
 use grainpath_gcode::{Limits, Program, simulate};
-use grainpath_view::layer::{ColourBy, Ground, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use grainpath_view::layer::{
+    ColourBy, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
+};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -66,10 +68,10 @@ impl ProgramData {
         plan: Option<Bound<'_, PlanData>>,
     ) -> Vec<u8> {
         let Some(k) = k else {
-            let layers: Vec<_> = self.program.layers.iter().map(grainpath_cli::picture).collect();
+            let layers: Vec<_> = self.program.layers.iter().map(LayerPicture::from).collect();
             return thumbnail_png(&layers, size_px, size_px * 3 / 4, Ground::Paper);
         };
-        let mut picture = grainpath_cli::picture(&self.program.layers[k]);
+        let mut picture = LayerPicture::from(&self.program.layers[k]);
         if let Some(plan) = plan {
             grainpath_cli::tell_directions(&mut picture, &self.program, plan.get().planned());
         }

@@ -28,7 +28,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     claims.write("--output", &output);
     claims.check()?;
     let bytes = if args.part {
-        let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
+        let layers: Vec<_> = program.layers.iter().map(LayerPicture::from).collect();
         thumbnail_png(&layers, args.size, args.size * 3 / 4, Ground::Paper)
     } else {
         // The middle layer shows the fill; the first and the last show brims and skins.
@@ -36,7 +36,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         if layer == 0 || layer > n {
             return Err(Failure::usage(format!("--layer {layer} should be from 1 to {n}")));
         }
-        let mut picture = outputs::picture(&program.layers[layer - 1]);
+        let mut picture = LayerPicture::from(&program.layers[layer - 1]);
         if let Some(job) = &args.job {
             compare_with_job(&mut picture, &program, job)?;
         }

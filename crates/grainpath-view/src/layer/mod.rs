@@ -10,13 +10,14 @@ mod svg;
 mod thumbnail;
 
 use grainpath_core::{Bounds2, DVec2, Role};
+use grainpath_gcode::BeadLayer;
 
 pub use canvas::{Canvas, Ramp};
 pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use raster::layer_png;
 pub(crate) use raster::png as encode_png;
 pub use svg::layer_svg;
-pub use thumbnail::{Ground, thumbnail_png};
+pub use thumbnail::{Ground, thumbnail_png, thumbnails};
 
 /// A straight piece of a bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +63,29 @@ pub struct LayerPicture {
     pub travels: Vec<[DVec2; 2]>,
     /// Places where fibre is cut; drawn as crosses.
     pub cuts: Vec<DVec2>,
+}
+
+impl From<&BeadLayer> for LayerPicture {
+    /// A layer of a program as it was read back.
+    fn from(layer: &BeadLayer) -> Self {
+        let beads = layer.beads.iter().map(|b| DrawnBead {
+            a: b.start(),
+            b: b.end(),
+            width_mm: b.width_mm(layer.height_mm),
+            role: b.role,
+            speed_mm_s: f64::from(b.speed_mm_s),
+            // Directions are known to a plan only; `render --job` fills them in.
+            off_deg: None,
+        });
+        let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
+        Self {
+            z_mm: layer.z_mm,
+            height_mm: layer.height_mm,
+            beads: beads.collect(),
+            travels: layer.travels.iter().map(|[a, b]| [point(*a), point(*b)]).collect(),
+            cuts: layer.cuts.iter().map(|p| point(*p)).collect(),
+        }
+    }
 }
 
 /// Half the size of the cross that marks a cut, mm: 1.6 mm across, so that the cross is wider than a bead

@@ -10,6 +10,7 @@
 //! takes a second. Limits: no shadows; beads are not cut where they overlap, so a wide bead hides a narrow one.
 
 use grainpath_core::{Bounds2, DVec2, DVec3, Role};
+use grainpath_gcode::{Program, Thumbnail};
 
 use super::raster::png;
 use super::{DrawnBead, LayerPicture};
@@ -41,6 +42,16 @@ pub enum Ground {
     Clear,
     /// A light ground, for pages.
     Paper,
+}
+
+/// Pictures of a program for the printer's screen, of these widths and heights in pixels.
+pub fn thumbnails(program: &Program, sizes_px: &[[usize; 2]]) -> Vec<Thumbnail> {
+    let layers: Vec<LayerPicture> = program.layers.iter().map(LayerPicture::from).collect();
+    let draw = |&[w, h]: &[usize; 2]| {
+        let (width, height) = (w as u32, h as u32);
+        Thumbnail { width, height, png: thumbnail_png(&layers, width, height, Ground::Clear) }
+    };
+    sizes_px.iter().map(draw).collect()
 }
 
 /// Draws all layers from the front right and above; the nearest surface is visible. A print without beads gives an empty

@@ -14,7 +14,6 @@ mod steps;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
@@ -74,7 +73,7 @@ pub fn plan_job(
     mut inputs: Inputs,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let mut clock = Clock::start(diagnostics);
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let sliced =
         mesh_and_layers(&config::placing(settings), inputs.mesh, diagnostics).map_err(shape_error)?;
@@ -125,7 +124,7 @@ pub fn plan_photo(
     directions: Option<DirectionSamples>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let mut clock = Clock::start(diagnostics);
     let board = config::photo_board(settings);
     let shape_error = |source| Error::Shape {
         path: photos.first().map_or_else(|| "shape.photo".into(), |p| p.name.clone()),
@@ -156,7 +155,7 @@ pub fn plan_scan(
     mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let clock = Clock::start(diagnostics);
     let scan = slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| scan_error(e, path))?;
     let texture: &mut dyn SliceSource = match &mut texture {
         Some(other) => &mut **other,
@@ -181,7 +180,7 @@ pub fn plan_parted_scan(
     photos: &[Photo],
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let clock = Clock::start(diagnostics);
     let source = GuideSource { stress, directions, photos, filled, ..GuideSource::default() };
     plan_cut(settings, scan, path, source, clock, diagnostics)
 }
@@ -222,7 +221,7 @@ fn plan_cut(
     scan: CtStack,
     path: &str,
     source: GuideSource<'_>,
-    mut clock: Clock,
+    mut clock: Clock<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
@@ -247,7 +246,7 @@ pub fn plan_layers(
     mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let mut clock = Clock::start(diagnostics);
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
     if stack.layers().iter().all(|l| l.region().is_empty()) {
         return Err(shape_error(ShapeError::NothingLeft));
@@ -334,7 +333,7 @@ fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
     source: GuideSource<'_>,
-    mut clock: Clock,
+    mut clock: Clock<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     // First of all, so that warnings about the job stand even if the run fails later.
@@ -449,15 +448,21 @@ fn plan_stack(
     Ok(planned)
 }
 
-struct Clock {
-    since: Instant,
+/// The seconds of each stage.
+struct Clock<'a> {
+    diagnostics: &'a Diagnostics,
+    since_s: f64,
     stages: Vec<(Stage, f64)>,
 }
 
-impl Clock {
+impl<'a> Clock<'a> {
+    fn start(diagnostics: &'a Diagnostics) -> Self {
+        Self { diagnostics, since_s: diagnostics.now_s(), stages: Vec::new() }
+    }
+
     fn stop(&mut self, stage: Stage) {
-        let now = Instant::now();
-        self.stages.push((stage, now.duration_since(self.since).as_secs_f64()));
-        self.since = now;
+        let now_s = self.diagnostics.now_s();
+        self.stages.push((stage, now_s - self.since_s));
+        self.since_s = now_s;
     }
 }

@@ -11,7 +11,6 @@ mod reserve;
 mod setup;
 
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
@@ -587,7 +586,7 @@ pub fn test_noting(
     diagnostics: &Diagnostics,
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Tested, StrengthError> {
-    let start = Instant::now();
+    let start_s = diagnostics.now_s();
     let mut governing: Option<Tested> = None;
     let mut cases = Vec::new();
     for case in std::iter::once(setup).chain(&setup.others) {
@@ -610,7 +609,7 @@ pub fn test_noting(
     if cases.len() > 1 {
         tested.report.cases = cases;
     }
-    tested.report.seconds = digits(start.elapsed().as_secs_f64());
+    tested.report.seconds = digits(diagnostics.now_s() - start_s);
     Ok(tested)
 }
 
@@ -623,7 +622,7 @@ fn test_case(
     diagnostics: &Diagnostics,
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Tested, StrengthError> {
-    let start = Instant::now();
+    let start_s = diagnostics.now_s();
     // Checked first: a missing strength must not be found after minutes of work.
     let nominal = settings.cards(CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
@@ -705,7 +704,7 @@ fn test_case(
         volume_error: digits(prepared.volume_error()),
         dofs: outcome.dofs,
         solutions: outcome.solutions,
-        seconds: digits(start.elapsed().as_secs_f64()),
+        seconds: digits(diagnostics.now_s() - start_s),
         card_source: settings.source(),
         card_tier: settings.material.strength_tier.name(),
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),

@@ -12,11 +12,9 @@
 //! evenly over what is filled, where the test follows single lines; notches between the ends of beads at a border without
 //! walls are not seen; no reserve is told where the peak of the stress cannot be trusted.
 
-use std::time::Instant;
-
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::selection::Selection;
-use grainpath_core::{DVec2, DVec3, Density, LayerStack};
+use grainpath_core::{DVec2, DVec3, Density, Diagnostics, LayerStack};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
@@ -112,11 +110,16 @@ pub struct StressedPart<'a> {
 }
 
 /// The reserve of a part on the program that was written.
-pub fn reserve(settings: &StrengthSettings, part: StressedPart<'_>, program: &Program) -> ReserveReport {
-    let start = Instant::now();
+pub fn reserve(
+    settings: &StrengthSettings,
+    part: StressedPart<'_>,
+    program: &Program,
+    diagnostics: &Diagnostics,
+) -> ReserveReport {
+    let start_s = diagnostics.now_s();
     let told = LaidCells::new(settings, part, program).and_then(|cells| cells.reserve(part.guide));
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
-    report.seconds = digits(start.elapsed().as_secs_f64());
+    report.seconds = digits(diagnostics.now_s() - start_s);
     report
 }
 
