@@ -34,7 +34,9 @@ pub(crate) enum Command {
     )]
     Slice(Slice),
     /// Write a commented example job with its input
-    #[command(after_help = "Examples:\n  grainpath new plate\n  grainpath new stress-lines bars")]
+    #[command(
+        after_help = "Examples:\n  grainpath new plate\n  grainpath new stress-lines bars\n  grainpath new plate --printer prusa-mk3s --material petg"
+    )]
     New(New),
     /// Grow supports for a mesh and write them as a mesh of their own
     #[command(
@@ -224,6 +226,15 @@ pub(crate) struct New {
     /// Write over files that are there
     #[arg(long)]
     pub force: bool,
+    /// Printer of the jobs, one of `grainpath profiles` or a file of your own; in a terminal you are asked
+    #[arg(long, value_name = "PROFILE")]
+    pub printer: Option<String>,
+    /// Material of the jobs, likewise
+    #[arg(long, value_name = "PROFILE")]
+    pub material: Option<String>,
+    /// Ask nothing: what is not given stays as the example has it
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// `grainpath inspect`

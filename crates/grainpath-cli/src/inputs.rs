@@ -27,7 +27,7 @@ use crate::{Failure, files};
 /// A job's text and overrides as settings.
 pub(crate) fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
     let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
-    parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
+    Ok(parse_job(text, name, sets, &load).map_err(grainpath::Error::from)?)
 }
 
 /// The settings of a job, the file of its shape, and the folder to which its paths are relative.

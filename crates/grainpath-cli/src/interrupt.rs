@@ -109,7 +109,7 @@ impl Temporary {
     pub(crate) fn finish<T>(self, rename: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
         let mut outputs = outputs();
         if INTERRUPTED.load(Ordering::SeqCst) {
-            return Err(Failure { message: "interrupted".to_owned(), code: EXIT_CODE, warnings: Vec::new() });
+            return Err(Failure { code: EXIT_CODE, ..Failure::usage("interrupted") });
         }
         let result = rename()?;
         outputs.n_written += 1;

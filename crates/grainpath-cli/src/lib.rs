@@ -41,12 +41,14 @@ pub struct Failure {
     pub code: i32,
     /// Warnings that count as a failure under `--strict`.
     pub warnings: Vec<Warning>,
+    /// The page of the documentation that helps.
+    pub page: Option<&'static str>,
 }
 
 impl Failure {
     /// Wrong usage, a wrong job file, or an output that cannot be written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2, warnings: Vec::new() }
+        Self { message: message.into(), code: 2, warnings: Vec::new(), page: None }
     }
 
     /// Warnings under `--strict`; `written` says whether the outputs exist.
@@ -54,12 +56,12 @@ impl Failure {
         let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
         let outcome = if written { "the outputs were written" } else { "nothing was written" };
         let message = format!("--strict refuses {} warnings ({}); {outcome}", ids.len(), ids.join(", "));
-        Self { message, code: 4, warnings }
+        Self { message, code: 4, warnings, page: None }
     }
 
     /// An input file that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 3, warnings: Vec::new() }
+        Self { message: message.into(), code: 3, warnings: Vec::new(), page: None }
     }
 }
 
@@ -71,7 +73,7 @@ impl From<grainpath::Error> for Failure {
             ErrorKind::Physics => 4,
             ErrorKind::Interrupted => interrupt::EXIT_CODE,
         };
-        Self { message: error.to_string(), code, warnings: Vec::new() }
+        Self { message: error.to_string(), code, warnings: Vec::new(), page: error.page() }
     }
 }
 
@@ -125,10 +127,14 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
                 if !failure.warnings.is_empty() {
                     report["warnings"] = serde_json::json!(failure.warnings);
                 }
+                if let Some(page) = failure.page {
+                    report["page"] = page.into();
+                }
                 files::print(&format!("{report}\n"));
             }
             failure.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
-            eprintln!("grainpath: {line}");
+            let page = failure.page.map(|page| format!(" (see {page})")).unwrap_or_default();
+            eprintln!("grainpath: {line}{page}");
             u8::try_from(failure.code).unwrap_or(1)
         }
     }

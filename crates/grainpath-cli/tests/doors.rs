@@ -112,3 +112,50 @@ fn slice_takes_a_scan_and_says_so() {
         std::fs::read(dir.join("again.gcode")).expect("written")
     );
 }
+
+#[test]
+fn new_asks_nothing_in_a_pipe_and_takes_printer_and_material() {
+    let dir = folder("doors-new");
+    let out = grainpath(&dir, &["new", "plate", "own"]);
+    assert!(out.status.success() && out.stderr.is_empty(), "{}", String::from_utf8_lossy(&out.stderr));
+    let out =
+        grainpath(&dir, &["new", "stress-lines", "other", "--printer", "prusa-mk3s", "--material", "petg"]);
+    assert!(out.status.success() && out.stderr.is_empty(), "{}", String::from_utf8_lossy(&out.stderr));
+    let job = |name: &str| std::fs::read_to_string(dir.join(name)).expect("a job");
+    assert!(job("own/job.toml").contains("profile = \"generic-0.4\""));
+    for name in ["other/tension.toml", "other/bending-90.toml"] {
+        let text = job(name);
+        assert!(text.contains("[printer]\nprofile = \"prusa-mk3s\"\n"), "{name}: {text}");
+        // The temperatures of the example are those of its own material.
+        assert!(
+            text.contains("[material]\nprofile = \"petg\"\n") && !text.contains("_temp_c"),
+            "{name}: {text}"
+        );
+    }
+    let out = grainpath(&dir, &["new", "field", "--printer", "prusa-mk3"]);
+    let text = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && text.contains("did you mean \"prusa-mk3s\"?"), "{text}");
+    assert!(!dir.join("field").exists(), "a refusal writes nothing");
+}
+
+#[test]
+fn errors_name_pages_that_are_there() {
+    let dir = folder("doors-pages");
+    std::fs::write(dir.join("empty.stl"), "").expect("a file");
+    std::fs::write(dir.join("typo.toml"), "[shape]\nmehs = \"a.stl\"\n").expect("a file");
+    for (words, page) in
+        [(["slice", "empty.stl"], "docs/formats.md"), (["run", "typo.toml"], "docs/settings.md")]
+    {
+        let out = grainpath(&dir, &[words[0], words[1], "--json"]);
+        assert_eq!(json(&out)["page"], page);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(text.trim_end().ends_with(&format!("(see {page})")) && text.lines().count() == 1, "{text}");
+    }
+    let source = include_str!("../../grainpath/src/error.rs");
+    let pages: Vec<&str> = source.split('"').filter(|text| text.starts_with("docs/")).collect();
+    assert!(pages.len() >= 10, "{pages:?}");
+    let top = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for page in pages {
+        assert!(top.join(page).is_file(), "{page} is not there");
+    }
+}

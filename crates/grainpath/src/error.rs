@@ -70,6 +70,30 @@ pub enum Error {
 }
 
 impl Error {
+    /// The page of the documentation that helps with the error, where there is one: the only list of these pages.
+    pub fn page(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Job(_) => "docs/settings.md",
+            Self::Mesh { .. } | Self::Outline { .. } => "docs/formats.md",
+            Self::Volume(_) | Self::Slices(_) | Self::Scan { .. } | Self::Dimension(_) => "docs/ct.md",
+            Self::Image { .. } | Self::Grain { .. } => "docs/woodgrain.md",
+            Self::Guide(e) if e.is_usage() => "docs/how-to/loads.md",
+            Self::Guide(_) => "docs/stress.md",
+            Self::Directions { .. } | Self::Field { .. } => "docs/directions.md",
+            Self::Fibre(_) => "docs/how-to/fibre.md",
+            Self::Strength(_) => "docs/strength.md",
+            Self::Gcode(GcodeError::UnknownPlaceholder { .. }) => "docs/gcode.md",
+            // The message says all there is to say.
+            Self::Shape { .. }
+            | Self::Region(_)
+            | Self::Gcode(_)
+            | Self::OutsideBed { .. }
+            | Self::Mass { .. }
+            | Self::FilledElsewhere { .. }
+            | Self::Interrupted(_) => return None,
+        })
+    }
+
     /// Who has to act on the error.
     pub fn kind(&self) -> ErrorKind {
         match self {

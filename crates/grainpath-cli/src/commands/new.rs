@@ -1,9 +1,26 @@
 //! `grainpath new`: a commented job and its input.
 
+use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
+
+use grainpath_core::spelling::nearest;
+use grainpath_job::PROFILES;
 
 use crate::args::New;
 use crate::{Failure, files};
+
+/// A kind of profile that is asked for.
+struct Asked {
+    kind: &'static str,
+    /// The profile of jobs that name none.
+    default: &'static str,
+    /// Keys that examples state for their own profile; they go where another is chosen.
+    own_keys: &'static [&'static str],
+}
+
+const PRINTER: Asked = Asked { kind: "printer", default: "generic-0.4", own_keys: &[] };
+const MATERIAL: Asked =
+    Asked { kind: "material", default: "pla", own_keys: &["nozzle_temp_c", "bed_temp_c"] };
 
 /// `grainpath new`
 pub(crate) fn new(args: &New) -> Result<(), Failure> {
@@ -13,8 +30,8 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         (_, Some(_)) => return Err(Failure::usage("--pixels is for the preset ct")),
         (name, None) => grainpath_parts::presets::preset(name),
     };
-    let Some(example) = example else {
-        let near = grainpath_core::spelling::nearest(&args.preset, names);
+    let Some(mut example) = example else {
+        let near = nearest(&args.preset, names);
         return Err(Failure::usage(format!(
             "no preset {:?}; did you mean {near:?}? There are {}",
             args.preset,
@@ -27,6 +44,29 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
+    let first = String::from_utf8_lossy(&example[0].1).into_owned();
+    // Fibre is laid by printers of its own, with settings that go with them.
+    let for_fibre = profile_of(&first, &PRINTER).starts_with("fibre-");
+    let at_terminal = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
+    let may_ask = at_terminal && !args.yes && !for_fibre;
+    for (what, given) in [(PRINTER, &args.printer), (MATERIAL, &args.material)] {
+        let own = profile_of(&first, &what);
+        let chosen = match given {
+            Some(name) => Some(known(what.kind, name).map_err(Failure::usage)?),
+            None if may_ask => ask(what.kind, own, &mut std::io::stdin().lock(), &mut std::io::stderr())
+                .map_err(|e| Failure::usage(format!("the terminal cannot be read: {e}")))?,
+            None => None,
+        };
+        let Some(name) = chosen.filter(|name| *name != own) else { continue };
+        for (_, content) in example.iter_mut().filter(|(file, _)| file.ends_with(".toml")) {
+            // The scan's true dimensions are no job.
+            if let Ok(text) = std::str::from_utf8(content)
+                && text.lines().any(|l| l.starts_with("[shape"))
+            {
+                *content = with_profile(text, &what, name).into_bytes();
+            }
+        }
+    }
     for (name, content) in &example {
         let path = folder.join(&**name);
         files::write_atomically(&path, |w| {
@@ -36,4 +76,122 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     // The next command to type.
     files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
+}
+
+/// The names of the profiles of a kind that ship.
+fn shipped(kind: &str) -> Vec<&'static str> {
+    PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect()
+}
+
+/// The profile of this name, or what would be right.
+fn known(kind: &str, name: &str) -> Result<&'static str, String> {
+    let names = shipped(kind);
+    names.iter().find(|n| **n == name).copied().ok_or_else(|| {
+        let near = nearest(name, names.iter().copied());
+        format!("no {kind} {name:?}; did you mean {near:?}? There are {}", names.join(", "))
+    })
+}
+
+/// Where the section of a kind stands in a job: the lines after its head, up to the next.
+fn section(lines: &[&str], kind: &str) -> Option<std::ops::Range<usize>> {
+    let head = lines.iter().position(|l| l.trim_end() == format!("[{kind}]"))?;
+    let n = lines[head + 1..].iter().take_while(|l| !l.starts_with('[')).count();
+    Some(head + 1..head + 1 + n)
+}
+
+/// The profile that a job names, or the one that holds where it names none.
+fn profile_of<'a>(job: &'a str, what: &Asked) -> &'a str {
+    let lines: Vec<&'a str> = job.lines().collect();
+    let own = section(&lines, what.kind)
+        .and_then(|range| lines[range].iter().find(|l| l.starts_with("profile")).copied());
+    own.and_then(|line| line.split('"').nth(1)).unwrap_or(what.default)
+}
+
+/// A job with another profile.
+fn with_profile(job: &str, what: &Asked, name: &str) -> String {
+    let lines: Vec<&str> = job.lines().collect();
+    let Some(range) = section(&lines, what.kind) else {
+        return format!("{job}\n[{}]\nprofile = \"{name}\"\n", what.kind);
+    };
+    let mut out = String::new();
+    let mut said = false;
+    for (k, line) in lines.iter().enumerate() {
+        let inside = range.contains(&k);
+        if inside && !said {
+            out.push_str(&format!("profile = \"{name}\"\n"));
+            said = true;
+        }
+        let replaced = ["profile"].iter().chain(what.own_keys).any(|key| line.starts_with(key));
+        if !(inside && replaced) {
+            out.push_str(line);
+            out.push('\n');
+        }
+    }
+    out
+}
+
+/// Asks for a profile until a name or a number of the list is typed. Nothing, or the end of the input, keeps what the
+/// example has.
+fn ask(
+    kind: &str,
+    own: &str,
+    input: &mut dyn BufRead,
+    terminal: &mut dyn Write,
+) -> std::io::Result<Option<&'static str>> {
+    let all: Vec<_> = PROFILES.iter().filter(|p| p.kind == kind).collect();
+    writeln!(terminal, "Which {kind}? A number or a name; Enter takes {own}.")?;
+    for (k, profile) in all.iter().enumerate() {
+        writeln!(terminal, "  {} {:<17} {}", k + 1, profile.name, profile.about())?;
+    }
+    loop {
+        write!(terminal, "{kind} [{own}]: ")?;
+        terminal.flush()?;
+        let mut typed = String::new();
+        if input.read_line(&mut typed)? == 0 || typed.trim().is_empty() {
+            return Ok(None);
+        }
+        let typed = typed.trim();
+        let by_number = typed.parse().ok().and_then(|n: usize| all.get(n.checked_sub(1)?)).map(|p| p.name);
+        match by_number.map_or_else(|| known(kind, typed), Ok) {
+            Ok(name) => return Ok(Some(name)),
+            Err(wrong) => writeln!(terminal, "{wrong}")?,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(typed: &str) -> (Option<&'static str>, String) {
+        let mut terminal = Vec::new();
+        let answer = ask("material", "pla", &mut typed.as_bytes(), &mut terminal).expect("memory");
+        (answer, String::from_utf8(terminal).expect("text"))
+    }
+
+    #[test]
+    fn names_and_numbers_are_taken_and_enter_keeps_the_example() {
+        let third = shipped("material")[2];
+        assert_eq!(asked("petg\n").0, Some("petg"));
+        assert_eq!(asked("3\n").0, Some(third));
+        assert_eq!(asked("\n").0, None);
+        assert_eq!(asked("").0, None);
+        let (answer, told) = asked("petgg\n0\n99\nabs\n");
+        assert_eq!(answer, Some("abs"));
+        assert!(told.contains("did you mean \"petg\"?"), "{told}");
+        assert_eq!(told.matches("material [pla]: ").count(), 4, "{told}");
+    }
+
+    #[test]
+    fn a_profile_replaces_that_of_the_job_in_its_section_alone() {
+        let job = "[printer]\nprofile = \"generic-0.4\"  # note\nz_hop_mm = 1\n\n[material]\nprofile = \"pla\"\nnozzle_temp_c = 200\n\n[process]\nprofile = \"standard\"\n";
+        let changed = with_profile(&with_profile(job, &PRINTER, "voron-2.4"), &MATERIAL, "abs");
+        assert_eq!(profile_of(&changed, &PRINTER), "voron-2.4");
+        assert_eq!(profile_of(&changed, &MATERIAL), "abs");
+        assert!(changed.contains("z_hop_mm = 1") && !changed.contains("nozzle_temp_c"), "{changed}");
+        assert!(changed.contains("[process]\nprofile = \"standard\""), "{changed}");
+        let without = with_profile("[shape]\nmesh = \"a.stl\"\n", &PRINTER, "voron-2.4");
+        assert_eq!(profile_of(&without, &PRINTER), "voron-2.4");
+        assert_eq!(profile_of("[shape]\n", &PRINTER), "generic-0.4");
+    }
 }

@@ -52,7 +52,7 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
     };
     let served = serve(&options, Arc::new(Commands), ready);
     interrupt::remove_temporary();
-    served.map_err(|r| Failure { message: r.message, code: r.code, warnings: Vec::new() })
+    served.map_err(|r| Failure { message: r.message, code: r.code, warnings: Vec::new(), page: None })
 }
 
 /// Opens an address in the user's browser.
