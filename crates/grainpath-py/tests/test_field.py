@@ -35,7 +35,8 @@ def off_deg(plan, angle):
 def test_fill_follows_one_direction(plate, angle_deg):
     field = gp.Field((X, Y), np.full((len(X), len(Y)), np.deg2rad(angle_deg)))
     plan = gp.Job(plate, field=field, **FILL, **DENSE).plan()
-    assert off_deg(plan, lambda p: np.full(len(p), np.deg2rad(angle_deg))) < 3
+    # Joints along the border are 0.8 mm for each line of 20 mm at least, and lie up to 90 degrees off: 3.6 on average.
+    assert off_deg(plan, lambda p: np.full(len(p), np.deg2rad(angle_deg))) < 3.6
 
 
 def test_fill_follows_rings(plate):

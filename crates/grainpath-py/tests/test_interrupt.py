@@ -12,11 +12,11 @@ import sys, time, threading, os, signal, numpy as np
 import grainpath as gp
 class Pin:
     # A pin of 4000 planes, each made when it is asked for.
-    shape, dtype = (4000, 600, 600), np.dtype("u1")
-    y, x = np.mgrid[:600, :600]
-    plane = (200 * ((x - 300) ** 2 + (y - 300) ** 2 < 9000)).astype("u1")
+    shape, dtype = (4000, 1500, 1500), np.dtype("u1")
+    y, x = np.mgrid[:1500, :1500]
+    plane = (200 * ((x - 750) ** 2 + (y - 750) ** 2 < 90000)).astype("u1")
     def __getitem__(self, key):
-        return np.broadcast_to(self.plane, (key.stop - key.start, 600, 600))
+        return np.broadcast_to(self.plane, (key.stop - key.start, 1500, 1500))
 job = {job}
 def press():
     time.sleep({after})
@@ -35,9 +35,10 @@ sys.stdout.flush()
 os._exit(0)
 """
 
+# Each takes several seconds in a release build, so that it is still at work when the key is pressed.
 JOBS = {
-    "fill": "gp.Job(gp.box(220, 200, 180), fill__pattern='gyroid', fill__density=0.5)",
-    "stress": "gp.Job(gp.box(120, 60, 60), guide__kind='stress', "
+    "fill": "gp.Job(gp.box(200, 200, 190), fill__pattern='gyroid', fill__density=0.9)",
+    "stress": "gp.Job(gp.box(120, 60, 60), guide__kind='stress', guide__element_mm=1.5, "
     "guide__fixture=[{'on': {'plane': {'point_mm': [0, 0, 0], 'normal': [1, 0, 0]}}, 'fix': 'xyz'}], "
     "guide__load=[{'on': {'plane': {'point_mm': [120, 0, 0], 'normal': [1, 0, 0]}}, 'force_n': [0, 0, -100]}])",
     "scan": "gp.Job(gp.Volume(Pin(), spacing=0.05))",
@@ -46,7 +47,7 @@ JOBS = {
 
 @pytest.mark.parametrize("what", JOBS)
 def test_ctrl_c_raises_soon(what):
-    code = CODE.format(job=JOBS[what], after=1.0)
+    code = CODE.format(job=JOBS[what], after=0.4)
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=180, check=False)
     assert ran.stdout.startswith("interrupted"), (ran.stdout, ran.stderr)
     # The goal is 0.3 s on an idle machine; here others compute too.
