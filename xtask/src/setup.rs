@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Python packages that scripts of tests and benches import; meshio opens the VTU files that we write.
-const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
+const PYTHON: [&str; 8] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio", "lxml"];
 
 /// Python packages that build and test the package `grainpath`.
 const PYTHON_PACKAGE: [&str; 8] =

@@ -372,9 +372,14 @@ fn carriers(
             broken = true;
             continue;
         };
+        // Points that part company have walked to different beads, or around a corner of the part.
+        let mut joins = |l: DVec2| {
+            let steps = (l.distance(p) / STEP_MM).ceil() as usize;
+            l.distance(p) < w
+                && (1..steps).all(|i| part.leaves_room(k - 1, l.lerp(p, i as f64 / steps as f64), w))
+        };
         match lines.last_mut() {
-            // Points that part company have walked to different beads.
-            Some((line, _)) if !broken && line.last().is_some_and(|l| l.distance(p) < w) => line.push(p),
+            Some((line, _)) if !broken && line.last().is_some_and(|&l| joins(l)) => line.push(p),
             _ => lines.push((vec![p], island)),
         }
         broken = false;
@@ -386,8 +391,9 @@ fn carriers(
         if closed {
             line = simplify_contour(&line, SMOOTH_MM);
         } else {
-            line = simplify_line(&line, SMOOTH_MM);
-            lengthen(&mut line);
+            // A line that cannot be lengthened would not stick.
+            let mut has_room = |p: DVec2| part.leaves_room(k - 1, p, w);
+            line = lengthened(simplify_line(&line, SMOOTH_MM), &mut has_room)?;
         }
         let enough = if closed { line.len() >= 3 } else { line.len() >= 2 };
         enough.then_some((line, closed, island))
@@ -395,16 +401,19 @@ fn carriers(
     lines.into_iter().filter_map(finish).collect()
 }
 
-/// Makes a line as long as the shortest bead.
-fn lengthen(line: &mut Vec<DVec2>) {
+/// A line made as long as the shortest bead, about its middle or to one side where the part leaves no room for that;
+/// `None` where there is no room at all.
+fn lengthened(line: Vec<DVec2>, has_room: &mut dyn FnMut(DVec2) -> bool) -> Option<Vec<DVec2>> {
     let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-    let n = line.len();
-    if length >= SHORT_MM || n == 0 {
-        return;
+    let (&first, &last) = (line.first()?, line.last()?);
+    if length >= SHORT_MM {
+        return Some(line);
     }
-    let along = (line[n - 1] - line[0]).normalize_or(DVec2::X);
-    let middle = 0.5 * (line[0] + line[n - 1]);
-    *line = vec![middle - along * 0.5 * SHORT_MM, middle + along * 0.5 * SHORT_MM];
+    let along = (last - first).normalize_or(DVec2::X);
+    let middle = 0.5 * (first + last);
+    let ends = [0.5, 0.25, 0.75]
+        .map(|share| [middle - along * share * SHORT_MM, middle + along * (1.0 - share) * SHORT_MM]);
+    ends.into_iter().find(|ends| ends.iter().all(|&end| has_room(end))).map(|ends| ends.to_vec())
 }
 
 /// Takes out of a layer what lies on air above `lower`; the length taken, mm.
