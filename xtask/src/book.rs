@@ -79,6 +79,16 @@ fn make() -> Result<(), String> {
     }
     let program = crate::target().join("ci/grainpath");
     write(&source.join("cli.md"), &options(&program)?)?;
+    let planner = crate::wasm::built_page();
+    if planner.exists() {
+        // The page is part of the site where it was built.
+        let text = read(&source.join("try.md"))?;
+        write(
+            &source.join("try.md"),
+            &text.replacen("\n\n", "\n\n**[Open the page](planner.html)**\n\n", 1),
+        )?;
+        fs::copy(&planner, source.join("planner.html")).map_err(|e| format!("{}: {e}", planner.display()))?;
+    }
     let told = Command::new(mdbook).arg("build").arg(&source).arg("--dest-dir").arg(&html).output();
     let told = told.map_err(|e| format!("mdbook: {e}"))?;
     let said = String::from_utf8_lossy(&told.stderr).into_owned();

@@ -444,7 +444,7 @@ fn set(page: &Path, picture: &Path, part: &str) -> Result<(), String> {
 /// The page of the gallery.
 fn page(parts: &[&Part]) -> String {
     let mut out = String::from(
-        "# Gallery\n\nWritten by `cargo xtask gallery`, which runs every job and draws these pictures.\n",
+        "# Gallery\n\nWritten by `cargo xtask gallery`, which runs every job and draws these pictures. Flat parts among them can be tried [in a page](try.md).\n",
     );
     for part in parts {
         let _ = write!(out, "\n## {}\n\n![{}](gallery/{}.jpg)\n\n", part.name, part.about, part.name);

@@ -158,7 +158,7 @@ const JOBS: &[Job] = &[
 ];
 
 /// Outputs that take time and are no G-code.
-const QUIET: [&str; 4] = ["output.report=", "output.preview=", "output.support=", "output.lines="];
+pub const QUIET: [&str; 4] = ["output.report=", "output.preview=", "output.support=", "output.lines="];
 
 /// The two hashes of each job.
 type Table = BTreeMap<String, [String; 2]>;
@@ -189,6 +189,38 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     }
     let committed = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
     compare(&read(&committed), &made)
+}
+
+/// A job that the program has planned.
+pub struct Made {
+    pub name: String,
+    /// The job file.
+    pub job: PathBuf,
+    /// Settings that differ from those in the file.
+    pub sets: Vec<String>,
+    /// The program that was written.
+    pub gcode: PathBuf,
+}
+
+/// Runs all jobs but some, and gives the programs that were written.
+pub fn programs(binary: &Path, left_out: &[&str]) -> Result<Vec<Made>, String> {
+    hash_all(binary)?;
+    let folder = crate::target().join("hashes");
+    let made = |(name, job, sets): &Job| Made {
+        name: (*name).to_owned(),
+        job: folder.join(job),
+        sets: sets.iter().filter(|s| !s.starts_with("output.")).map(|s| (*s).to_owned()).collect(),
+        gcode: folder.join("made").join(name).join("job.gcode"),
+    };
+    Ok(JOBS.iter().filter(|j| !left_out.contains(&j.0)).map(made).collect())
+}
+
+/// SHA-256 in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        write!(text, "{byte:02x}").expect("a string takes all that is written");
+        text
+    })
 }
 
 fn compare(committed: &Table, made: &Table) -> Result<(), String> {
@@ -313,10 +345,7 @@ fn without_comments(program: &[u8]) -> Vec<u8> {
 
 fn digest(bytes: &[u8]) -> String {
     // 128 bits are far more than chance or a mistake needs; the table stays narrow.
-    Sha256::digest(bytes).iter().take(16).fold(String::new(), |mut text, byte| {
-        write!(text, "{byte:02x}").expect("a string takes all that is written");
-        text
-    })
+    sha256(bytes)[..32].to_owned()
 }
 
 /// Makes all inputs anew.

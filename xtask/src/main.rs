@@ -32,6 +32,7 @@ mod sbom;
 mod setup;
 mod source;
 mod texts;
+mod wasm;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -77,6 +78,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   figures [--write]  the table of README.md beside docs/figures.toml, or writes it
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
   licences         writes what `grainpath licences` prints, after dependencies changed
+  wasm [--binary PATH]  the planner as a page of one file, below target/wasm; its G-code in Node beside the program's
   sbom [FILE]      everything inside the program as CycloneDX JSON
   setup            installs what tests and benches need (Python packages, the peers)";
 
@@ -112,6 +114,7 @@ fn main() -> ExitCode {
         ["gallery", words @ ..] => gallery::run(words),
         ["licences"] => licences::write(),
         ["sbom", words @ ..] => sbom::run(words),
+        ["wasm", words @ ..] => wasm::run(words),
         ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
         ["page", "test", path] => std::path::absolute(path)
             .map_err(|e| format!("{path}: {e}"))

@@ -36,6 +36,7 @@ const CHECKS: &[Check] = &[
     ("quality beside the peers", crate::bench::quality),
     ("command blocks of the pages", || crate::book::run(&["run"])),
     ("page of the JSON reports", crate::json::check),
+    ("planner as a page", || crate::wasm::run(&[])),
     ("book", || crate::book::run(&[])),
     ("mutated files, kills, full disk", || crate::campaign::run(&[])),
     ("fuzz targets", || fuzz::run(FUZZ_SECONDS, true)),
