@@ -238,9 +238,9 @@ mod tests {
         let answer = inputs.plan(&job, &Diagnostics::default()).expect("planned");
         assert!(answer.gcode.starts_with(b";"), "{:?}", &answer.gcode[..40]);
         let report: serde_json::Value = serde_json::from_str(&answer.report).expect("JSON");
-        // 12 mm in layers of 0.4 mm, the first of them thinner.
-        assert_eq!(report["report"]["z_max_mm"].as_f64(), Some(12.0), "{report}");
-        assert!(report["summary"].as_str().is_some_and(|s| s.contains("layers to 12 mm")), "{report}");
+        // 12 mm in a first layer of 0.2 mm and 29 of 0.4 mm; the middle of another one would lie on the top.
+        assert_eq!(report["report"]["z_max_mm"].as_f64(), Some(11.8), "{report}");
+        assert!(report["summary"].as_str().is_some_and(|s| s.contains("30 layers to 11.8 mm")), "{report}");
     }
 
     #[test]
