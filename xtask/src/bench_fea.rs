@@ -32,7 +32,7 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
         ours.arg(data.join("meshes/featuretype_inch.stl")).args(["25.4", our_size]);
         let (cost, text) = timed_output(&mut ours, &folder)?;
         let (dofs, moved) = (after(&text, " elements, "), after(&text, "largest displacement "));
-        row(name, "grainpath, mesh and solve", dofs, &cost, moved);
+        row(name, "grainpath, mesh and solve", dofs, &cost, Some(moved));
 
         let mesh = folder.join("gmsh.inp");
         let mut gmsh = Command::new("gmsh");
@@ -43,11 +43,12 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
             .arg(&mesh);
         let (meshing, _) = timed_output(&mut gmsh, &folder)?;
         let dofs = deck(&mesh, &folder.join("deck.inp"))?;
-        row(name, "gmsh", dofs, &meshing, f64::NAN);
+        row(name, "gmsh", dofs, &meshing, None);
         let mut ccx = Command::new("ccx");
         ccx.arg("deck").current_dir(&folder).env("OMP_NUM_THREADS", "2");
         let (solving, _) = timed_output(&mut ccx, &folder)?;
-        row(name, "CalculiX", dofs, &solving, largest_displacement(&folder.join("deck.frd"))?);
+        let moved = largest_displacement(&folder.join("deck.frd"))?;
+        row(name, "CalculiX", dofs, &solving, Some(moved));
         let peer = meshing.wall_s + solving.wall_s;
         println!(
             "| {name} | **theirs / ours** | | **{:.1}** | **{:.1}** | |",
@@ -58,8 +59,10 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-fn row(name: &str, program: &str, dofs: f64, cost: &Cost, moved: f64) {
-    println!("| {name} | {program} | {dofs:.0} | {:.2} | {:.0} | {moved:.5} |", cost.wall_s, cost.peak_mib);
+/// Prints what a program cost; `moved` is the largest displacement, mm, of one that solves.
+fn row(name: &str, program: &str, dofs: f64, cost: &Cost, moved: Option<f64>) {
+    let moved = moved.map_or_else(|| "-".to_owned(), |mm| format!("{mm:.5}"));
+    println!("| {name} | {program} | {dofs:.0} | {:.2} | {:.0} | {moved} |", cost.wall_s, cost.peak_mib);
 }
 
 fn after(text: &str, mark: &str) -> f64 {

@@ -98,7 +98,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         let names: Vec<&str> = PARTS.iter().map(|p| p.name).collect();
         return Err(format!("{word} is no part of the gallery: {}", names.join(", ")));
     }
-    let can_set = crate::page::browser().is_some() && crate::page::has_npm();
+    let can_set = crate::setup::browser(false).is_ok() && crate::page::has_npm();
     if can_set {
         crate::page::install()?;
     } else {
@@ -435,7 +435,7 @@ fn numbers(value: &toml::Value) -> Vec<f64> {
 
 /// A picture of a part of a page.
 fn set(page: &Path, picture: &Path, part: &str) -> Result<(), String> {
-    let browser = crate::page::browser().ok_or("no Chromium")?;
+    let browser = crate::setup::browser(false)?;
     let mut command = Command::new("node");
     command.arg("look.mjs").arg(page).arg(picture).args(["1640", "460", "--part", part]);
     crate::output(command.current_dir(crate::root().join("web")).env("BROWSER", browser)).map(drop)

@@ -241,13 +241,15 @@ fn test(options: &TestOptions) -> Outcome {
         } else {
             checks.not_run.push("the studio's page lacks npm".to_owned());
         }
-        if page::has_npm() && page::browser().is_some() {
+        let browser = setup::browser(options.install);
+        if page::has_npm() && browser.is_ok() {
             checks.run("the studio in a browser", || {
                 cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
                 page::test_in_browser(&target().join("ci/grainpath"))
             })?;
         } else {
-            checks.not_run.push("the studio in a browser lacks npm or Chromium".to_owned());
+            let how = browser.err().unwrap_or_else(|| "npm is missing".to_owned());
+            checks.not_run.push(format!("the studio in a browser: {how}"));
         }
         checks.not_run.extend(lacking.iter().map(|(test, what)| format!("{} lacks {what}", test.name)));
         match setup::python_package(options.install) {

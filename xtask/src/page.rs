@@ -8,22 +8,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Where the browser of the tests is looked for.
-const BROWSERS: [&str; 4] = [
-    "/usr/bin/chromium",
-    "/usr/bin/chromium-browser",
-    "/usr/bin/google-chrome",
-    "/usr/bin/google-chrome-stable",
-];
+use crate::setup;
 
 /// Whether npm is there.
 pub fn has_npm() -> bool {
     Command::new("npm").arg("--version").output().is_ok_and(|o| o.status.success())
-}
-
-/// The browser for the tests, if there is one.
-pub fn browser() -> Option<PathBuf> {
-    BROWSERS.iter().map(PathBuf::from).find(|p| p.exists())
 }
 
 fn web() -> PathBuf {
@@ -89,7 +78,7 @@ pub fn bench(binary: &Path) -> Result<(), String> {
 
 /// Runs scripts of the page in Node, with a program and a browser.
 fn node(binary: &Path, words: &[&str], failed: &str) -> Result<(), String> {
-    let browser = browser().ok_or("no Chromium; `apt-get install chromium` brings it")?;
+    let browser = setup::browser(false)?;
     install()?;
     let mut command = Command::new("node");
     command.args(words).current_dir(web());

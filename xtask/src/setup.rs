@@ -7,6 +7,14 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// Where the browser of the tests is looked for.
+const BROWSERS: [&str; 4] = [
+    "/usr/bin/chromium",
+    "/usr/bin/chromium-browser",
+    "/usr/bin/google-chrome",
+    "/usr/bin/google-chrome-stable",
+];
+
 /// Python packages that scripts of tests and benches import; meshio opens the VTU files that we write.
 const PYTHON: [&str; 8] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio", "lxml"];
 
@@ -44,9 +52,8 @@ pub fn tests(install: bool) -> Result<Found, String> {
     {
         missing.push(("python", problem));
     }
-    if !has(&["vtk"]) {
-        let pip = venv().display().to_string();
-        missing.push(("vtk", format!("{pip}/bin/pip install vtk (100 MB, for one test)")));
+    if let Err(problem) = environment(install, &["vtk"]) {
+        missing.push(("vtk", format!("{problem} (100 MB, for one test)")));
     }
     for (need, how) in &missing {
         println!("missing: {need}: {how}");
@@ -119,6 +126,15 @@ fn environment(install: bool, packages: &[&str]) -> Result<(), String> {
     println!("installing into {}: {}", folder.display(), packages.join(" "));
     let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     crate::run(python().args(args).args(packages))
+}
+
+/// For tests of the studio's page: the browser.
+pub fn browser(install: bool) -> Result<PathBuf, String> {
+    let found = || BROWSERS.iter().map(PathBuf::from).find(|p| p.exists());
+    if found().is_none() {
+        apt(&[("chromium", "chromium")], install)?;
+    }
+    found().ok_or_else(|| "no Chromium was found after it was installed".to_owned())
 }
 
 /// For `cargo xtask python`: what builds and tests the package.

@@ -125,8 +125,8 @@ pub fn run(words: &[&str]) -> Result<(), String> {
 
 /// Opens the page in a browser and uses it.
 fn try_in_browser(page: &Path) -> Result<(), String> {
-    let browser = match crate::page::browser() {
-        Some(browser) if crate::page::has_npm() => browser,
+    let browser = match crate::setup::browser(false) {
+        Ok(browser) if crate::page::has_npm() => browser,
         _ => {
             println!("NOT RUN: the page in a browser needs npm and Chromium");
             return Ok(());

@@ -306,13 +306,10 @@ pub(crate) fn read_photos(
     base: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Photo>, Failure> {
-    if settings.guide.kind != GuideKind::Grain {
-        return Ok(Vec::new());
+    let photos = settings.grain_photos();
+    if !photos.is_empty() {
+        diagnostics.begin(Stage::Read, 0);
     }
-    diagnostics.begin(Stage::Read, 0);
-    // Photographs of the guide take precedence: the shape's photograph gives the outline, and only
-    // without others the grain.
-    let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
     let read = |file: &String| {
         let path = base.join(file);
         let bytes = files::read(&path)?;
@@ -321,7 +318,7 @@ pub(crate) fn read_photos(
             decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
         Ok(Photo::from_image(name, image))
     };
-    own.iter().map(read).collect()
+    photos.iter().map(read).collect()
 }
 
 /// The scan of `guide.volume`, where its texture guides the fill.

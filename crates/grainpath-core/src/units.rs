@@ -44,10 +44,10 @@ impl LengthUnit {
         }
     }
 
-    /// The unit with this name: those of [`LengthUnit::name`] and the spellings 3MF uses.
+    /// The unit with this name: those of [`LengthUnit::name`] and the spellings 3MF and OME-Zarr use.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
-            "micron" | "um" => Self::Micron,
+            "micron" | "um" | "micrometer" => Self::Micron,
             "mm" | "millimeter" => Self::Millimetre,
             "cm" | "centimeter" => Self::Centimetre,
             "inch" | "in" => Self::Inch,

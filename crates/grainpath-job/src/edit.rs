@@ -1,5 +1,53 @@
 //! Changing single values of a job's text, so that comments and the order of lines stay.
 
+use std::ops::Range;
+
+/// The lines of a table without its header, counted from 0; `None` where the text has no such header.
+fn lines_of_table<L: AsRef<str>>(lines: &[L], table: &str) -> Option<Range<usize>> {
+    let header = format!("[{table}]");
+    let is_header = |l: &L| l.as_ref().split('#').next().unwrap_or_default().trim() == header;
+    let first = lines.iter().position(is_header)? + 1;
+    let n = lines[first..].iter().take_while(|l| !l.as_ref().trim_start().starts_with('[')).count();
+    Some(first..first + n)
+}
+
+/// Whether a line states the value of a key.
+fn states(line: &str, key: &str) -> bool {
+    line.split('=').next().is_some_and(|name| name.trim() == key)
+}
+
+/// The value of a key of a table, as the text has it, where it states one.
+///
+/// ```
+/// use grainpath_job::edit::value_of;
+///
+/// assert_eq!(value_of("[printer]\nprofile = \"voron-2.4\" # at home\n", "printer", "profile"), Some("\"voron-2.4\""));
+/// ```
+pub fn value_of<'t>(text: &'t str, table: &str, key: &str) -> Option<&'t str> {
+    let lines: Vec<&'t str> = text.lines().collect();
+    let own = &lines[lines_of_table(&lines, table)?];
+    let (_, value) = own.iter().find(|line| states(line, key))?.split_once('=')?;
+    Some(value.split('#').next().unwrap_or_default().trim())
+}
+
+/// The text without the line that states a key of a table, where there is one.
+///
+/// ```
+/// use grainpath_job::edit::without_value;
+///
+/// let job = "[material]\nprofile = \"abs\"\nbed_temp_c = 60\n";
+/// assert_eq!(without_value(job, "material", "bed_temp_c"), "[material]\nprofile = \"abs\"\n");
+/// ```
+pub fn without_value(text: &str, table: &str, key: &str) -> String {
+    let mut lines: Vec<&str> = text.lines().collect();
+    let stated =
+        lines_of_table(&lines, table).and_then(|all| all.into_iter().find(|k| states(lines[*k], key)));
+    if let Some(k) = stated {
+        lines.remove(k);
+    }
+    lines.join("\n") + "\n"
+}
+
 /// The text with another value, as TOML writes it, of a key of a table: in the line that states one, or in a new line below
 /// the table's header. `None` where the text has no such header.
 ///
@@ -13,18 +61,15 @@
 pub fn with_value(text: &str, table: &str, key: &str, value: &str) -> Option<String> {
     let new = format!("{key} = {value}");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    let header = format!("[{table}]");
-    let head = lines.iter().position(|l| l.split('#').next().unwrap_or_default().trim() == header)?;
-    let end = lines.iter().skip(head + 1).position(|l| l.trim_start().starts_with('['));
-    let end = end.map_or(lines.len(), |k| head + 1 + k);
-    let states_it = |l: &String| l.split('=').next().is_some_and(|name| name.trim() == key);
-    match lines[head..end].iter().position(states_it) {
+    let own = lines_of_table(&lines, table)?;
+    let first = own.start;
+    match own.into_iter().find(|k| states(&lines[*k], key)) {
         Some(k) => {
-            let line = &mut lines[head + k];
+            let line = &mut lines[k];
             let comment = line.find('#').map_or(String::new(), |at| format!(" {}", &line[at..]));
             *line = new + &comment;
         }
-        None => lines.insert(head + 1, new),
+        None => lines.insert(first, new),
     }
     Some(lines.join("\n") + "\n")
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::profiles::PROFILES;
+use crate::profiles::profiles_of;
 use crate::value::ValueError;
 
 /// A place in a file, or the command line.
@@ -101,5 +101,5 @@ impl JobError {
 /// Names of all shipped profiles of a kind, for the message.
 fn profile_names(kind: &str) -> String {
     // Only profiles of the same section are listed; a printer's name would be no help for a material.
-    PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
+    profiles_of(kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
 }

@@ -45,7 +45,7 @@ mod value;
 pub use error::{JobError, Location};
 pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
-pub use profiles::{PROFILES, Profile, profile};
+pub use profiles::{PROFILES, Profile, default_profile, profile, profiles_of};
 pub use regions::JobRegion;
 pub use renamed::{RENAMED, Renamed};
 pub use schema::{json_schema, markdown};

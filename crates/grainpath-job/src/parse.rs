@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
-use super::profiles::{KINDS, PROFILES, profile};
+use super::profiles::{KINDS, profile, profiles_of};
 use super::regions::JobRegion;
 use super::renamed::{new_key, new_word};
 use super::settings::{MaterialSection, Settings};
@@ -155,7 +155,7 @@ fn profile_text(
         let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
         return Ok((text, chosen.to_owned()));
     }
-    let nearest = nearest(chosen, PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name));
+    let nearest = nearest(chosen, profiles_of(kind).map(|p| p.name));
     Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned(), nearest })
 }
 
@@ -339,6 +339,7 @@ fn name_origins_of_strengths(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profiles::PROFILES;
 
     fn parse(text: &str, sets: &[&str]) -> Result<Settings, String> {
         let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();

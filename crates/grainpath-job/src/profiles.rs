@@ -51,7 +51,17 @@ pub const PROFILES: [Profile; 17] = shipped![
     "process" "wide",
 ];
 
+/// The shipped profiles of a kind.
+pub fn profiles_of(kind: &str) -> impl Iterator<Item = &'static Profile> {
+    PROFILES.iter().filter(move |p| p.kind == kind)
+}
+
 /// The shipped profile of this kind and name.
 pub fn profile(kind: &str, name: &str) -> Option<&'static Profile> {
-    PROFILES.iter().find(|p| p.kind == kind && p.name == name)
+    profiles_of(kind).find(|p| p.name == name)
+}
+
+/// The profile of a kind that holds for jobs that name none.
+pub fn default_profile(kind: &str) -> Option<&'static Profile> {
+    KINDS.iter().find(|(k, _)| *k == kind).and_then(|(_, name)| profile(kind, name))
 }

@@ -467,6 +467,21 @@ impl Settings {
         self.guide.smoothing_mm.unwrap_or(if one_path { 0.25 } else { 0.5 })
     }
 
+    /// Whether the guide names photographs of its own.
+    pub fn guide_has_photos(&self) -> bool {
+        !self.image.files.is_empty()
+    }
+
+    /// The photographs whose grain the job follows: those of the guide, or those of the shape where the guide names none.
+    /// Empty where grain is no guide.
+    pub fn grain_photos(&self) -> &[String] {
+        match (self.guide.kind == GuideKind::Grain, self.guide_has_photos()) {
+            (false, _) => &[],
+            (true, true) => &self.image.files,
+            (true, false) => &self.photo.files,
+        }
+    }
+
     /// The settings of the job as they hold in a region. They have no regions of their own.
     #[must_use]
     pub fn in_region(&self, region: &JobRegion) -> Self {

@@ -10,7 +10,6 @@ use grainpath::measure::strength::test;
 use grainpath::order::paths_from_bytes;
 use grainpath_cli::{Failure, Given, Handed};
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::slices::SampleType;
 use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning};
 use grainpath_gcode::Written;
 use grainpath_imaging::photo::Photo;
@@ -29,7 +28,7 @@ use crate::roles::role_number;
 use crate::spec::Spec;
 use crate::stack::StackData;
 use crate::stress::StressData;
-use crate::volume::ArraySource;
+use crate::volume::{ArrayShape, Slabs, info_of};
 use crate::worker::{self, Caller, Request};
 
 /// Name of a shape that is no file, in errors and in the report.
@@ -204,9 +203,6 @@ impl PlanData {
 /// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
 /// reads slices.
 pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
-/// What of a caller's array may go to another thread.
-pub(crate) type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
-
 /// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
 pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
@@ -294,9 +290,8 @@ impl Work {
 
     /// What was handed over, for the planner; slices are asked for through `requests`.
     pub(crate) fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
-        let scan = |(size, sample, spacing_mm): ArrayShape| {
-            let sample = SampleType::from_name(&sample).unwrap_or(SampleType::F32);
-            Handed::Scan(Box::new(ArraySource::new(size, sample, spacing_mm, requests)))
+        let scan = |shape: ArrayShape| {
+            Handed::Scan(Box::new(Slabs::in_order(info_of(&shape), usize::MAX, requests)))
         };
         let layers = self.layers.take().map(|stack| Handed::Layers(Arc::unwrap_or_clone(stack)));
         Ok(Given {

@@ -7,15 +7,14 @@ use grainpath::order::paths_to_bytes;
 use grainpath::run::{config, fill_window as filled, fills_in_windows as in_windows};
 use grainpath_cli::Failure;
 use grainpath_core::Diagnostics;
-use grainpath_core::slices::{SampleType, VolumeInfo};
 use grainpath_imaging::scan::{PartedScan, ScanError, ScanPart, Survey};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::plan::{ARRAY, Array, ArrayShape, ScanData, Watch};
+use crate::plan::{ARRAY, Array, ScanData, Watch};
 use crate::spec::Spec;
 use crate::stack::StackData;
-use crate::volume::ArraySource;
+use crate::volume::{ArrayShape, ArraySource, Slabs, info_of};
 use crate::worker::{self, Caller};
 
 /// What is known of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
@@ -24,13 +23,6 @@ type Found = (f64, f64, f64, Option<f64>);
 
 fn survey_of((low, high, contrast, start_mm): Found) -> Survey {
     Survey { low, high, contrast, start_mm }
-}
-
-fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
-    let sample = SampleType::from_name(sample).unwrap_or(SampleType::F32);
-    let mut info = VolumeInfo::new(ARRAY, *size, sample);
-    info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
-    info
 }
 
 /// The failure of a scan, told as it is when a job is planned.
@@ -55,7 +47,7 @@ fn with_slices<'py, T: Send + 'static>(
     let caller = Caller { progress, cancel, array: Some(slices), threads };
     worker::run(py, &caller, move |diagnostics, requests| {
         let info = info_of(&(size, sample, spacing_mm));
-        let mut source = ArraySource::new(size, info.sample, spacing_mm, requests).up_to(end);
+        let mut source = Slabs::in_order(info.clone(), end, requests);
         let scan = PartedScan::new(&info, &config::scan(&settings)).map_err(failure)?;
         work(&scan, &mut source, diagnostics).map_err(failure)
     })

@@ -5,8 +5,8 @@
 
 use std::sync::mpsc::{self, Sender};
 
-use grainpath_core::slices::{SampleType, SliceCursor, SliceError, SliceSource, VolumeInfo};
-use grainpath_io::volume::NotFinite;
+use grainpath_core::slices::{SampleType, SliceError, VolumeInfo};
+use grainpath_io::volume::{AnySlice, InOrder};
 
 use crate::worker::Request;
 
@@ -26,43 +26,36 @@ impl std::fmt::Display for NotRead {
 
 impl std::error::Error for NotRead {}
 
+/// What of a caller's array may go to another thread: columns, rows and slices, the type of a voxel, the distances.
+pub(crate) type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
+
+/// The header of a scan that is a caller's array.
+pub(crate) fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
+    let sample = SampleType::from_name(sample).unwrap_or(SampleType::F32);
+    let mut info = VolumeInfo::new("array", *size, sample);
+    info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
+    info
+}
+
 /// A scan whose slices the caller's thread reads.
-pub(crate) struct ArraySource {
+pub(crate) type ArraySource = InOrder<Slabs>;
+
+/// A caller's array, of which a slab is held.
+pub(crate) struct Slabs {
     info: VolumeInfo,
     requests: Sender<Request>,
-    cursor: SliceCursor,
     slab: Vec<f32>,
     /// Slice with which the slab begins.
     slab_first: usize,
     /// Slices from here on are not asked for, where the caller needs none of them.
     end: usize,
-    not_finite: NotFinite,
 }
 
-impl ArraySource {
-    /// A scan of `size` columns, rows and slices, whose voxels lie `spacing_mm` apart along x, y and z.
-    pub(crate) fn new(
-        size: [usize; 3],
-        sample: SampleType,
-        spacing_mm: Option<[f64; 3]>,
-        requests: Sender<Request>,
-    ) -> Self {
-        let mut info = VolumeInfo::new("array", size, sample);
-        info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
-        Self {
-            info,
-            requests,
-            cursor: SliceCursor::new(size[2]),
-            slab: Vec::new(),
-            slab_first: 0,
-            end: size[2],
-            not_finite: NotFinite::default(),
-        }
-    }
-
-    /// The same scan, of which the slices from `end` on are not read ahead.
-    pub(crate) fn up_to(self, end: usize) -> Self {
-        Self { end: end.min(self.info.size[2]), ..self }
+impl Slabs {
+    /// The slices of the array that `info` describes. Those from `end` on are not read ahead.
+    pub(crate) fn in_order(info: VolumeInfo, end: usize, requests: Sender<Request>) -> ArraySource {
+        let end = end.min(info.size[2]);
+        InOrder::new(Self { info, requests, slab: Vec::new(), slab_first: 0, end })
     }
 
     fn voxels(&self) -> usize {
@@ -85,32 +78,15 @@ impl ArraySource {
     }
 }
 
-impl SliceSource for ArraySource {
+impl AnySlice for Slabs {
     fn info(&self) -> &VolumeInfo {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), SliceError> {
-        self.cursor.restart();
-        self.not_finite.restart();
-        Ok(())
-    }
-
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        out.clear();
-        let Some(k) = self.cursor.slice() else { return Ok(false) };
+    fn read_slice(&mut self, k: usize, out: &mut Vec<f32>) -> Result<(), SliceError> {
         self.load(k)?;
         let (n, at) = (self.voxels(), k - self.slab_first);
         out.extend_from_slice(&self.slab[at * n..(at + 1) * n]);
-        self.not_finite.replace_in(out);
-        Ok(self.cursor.pass())
-    }
-
-    fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        Ok(self.cursor.pass())
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
+        Ok(())
     }
 }

@@ -127,22 +127,17 @@ impl Inputs {
     }
 
     fn photos(&self, settings: &Settings) -> Result<Vec<Photo>, String> {
-        if settings.guide.kind != GuideKind::Grain {
-            return Ok(Vec::new());
-        }
-        if !settings.volume.path.is_empty() {
+        if settings.guide.kind == GuideKind::Grain && !settings.volume.path.is_empty() {
             return Err(
                 "guide.volume: scans are not read in a page; `grainpath run` takes this job".to_owned()
             );
         }
-        // As on the command line: the photograph of the shape gives the grain where the guide names no other.
-        let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
         let read = |file: &String| {
             let image = decode_luma(self.file(file)?)
                 .map_err(|source| Error::Image { path: file.clone(), source }.to_string())?;
             Ok(Photo::from_image(file.clone(), image))
         };
-        own.iter().map(read).collect()
+        settings.grain_photos().iter().map(read).collect()
     }
 
     fn directions(&self, settings: &Settings) -> Result<Option<DirectionSamples>, String> {

@@ -4,23 +4,18 @@ use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
 use grainpath_core::spelling::nearest;
-use grainpath_job::PROFILES;
+use grainpath_job::edit::{value_of, with_value, without_value};
+use grainpath_job::{default_profile, profile, profiles_of};
 
 use crate::args::New;
 use crate::{Failure, files};
 
-/// A kind of profile that is asked for.
-struct Asked {
-    kind: &'static str,
-    /// The profile of jobs that name none.
-    default: &'static str,
-    /// Keys that examples state for their own profile; they go where another is chosen.
-    own_keys: &'static [&'static str],
-}
+/// A kind of profile that is asked for, and the keys that examples state for their own profile; they go where another
+/// is chosen.
+type Asked = (&'static str, &'static [&'static str]);
 
-const PRINTER: Asked = Asked { kind: "printer", default: "generic-0.4", own_keys: &[] };
-const MATERIAL: Asked =
-    Asked { kind: "material", default: "pla", own_keys: &["nozzle_temp_c", "bed_temp_c"] };
+const PRINTER: Asked = ("printer", &[]);
+const MATERIAL: Asked = ("material", &["nozzle_temp_c", "bed_temp_c"]);
 
 /// `grainpath new`
 pub(crate) fn new(args: &New) -> Result<(), Failure> {
@@ -46,14 +41,15 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     }
     let first = String::from_utf8_lossy(&example[0].1).into_owned();
     // Fibre is laid by printers of its own, with settings that go with them.
-    let for_fibre = profile_of(&first, &PRINTER).starts_with("fibre-");
+    let for_fibre = profile_in(&first, PRINTER.0).starts_with("fibre-");
     let at_terminal = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let may_ask = at_terminal && !args.yes && !for_fibre;
     for (what, given) in [(PRINTER, &args.printer), (MATERIAL, &args.material)] {
-        let own = profile_of(&first, &what);
+        let (kind, _) = what;
+        let own = profile_in(&first, kind);
         let chosen = match given {
-            Some(name) => Some(known(what.kind, name).map_err(Failure::usage)?),
-            None if may_ask => ask(what.kind, own, &mut std::io::stdin().lock(), &mut std::io::stderr())
+            Some(name) => Some(known(kind, name).map_err(Failure::usage)?),
+            None if may_ask => ask(kind, own, &mut std::io::stdin().lock(), &mut std::io::stderr())
                 .map_err(|e| Failure::usage(format!("the terminal cannot be read: {e}")))?,
             None => None,
         };
@@ -63,7 +59,7 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
             if let Ok(text) = std::str::from_utf8(content)
                 && text.lines().any(|l| l.starts_with("[shape"))
             {
-                *content = with_profile(text, &what, name).into_bytes();
+                *content = with_profile(text, what, name).into_bytes();
             }
         }
     }
@@ -78,56 +74,28 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The names of the profiles of a kind that ship.
-fn shipped(kind: &str) -> Vec<&'static str> {
-    PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect()
-}
-
 /// The profile of this name, or what would be right.
 fn known(kind: &str, name: &str) -> Result<&'static str, String> {
-    let names = shipped(kind);
-    names.iter().find(|n| **n == name).copied().ok_or_else(|| {
+    profile(kind, name).map(|p| p.name).ok_or_else(|| {
+        let names: Vec<&str> = profiles_of(kind).map(|p| p.name).collect();
         let near = nearest(name, names.iter().copied());
         format!("no {kind} {name:?}; did you mean {near:?}? There are {}", names.join(", "))
     })
 }
 
-/// Where the section of a kind stands in a job: the lines after its head, up to the next.
-fn section(lines: &[&str], kind: &str) -> Option<std::ops::Range<usize>> {
-    let head = lines.iter().position(|l| l.trim_end() == format!("[{kind}]"))?;
-    let n = lines[head + 1..].iter().take_while(|l| !l.starts_with('[')).count();
-    Some(head + 1..head + 1 + n)
-}
-
 /// The profile that a job names, or the one that holds where it names none.
-fn profile_of<'a>(job: &'a str, what: &Asked) -> &'a str {
-    let lines: Vec<&'a str> = job.lines().collect();
-    let own = section(&lines, what.kind)
-        .and_then(|range| lines[range].iter().find(|l| l.starts_with("profile")).copied());
-    own.and_then(|line| line.split('"').nth(1)).unwrap_or(what.default)
+fn profile_in<'a>(job: &'a str, kind: &str) -> &'a str {
+    let named = value_of(job, kind, "profile").map(|value| value.trim_matches('"'));
+    named.unwrap_or_else(|| default_profile(kind).map_or("", |p| p.name))
 }
 
 /// A job with another profile.
-fn with_profile(job: &str, what: &Asked, name: &str) -> String {
-    let lines: Vec<&str> = job.lines().collect();
-    let Some(range) = section(&lines, what.kind) else {
-        return format!("{job}\n[{}]\nprofile = \"{name}\"\n", what.kind);
+fn with_profile(job: &str, (kind, own_keys): Asked, name: &str) -> String {
+    let value = format!("\"{name}\"");
+    let Some(job) = with_value(job, kind, "profile", &value) else {
+        return format!("{job}\n[{kind}]\nprofile = {value}\n");
     };
-    let mut out = String::new();
-    let mut said = false;
-    for (k, line) in lines.iter().enumerate() {
-        let inside = range.contains(&k);
-        if inside && !said {
-            out.push_str(&format!("profile = \"{name}\"\n"));
-            said = true;
-        }
-        let replaced = ["profile"].iter().chain(what.own_keys).any(|key| line.starts_with(key));
-        if !(inside && replaced) {
-            out.push_str(line);
-            out.push('\n');
-        }
-    }
-    out
+    own_keys.iter().fold(job, |job, key| without_value(&job, kind, key))
 }
 
 /// Asks for a profile until a name or a number of the list is typed. Nothing, or the end of the input, keeps what the
@@ -138,7 +106,7 @@ fn ask(
     input: &mut dyn BufRead,
     terminal: &mut dyn Write,
 ) -> std::io::Result<Option<&'static str>> {
-    let all: Vec<_> = PROFILES.iter().filter(|p| p.kind == kind).collect();
+    let all: Vec<_> = profiles_of(kind).collect();
     writeln!(terminal, "Which {kind}? A number or a name; Enter takes {own}.")?;
     for (k, profile) in all.iter().enumerate() {
         writeln!(terminal, "  {} {:<17} {}", k + 1, profile.name, profile.about())?;
@@ -171,9 +139,9 @@ mod tests {
 
     #[test]
     fn names_and_numbers_are_taken_and_enter_keeps_the_example() {
-        let third = shipped("material")[2];
+        let third = profiles_of("material").nth(2).map(|p| p.name);
         assert_eq!(asked("petg\n").0, Some("petg"));
-        assert_eq!(asked("3\n").0, Some(third));
+        assert_eq!(asked("3\n").0, third);
         assert_eq!(asked("\n").0, None);
         assert_eq!(asked("").0, None);
         let (answer, told) = asked("petgg\n0\n99\nabs\n");
@@ -185,13 +153,13 @@ mod tests {
     #[test]
     fn a_profile_replaces_that_of_the_job_in_its_section_alone() {
         let job = "[printer]\nprofile = \"generic-0.4\"  # note\nz_hop_mm = 1\n\n[material]\nprofile = \"pla\"\nnozzle_temp_c = 200\n\n[process]\nprofile = \"standard\"\n";
-        let changed = with_profile(&with_profile(job, &PRINTER, "voron-2.4"), &MATERIAL, "abs");
-        assert_eq!(profile_of(&changed, &PRINTER), "voron-2.4");
-        assert_eq!(profile_of(&changed, &MATERIAL), "abs");
+        let changed = with_profile(&with_profile(job, PRINTER, "voron-2.4"), MATERIAL, "abs");
+        assert_eq!(profile_in(&changed, "printer"), "voron-2.4");
+        assert_eq!(profile_in(&changed, "material"), "abs");
         assert!(changed.contains("z_hop_mm = 1") && !changed.contains("nozzle_temp_c"), "{changed}");
         assert!(changed.contains("[process]\nprofile = \"standard\""), "{changed}");
-        let without = with_profile("[shape]\nmesh = \"a.stl\"\n", &PRINTER, "voron-2.4");
-        assert_eq!(profile_of(&without, &PRINTER), "voron-2.4");
-        assert_eq!(profile_of("[shape]\n", &PRINTER), "generic-0.4");
+        let without = with_profile("[shape]\nmesh = \"a.stl\"\n", PRINTER, "voron-2.4");
+        assert_eq!(profile_in(&without, "printer"), "voron-2.4");
+        assert_eq!(profile_in("[shape]\n", "printer"), "generic-0.4");
     }
 }

@@ -16,14 +16,12 @@ use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 use grainpath_core::DVec3;
-use grainpath_core::slices::SliceCursor;
 
 use super::files::MAX_FILE;
 use super::placement::{Placement, oriented};
-use super::sample::NotFinite;
 use super::{
-    Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
-    error, io_error, sample, spacing, unsupported,
+    AnySlice, Files, InOrder, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem,
+    check_size, damaged, error, io_error, sample, spacing, unsupported,
 };
 
 const FORMAT: &str = "DICOM";
@@ -55,8 +53,6 @@ struct Series {
     info: VolumeInfo,
     files: Files,
     slices: Vec<Slice>,
-    cursor: SliceCursor,
-    not_finite: NotFinite,
 }
 
 pub(super) fn open(
@@ -121,8 +117,7 @@ pub(super) fn open(
         info.spacing_mm = [spacing(dx), spacing(dy), None];
     }
     let placement = arrange(&mut slices, &mut info)?;
-    let cursor = SliceCursor::new(info.size[2]);
-    let series = Series { info, files: files.clone(), slices, cursor, not_finite: NotFinite::default() };
+    let series = InOrder::new(Series { info, files: files.clone(), slices });
     match placement {
         Some(placement) => oriented(series, &placement, files.place()),
         None => Ok(Box::new(series)),
@@ -244,20 +239,12 @@ impl Series {
     }
 }
 
-impl SliceSource for Series {
+impl AnySlice for Series {
     fn info(&self) -> &VolumeInfo {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), SliceError> {
-        self.cursor.restart();
-        self.not_finite.restart();
-        Ok(())
-    }
-
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        out.clear();
-        let Some(k) = self.cursor.slice() else { return Ok(false) };
+    fn read_slice(&mut self, k: usize, out: &mut Vec<f32>) -> Result<(), SliceError> {
         let (s, frame) = self.slice(k);
         let n_pixels = s.size[0] * s.size[1];
         let n_bytes = n_pixels * self.info.sample.n_bytes();
@@ -281,19 +268,9 @@ impl SliceSource for Series {
         // scan.
         let sign = if s.inverted { -1.0 } else { 1.0 };
         let (slope, intercept) = ((s.slope * sign) as f32, (s.intercept * sign) as f32);
-        // Rescale slope and intercept give Hounsfield units for CT (PS3.3, C.11.1).
+        // Rescale slope and intercept give Hounsfield units for CT (PS3.3, C.11.1). A slope of 1e38 overflows f32.
         out.iter_mut().for_each(|v| *v = *v * slope + intercept);
-        // A slope of 1e38 overflows f32.
-        self.not_finite.replace_in(out);
-        Ok(self.cursor.pass())
-    }
-
-    fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        Ok(self.cursor.pass())
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@
 mod dicom;
 mod error;
 mod files;
+mod in_order;
 mod metaimage;
 mod nifti;
 mod nrrd;
@@ -20,8 +21,8 @@ mod zarr;
 
 pub use error::{VolumeError, VolumeProblem};
 pub use files::{Files, ReadSeek, natural_order};
+pub use in_order::{AnySlice, InOrder};
 pub use raw::RawHeader;
-pub use sample::NotFinite;
 pub use write::write_tiff_stack;
 
 use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};

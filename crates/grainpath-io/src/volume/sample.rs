@@ -4,22 +4,22 @@ use grainpath_core::slices::SampleType;
 
 /// Counts and replaces voxels that are NaN or infinite in the file.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct NotFinite {
+pub(super) struct NotFinite {
     /// Number of such voxels since the last restart.
-    pub n_voxels: u64,
+    pub(super) n_voxels: u64,
     /// The lowest finite value of the slices read so far.
     least: Option<f32>,
 }
 
 impl NotFinite {
     /// Starts counting again. The lowest value is kept.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.n_voxels = 0;
     }
 
     /// Replaces values that are not finite by the lowest value of the slice, which is air. A slice
     /// without finite values gets the lowest value so far, or 0 where none is known yet.
-    pub fn replace_in(&mut self, slice: &mut [f32]) {
+    pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
         let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
         let all = self.least.into_iter().chain(least).reduce(f32::min);
         // The lowest value and not 0: in Hounsfield units 0 is water, which would add material.

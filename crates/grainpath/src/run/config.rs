@@ -121,11 +121,10 @@ pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
 }
 
 /// Settings for reading the `n` photographs of a job, for a part with these bounds and this height.
-/// The photographs are those of `guide.image`, or of `shape.photo` where that names none.
+/// The photographs are those of [`Settings::grain_photos`].
 pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
     let (g, image, photo) = (&s.guide, &s.image, &s.photo);
-    // Two places may name photographs; those of `guide.image` come first.
-    let own = !image.files.is_empty();
+    let own = s.guide_has_photos();
     let rotate_rad = if own { image.rotate_deg.to_radians() } else { 0.0 };
     let size_mm = match (own, image.size_mm) {
         (false, _) => DVec2::from(photo.size_mm),

@@ -10,7 +10,7 @@
 //! **Limits.** Integers of 8 to 32 bits and floats; gzip, zlib, zstd, lz4, blosc (without snappy) and crc32c; the first
 //! entry of axes before z, y, x, which is told. A chunk that is not there has the fill value, as Zarr defines; they are counted.
 //!
-//! **Why the crate `zarrs` is not used.** Measured with 0.23.14: 134 crates more, three minutes of building on two cores, and
+//! **Why the crate `zarrs` is not used.** Measured with 0.23.14: 134 crates to compile, most of them new here, three minutes of building on two cores, and
 //! a program of 6.0 MB that does nothing but open an array, where a wheel of 8 MB has to hold everything. Its blosc links the
 //! C++ library of the system. And its codecs take as much memory as a chunk of a few bytes says: gzip unpacks to the end, and
 //! zstd reserves what the frame states. Bytes of strangers may not do that here. What unpacks is in crates of Rust alone.
@@ -24,15 +24,15 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 use std::sync::Arc;
 
-use grainpath_core::slices::SliceCursor;
+use grainpath_core::units::LengthUnit;
 use grainpath_core::{Warning, WarningId};
 use serde_json::Value;
 
 use self::codec::{Shards, ToBytes, packed_limit};
 use self::metadata::{Array, ZARR};
-use super::sample::{self, NotFinite};
 use super::{
-    Files, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, damaged, error, io_error, spacing,
+    AnySlice, Files, InOrder, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, damaged,
+    error, io_error, sample, spacing,
 };
 
 /// Limit on a file of description. Source: derived. A group that repeats the descriptions of ten thousand arrays has 10 MB.
@@ -44,18 +44,8 @@ const MAX_IN_ROW: u64 = 1 << 22;
 /// Folders above an array that are looked at for the image it belongs to. Source: `image/scale0/image` of ngff-zarr has two.
 const MAX_UP: usize = 3;
 
-/// Millimetres of units of length, as OME-Zarr names them. Source: OME-NGFF 0.5, axes (those of UDUNITS-2).
-const UNITS_MM: [(&str, f64); 9] = [
-    ("angstrom", 1e-7),
-    ("nanometer", 1e-6),
-    ("micrometer", 1e-3),
-    ("millimeter", 1.0),
-    ("centimeter", 10.0),
-    ("decimeter", 100.0),
-    ("meter", 1000.0),
-    ("inch", 25.4),
-    ("foot", 304.8),
-];
+/// Millimetres of the units of length that OME-Zarr names and [`LengthUnit`] has not. Source: OME-NGFF 0.5, axes (UDUNITS-2).
+const OTHER_UNITS_MM: [(&str, f64); 3] = [("angstrom", 1e-7), ("nanometer", 1e-6), ("decimeter", 100.0)];
 
 /// The checksum of a shard's index, for the tests of the reader.
 #[cfg(test)]
@@ -220,7 +210,10 @@ fn spacing_mm(
     for (k, out) in out.iter_mut().enumerate() {
         let axis = axes.len() - 1 - k;
         let unit = axes[axis].1.as_deref();
-        let Some((_, mm)) = unit.and_then(|unit| UNITS_MM.iter().find(|(name, _)| *name == unit)) else {
+        let of_scans = |unit| OTHER_UNITS_MM.iter().find(|(name, _)| *name == unit).map(|(_, mm)| *mm);
+        let Some(mm) =
+            unit.and_then(|unit| LengthUnit::from_name(unit).map(LengthUnit::mm).or_else(|| of_scans(unit)))
+        else {
             continue;
         };
         let mm = scale[axis] * mm;
@@ -238,14 +231,12 @@ struct Source {
     /// Folder of the array.
     folder: String,
     array: Arc<Array>,
-    cursor: SliceCursor,
     /// Slices `first..end` as bytes.
     row: Vec<u8>,
     first: usize,
     end: usize,
     /// Indexes of the shards that hold the row.
     indexes: BTreeMap<Vec<u64>, Index>,
-    not_finite: NotFinite,
     absent: u64,
 }
 
@@ -309,19 +300,17 @@ impl Source {
                 },
             ));
         }
-        Ok(Box::new(Self {
+        Ok(Box::new(InOrder::new(Self {
             info,
             files: files.clone(),
             folder,
             array: Arc::new(array),
-            cursor: SliceCursor::new(size[2]),
             row: Vec::new(),
             first: 0,
             end: 0,
             indexes: BTreeMap::new(),
-            not_finite: NotFinite::default(),
             absent: 0,
-        }))
+        })))
     }
 
     fn slice_bytes(&self) -> usize {
@@ -475,38 +464,23 @@ impl Source {
     }
 }
 
-impl SliceSource for Source {
+impl AnySlice for Source {
     fn info(&self) -> &VolumeInfo {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), SliceError> {
-        self.cursor.restart();
-        self.not_finite.restart();
-        (self.first, self.end, self.absent) = (0, 0, 0);
-        Ok(())
-    }
-
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        out.clear();
-        let Some(k) = self.cursor.slice() else { return Ok(false) };
+    fn read_slice(&mut self, k: usize, out: &mut Vec<f32>) -> Result<(), SliceError> {
         self.load(k)?;
         let (n, at) = (self.slice_bytes(), k - self.first);
-        let big_endian = self.array.big_endian();
-        sample::decode(self.info.sample, &self.row[at * n..(at + 1) * n], big_endian, out);
-        self.not_finite.replace_in(out);
-        Ok(self.cursor.pass())
-    }
-
-    fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        Ok(self.cursor.pass())
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
+        sample::decode(self.info.sample, &self.row[at * n..(at + 1) * n], self.array.big_endian(), out);
+        Ok(())
     }
 
     fn n_absent(&self) -> u64 {
         self.absent
+    }
+
+    fn forget(&mut self) {
+        (self.first, self.end, self.absent) = (0, 0, 0);
     }
 }
