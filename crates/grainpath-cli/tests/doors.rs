@@ -2,13 +2,14 @@
 
 mod support;
 
+use std::path::Path;
 use std::process::Command;
 
 use support::{folder, grainpath, json};
 
 /// The commands that `grainpath --help` lists.
-fn commands() -> Vec<String> {
-    let help = grainpath(&folder("doors-help"), &["--help"]);
+fn commands(dir: &Path) -> Vec<String> {
+    let help = grainpath(dir, &["--help"]);
     let text = String::from_utf8_lossy(&help.stdout).into_owned();
     let listed = text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
     let names: Vec<String> = listed.filter_map(|l| l.split_whitespace().next().map(str::to_owned)).collect();
@@ -19,7 +20,7 @@ fn commands() -> Vec<String> {
 #[test]
 fn every_command_shows_two_examples_of_itself() {
     let dir = folder("doors-examples");
-    for name in commands() {
+    for name in commands(&dir) {
         let help = grainpath(&dir, &[&name, "--help"]);
         let text = String::from_utf8_lossy(&help.stdout).into_owned();
         let examples = text.lines().skip_while(|l| *l != "Examples:").skip(1);
@@ -35,7 +36,7 @@ fn completions_know_every_command_and_bash_accepts_them() {
         let script = grainpath(&dir, &["completions", shell]);
         assert!(script.status.success());
         let text = String::from_utf8_lossy(&script.stdout).into_owned();
-        for name in commands() {
+        for name in commands(&dir) {
             assert!(text.contains(&name), "{shell} does not complete {name}");
         }
         if shell == "bash" {
@@ -51,7 +52,7 @@ fn completions_know_every_command_and_bash_accepts_them() {
 fn there_is_a_manual_page_for_each_command_and_no_file_is_lost() {
     let dir = folder("doors-man");
     assert!(grainpath(&dir, &["man", "pages"]).status.success());
-    for name in commands() {
+    for name in commands(&dir) {
         let page = std::fs::read_to_string(dir.join(format!("pages/grainpath-{name}.1"))).expect("a page");
         assert!(page.contains(".TH") && page.contains("Examples"), "{name}: {page}");
     }
