@@ -87,7 +87,7 @@ fn licences_name_the_libraries_and_their_owners() {
 }
 
 /// A block of bright voxels in noise-free air, as NRRD.
-fn scan(dir: &std::path::Path) {
+fn scan(dir: &Path) {
     let mut bytes = b"NRRD0005\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 30 24 20\n\
                       space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\nencoding: raw\n\n"
         .to_vec();
@@ -155,7 +155,7 @@ fn errors_name_pages_that_are_there() {
     let source = include_str!("../../grainpath/src/error.rs");
     let pages: Vec<&str> = source.split('"').filter(|text| text.starts_with("docs/")).collect();
     assert!(pages.len() >= 10, "{pages:?}");
-    let top = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for page in pages {
         assert!(top.join(page).is_file(), "{page} is not there");
     }
