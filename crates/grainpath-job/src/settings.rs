@@ -328,6 +328,7 @@ sections! {
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the density that gives it is found, to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Bead widths of `continuous`.";
         ends: BeadEnds = BeadEnds::Joined, "", Any, "Ends of the beads of `stripes` and `seed-lines` at the border.";
+        spiral: bool = false, "", Any, "Open closed rings of infill into each other, so that rings around one another are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width (two beads).";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far infill reaches into the innermost wall, as a fraction of the bead spacing.";

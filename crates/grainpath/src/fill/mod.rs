@@ -17,6 +17,7 @@ mod honeycomb;
 mod rectilinear;
 mod side_by_side;
 mod spaced;
+mod spiral;
 
 use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Role, Toolpath};
 
@@ -29,6 +30,7 @@ pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 pub use side_by_side::SideBySide;
+pub(crate) use spiral::join_rings;
 
 /// The layer as a pattern needs it.
 #[derive(Clone, Copy)]
@@ -97,7 +99,7 @@ mod tests {
     use grainpath_core::{DVec2, Region};
     use grainpath_job::choices::Choice;
 
-    fn outlines() -> Vec<(&'static str, Region)> {
+    pub(super) fn outlines() -> Vec<(&'static str, Region)> {
         let disc = |r: f64, n: usize| {
             let outer = (0..n).map(|i| direction(i as f64 / n as f64 * std::f64::consts::TAU) * r).collect();
             Region::from(Polygon { outer, holes: Vec::new() })
@@ -118,7 +120,7 @@ mod tests {
 
     static FIELD: grainpath_core::UniformField = grainpath_core::UniformField { axis_rad: 0.4 };
 
-    fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> {
+    pub(super) fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> {
         let part = Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) };
         let role = Role::SparseFill;
         let border_mm = 0.5 * grainpath_core::units::bead_spacing_mm(0.45, 0.2);

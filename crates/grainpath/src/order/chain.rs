@@ -82,7 +82,7 @@ fn push(path: &mut Toolpath, p: DVec2) {
 }
 
 /// A closed path as an open one that ends where it begins.
-fn opened(mut path: Toolpath) -> Toolpath {
+pub(crate) fn opened(mut path: Toolpath) -> Toolpath {
     if path.closed {
         path.closed = false;
         let first = path.points[0];
@@ -95,7 +95,7 @@ fn opened(mut path: Toolpath) -> Toolpath {
 }
 
 /// The part of an open path between two lengths along it.
-fn part(path: &Toolpath, from_mm: f64, to_mm: f64) -> Toolpath {
+pub(crate) fn part(path: &Toolpath, from_mm: f64, to_mm: f64) -> Toolpath {
     let (mut points, mut widths) = (Vec::new(), Vec::new());
     let mut done = 0.0;
     for i in 0..path.n_segments() {

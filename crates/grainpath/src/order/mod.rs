@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::wall::Wall;
 pub use bytes::{PathBytesError, paths_from_bytes, paths_to_bytes};
+pub(crate) use chain::{opened, part};
 pub use comb::CombSettings;
 pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;

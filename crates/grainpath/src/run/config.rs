@@ -501,6 +501,7 @@ fn infill(s: &Settings) -> InfillSettings {
         matrix_pattern: s.fibre.matrix_pattern,
         matrix_density: s.fibre.matrix_density,
         ends: f.ends,
+        spiral: f.spiral,
         continuous: continuous(s),
     }
 }

@@ -13,7 +13,9 @@ use grainpath_job::choices::Pattern;
 use super::steps::Steps;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
-use crate::fill::{Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill};
+use crate::fill::{
+    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill, join_rings,
+};
 use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::region::on_border;
@@ -237,11 +239,17 @@ impl Steps<'_> {
             return;
         }
         for region in regions {
+            let first = out.len();
             let context =
                 &FillContext { border_mm: self.border_of(i, context.border_mm, region), ..*context };
             match asked.grain {
                 Some(grain) => self.along_grain(grain, context, region, out),
                 None => asked.pattern.fill(context, region, out),
+            }
+            if self.settings.infill.spiral {
+                let mut rings = out.split_off(first);
+                join_rings(&mut rings, context.spacing_mm() / context.density.fraction());
+                out.append(&mut rings);
             }
         }
     }

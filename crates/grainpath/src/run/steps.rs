@@ -128,6 +128,8 @@ pub struct InfillSettings {
     pub matrix_density: Density,
     /// Ends of beads along a guide.
     pub ends: BeadEnds,
+    /// Whether closed rings are opened into each other.
+    pub spiral: bool,
     /// Cells and widths of the pattern `continuous`.
     pub continuous: Continuous,
 }
