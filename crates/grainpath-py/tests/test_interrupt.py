@@ -10,6 +10,8 @@ import pytest
 CODE = """
 import sys, time, threading, os, signal, numpy as np
 import grainpath as gp
+# What a shell starts in the background begins with Ctrl-C ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 class Pin:
     # A pin of 4000 planes, each made when it is asked for.
     shape, dtype = (4000, 1500, 1500), np.dtype("u1")
