@@ -38,7 +38,7 @@ const REACH: f64 = 1.7;
 const RAMP_POINTS: usize = 8;
 
 /// A ring as an open path that ends where it begins.
-struct Ring {
+struct ClosedBead {
     path: Toolpath,
     length_mm: f64,
 }
@@ -53,7 +53,7 @@ struct Nearest {
     ahead: DVec2,
 }
 
-impl Ring {
+impl ClosedBead {
     fn new(path: Toolpath) -> Self {
         let path = opened(path);
         Self { length_mm: path.length_mm(), path }
@@ -115,7 +115,8 @@ fn append(path: &mut Toolpath, next: Toolpath) {
 pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
     let (closed, open): (Vec<_>, Vec<_>) = std::mem::take(paths).into_iter().partition(|p| p.closed);
     *paths = open;
-    let rings: Vec<Ring> = closed.into_iter().filter(|p| p.points.len() > 2).map(Ring::new).collect();
+    let rings: Vec<ClosedBead> =
+        closed.into_iter().filter(|p| p.points.len() > 2).map(ClosedBead::new).collect();
     let mut left: BTreeSet<usize> = (0..rings.len()).collect();
     let by_length = |i: &usize, j: &usize| rings[*i].length_mm.total_cmp(&rings[*j].length_mm);
     // Of equally long rings the first one.
@@ -166,7 +167,7 @@ struct Ramp {
 
 /// The ramp from the end of a ring to its nearest neighbour, and the neighbour from there on.
 fn ramp_to_next(
-    rings: &[Ring],
+    rings: &[ClosedBead],
     left: &BTreeSet<usize>,
     ring: &Toolpath,
     step_mm: f64,
