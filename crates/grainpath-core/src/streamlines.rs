@@ -7,10 +7,37 @@
 //! points in a few cells.
 
 use std::collections::VecDeque;
+use std::iter::Sum;
+use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::buckets::PointGrid2;
 use crate::math::pow;
-use crate::{Bounds2, DVec2};
+use crate::{Bounds2, DVec2, DVec3};
+
+/// A place in the plane or in space, in which lines are traced.
+pub trait Place:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> + Mul<f64, Output = Self> + Sum
+{
+    /// The scalar product.
+    fn dot(self, other: Self) -> f64;
+}
+
+impl Place for DVec2 {
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+}
+
+impl Place for DVec3 {
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+}
+
+/// Distance of two places, mm.
+fn distance<P: Place>(a: P, b: P) -> f64 {
+    (a - b).dot(a - b).sqrt()
+}
 
 /// Accuracy and length of a traced line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,19 +52,19 @@ pub struct LineSettings {
 
 /// A traced line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TracedLine {
+pub struct TracedLine<P = DVec2> {
     /// Its points, mm.
-    pub points: Vec<DVec2>,
+    pub points: Vec<P>,
     /// Whether the line returned to its beginning. The first point is then not repeated.
     pub closed: bool,
 }
 
-impl TracedLine {
+impl<P: Place> TracedLine<P> {
     /// Length, mm.
     pub fn length_mm(&self) -> f64 {
-        let open: f64 = self.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let open: f64 = self.points.windows(2).map(|w| distance(w[0], w[1])).sum();
         let ends = [self.points.first(), self.points.last()];
-        open + if let (true, [Some(a), Some(b)]) = (self.closed, ends) { a.distance(*b) } else { 0.0 }
+        open + if let (true, [Some(a), Some(b)]) = (self.closed, ends) { distance(*a, *b) } else { 0.0 }
     }
 }
 
@@ -59,12 +86,12 @@ const ERROR: [f64; 7] =
 /// Traces the line through `seed` in both directions. `axis` gives the field's axis as a unit
 /// vector of either sign, or `None` where the line has to end. `stop` may end the line too; it gets
 /// each new point and the length so far.
-pub fn trace_line(
-    seed: DVec2,
-    axis: &dyn Fn(DVec2) -> Option<DVec2>,
-    stop: &dyn Fn(DVec2, f64) -> bool,
+pub fn trace_line<P: Place>(
+    seed: P,
+    axis: &dyn Fn(P) -> Option<P>,
+    stop: &dyn Fn(P, f64) -> bool,
     settings: &LineSettings,
-) -> TracedLine {
+) -> TracedLine<P> {
     let Some(first) = axis(seed) else { return TracedLine { points: vec![seed], closed: false } };
     let (forwards, closed) = half(seed, first, axis, stop, settings);
     if closed {
@@ -77,13 +104,13 @@ pub fn trace_line(
 }
 
 /// One half of a line, and whether it returned to its beginning.
-fn half(
-    seed: DVec2,
-    heading: DVec2,
-    axis: &dyn Fn(DVec2) -> Option<DVec2>,
-    stop: &dyn Fn(DVec2, f64) -> bool,
+fn half<P: Place>(
+    seed: P,
+    heading: P,
+    axis: &dyn Fn(P) -> Option<P>,
+    stop: &dyn Fn(P, f64) -> bool,
     settings: &LineSettings,
-) -> (Vec<DVec2>, bool) {
+) -> (Vec<P>, bool) {
     let mut points = vec![seed];
     let (mut at, mut heading) = (seed, heading);
     let first = heading;
@@ -92,7 +119,7 @@ fn half(
     let mut length = 0.0;
     // Below a thousandth of the step the line is as good as at the border.
     let least = 1e-3 * settings.step_mm;
-    let along = |p: DVec2, heading: DVec2| -> Option<DVec2> {
+    let along = |p: P, heading: P| -> Option<P> {
         let a = axis(p)?;
         // Nearly at right angles to the heading: the line has come to a degenerate point, and
         // either sign would be arbitrary.
@@ -118,14 +145,14 @@ fn half(
             step *= factor;
             continue;
         }
-        length += at.distance(to);
+        length += distance(at, to);
         // The line closes if it passes its beginning in the same direction.
         if length > 4.0 * settings.step_mm && onward.dot(first) > 0.8 {
             let d = to - at;
-            let t = ((seed - at).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
-            if seed.distance(at + t * d) < 0.1 * settings.step_mm {
+            let t = ((seed - at).dot(d) / d.dot(d).max(1e-300)).clamp(0.0, 1.0);
+            if distance(seed, at + d * t) < 0.1 * settings.step_mm {
                 // A last point close to the first would make a stub.
-                if seed.distance(points[points.len() - 1]) < 0.2 * settings.step_mm {
+                if distance(seed, points[points.len() - 1]) < 0.2 * settings.step_mm {
                     points.pop();
                 }
                 return (points, true);
@@ -148,23 +175,17 @@ fn fifth_root(x: f64) -> f64 {
 
 /// One step: its end, the heading there, and the estimated error; `None` where a stage leaves the
 /// field.
-fn attempt(
-    at: DVec2,
-    heading: DVec2,
-    step: f64,
-    along: &dyn Fn(DVec2, DVec2) -> Option<DVec2>,
-) -> Option<(DVec2, DVec2, f64)> {
-    let mut k = [DVec2::ZERO; 7];
-    k[0] = along(at, heading)?;
+fn attempt<P: Place>(at: P, heading: P, step: f64, along: &dyn Fn(P, P) -> Option<P>) -> Option<(P, P, f64)> {
+    let mut k = [along(at, heading)?; 7];
     for stage in 0..6 {
-        let p = at + step * (0..=stage).map(|j| A[stage][j] * k[j]).sum::<DVec2>();
+        let p = at + (0..=stage).map(|j| k[j] * A[stage][j]).sum::<P>() * step;
         // Every stage is aligned with the first one, so that all derivatives of the step have the
         // same sign.
         k[stage + 1] = along(p, k[0])?;
     }
-    let to = at + step * (0..6).map(|j| A[5][j] * k[j]).sum::<DVec2>();
-    let error = (step * (0..7).map(|j| ERROR[j] * k[j]).sum::<DVec2>()).length();
-    Some((to, k[6], error))
+    let to = at + (0..6).map(|j| k[j] * A[5][j]).sum::<P>() * step;
+    let error = (0..7).map(|j| k[j] * ERROR[j]).sum::<P>() * step;
+    Some((to, k[6], error.dot(error).sqrt()))
 }
 
 /// Spacing of evenly spaced lines.

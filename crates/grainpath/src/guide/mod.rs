@@ -11,6 +11,7 @@ mod direction;
 pub mod field;
 pub mod grain;
 mod import;
+mod inside;
 mod plane;
 mod results;
 mod solid;
@@ -40,6 +41,7 @@ use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 
 use crate::shape::Standing;
+pub use inside::{ResultVolume, StressLine};
 pub use results::{Families, ResultSurface};
 
 /// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the machine's contact
