@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::strength::{Done, is_job, job_of, test_one};
 use crate::args::Compare;
-use crate::inputs::{read_job, set_threads};
+use crate::inputs::{read_job, read_settings, set_threads};
 use crate::{Failure, files, memory, outputs};
 
 /// `grainpath compare`
@@ -16,7 +16,13 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     // All names are checked before the first test, which may take minutes.
     for input in &args.inputs {
-        read_job(job_of(input, args.job.as_deref())?, &args.common.sets)?;
+        let job = job_of(input, args.job.as_deref())?;
+        // A program may be its own part; a job needs a shape.
+        if is_job(input) {
+            read_job(job, &args.common.sets)?;
+        } else {
+            read_settings(job, &args.common.sets)?;
+        }
         std::fs::metadata(input)
             .map_err(|e| Failure::input(format!("{}: {}", input.display(), files::plain(&e))))?;
     }
