@@ -15,9 +15,10 @@ export interface Warning { id: string; text: string; place?: string; remedy?: st
 export interface StrengthReport {
   peak_load_n: number; low_n: number; high_n: number; stiffness_n_per_mm: number; first_n: number; peak_displacement_mm: number; job_load_n: number; mode: string;
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
-  card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; seconds: number;
+  card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; grid_share: number; seconds: number;
 }
-export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: { cell_mm: number[]; angle_rad: number; cells: number } | null }
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
+export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
 export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
 export interface ShapeReport {
   bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number;
@@ -26,6 +27,8 @@ export interface ShapeReport {
 }
 export interface Resultant { case: string; name: string; area_mm2: number; at_mm: number[]; force_n: number[]; moment_nmm: number[] }
 export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
+/** A line of the history. */
+export interface RunRow { at_s: number; kind: "plan" | "strength"; name: string; input: string | null; mass_g: number | null; time_s: number | null; layers: number | null; strength: StrengthReport | null }
 export interface Profile { kind: string; name: string; about: string; toml: string }
 
 /** The sentence of an error of the server. */
@@ -63,6 +66,7 @@ export const examples = () => json<{ examples: { name: string; about: string }[]
 export const example = (name: string) => json<{ path: string }>(`v1/examples?name=${encodeURIComponent(name)}`, { method: "POST" });
 export const schema = () => json<Schema>("v1/schema");
 export const profiles = () => json<{ profiles: Profile[] }>("v1/profiles");
+export const history = () => json<{ runs: RunRow[] }>("v1/history");
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
 export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);
 

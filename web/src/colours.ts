@@ -1,6 +1,8 @@
 // Colours of beads. The same tables fill the textures of the graphics card and the legend.
 
 export type ColourBy = "role" | "speed" | "width" | "angle" | "flow" | "height";
+/** How what broke is shown: elements by the share of stiffness lost or by the order of breaking, or beads by that order. */
+export type CrackBy = "lost" | "order" | "beads";
 export const COLOUR_BY: [ColourBy, string][] = [
   ["role", "Role"], ["speed", "Speed, mm/s"], ["width", "Width, mm"], ["angle", "Angle in the plane"], ["flow", "Flow, mm³/s"], ["height", "Height, mm"],
 ];

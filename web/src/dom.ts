@@ -34,6 +34,33 @@ export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   return found as T;
 }
 
+/**
+ * Makes a button play a slider from where it is to its end, all of it in so many seconds; pressed again, it stops. At the end
+ * it begins at `from()`.
+ */
+export function player(button: HTMLElement, slider: HTMLInputElement, seconds: number, label: string, from: () => string, each: () => void): () => void {
+  let frame = 0;
+  const show = (isPlaying: boolean) => { button.textContent = isPlaying ? "⏸" : "▶"; button.setAttribute("aria-label", isPlaying ? "Pause" : label); };
+  const stop = () => { cancelAnimationFrame(frame); frame = 0; show(false); };
+  show(false);
+  return () => {
+    if (frame) { stop(); return; }
+    if (slider.value === slider.max) slider.value = from();
+    show(true);
+    const n = Number(slider.max);
+    let at = Number(slider.value);
+    let before = performance.now();
+    const step = (now: number) => {
+      at += ((now - before) / (1000 * seconds)) * n;
+      before = now;
+      slider.value = String(Math.min(Math.round(at), n));
+      each();
+      if (at >= n || !slider.isConnected) stop(); else frame = requestAnimationFrame(step);
+    };
+    frame = requestAnimationFrame(step);
+  };
+}
+
 /** A number with so many digits after the point. */
 export function fixed(value: number, digits: number): string {
   return value.toFixed(digits);

@@ -7,11 +7,12 @@ import { Matrix4, Vector3 } from "three";
 import * as api from "./api";
 import { gradient, ramp, type Rgb } from "./colours";
 import { el, fixed } from "./dom";
+import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
 import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity } from "./part";
 import { plainNumber, type ShapePanel } from "./shape";
 import { blocks, change, get, insert, remove, set, value, type Block, type Value } from "./toml";
-import type { Viewer } from "./viewer";
+import type { Gesture, Viewer } from "./viewer";
 
 interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; shape: ShapePanel; test: () => void }
 
@@ -33,7 +34,7 @@ export class LoadsPanel {
   private items: Item[] = [];
   /** Named load cases, in the order of the text. */
   private cases: { name: string; block: Block }[] = [];
-  private stress: { view: StressView; id: number; cases: string[]; report: api.StressReport; text: string; warnings: api.Warning[] } | null = null;
+  private stress: { view: StressView; id: number; cases: string[]; report: api.StressReport; text: string; warnings: api.Warning[]; inside: Inside } | null = null;
   private shown: { what: Quantity; case: number; scale: [number, number] | null; magnified: number; isOn: boolean } = { what: "mises", case: 0, scale: null, magnified: 0, isOn: true };
   private readonly list = el("div", { id: "items" });
   private readonly picked = el("div", { id: "picked" });
@@ -44,7 +45,7 @@ export class LoadsPanel {
 
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.partChanged(); }
 
-  setActive(isActive: boolean): void { this.isActive = isActive; this.legend(); }
+  setActive(isActive: boolean): void { this.isActive = isActive; if (!isActive) this.setGesture("turn"); this.legend(); }
 
   private get text(): string { return this.parts.job.text() ?? ""; }
   private put(text: string): void { this.parts.job.put(text); }
@@ -65,7 +66,7 @@ export class LoadsPanel {
       return el("li", {}, button);
     });
     this.panel.replaceChildren(
-      el("h2", {}, "Chosen faces"), this.picked,
+      el("h2", {}, "Chosen faces"), this.tools(), this.picked,
       el("details", { id: "all-faces" }, el("summary", {}, `All faces (${report.faces_in_all})`), el("ul", { class: "plain faces" }, ...faces), ...(report.faces_in_all > report.faces.length ? [el("p", { class: "note" }, `${report.faces_in_all - report.faces.length} smaller ones are not listed.`)] : [])),
       el("h2", {}, "Fixtures and loads"), this.list,
       el("h2", {}, "Stress"),
@@ -78,6 +79,21 @@ export class LoadsPanel {
     this.drawn = "";
     this.textChanged();
     this.chosenChanged();
+  }
+
+  /** Ways of choosing several faces at once. */
+  private tools(): HTMLElement {
+    const drag = (gesture: "box" | "brush", label: string, title: string) => el("button", { type: "button", id: gesture, "aria-pressed": "false", title, onclick: () => this.setGesture(this.parts.viewer()?.dragging === gesture ? "turn" : gesture) }, label);
+    const grow = (id: string, isSmooth: boolean, label: string, title: string) => el("button", { type: "button", id, disabled: true, title, onclick: () => this.parts.shape.grow(isSmooth) }, label);
+    return el("div", { class: "row", id: "tools" },
+      drag("box", "Box", "Drag a box around faces (or hold R and drag)"), drag("brush", "Brush", "Drag over faces (or hold B and drag)"),
+      grow("grow", true, "Grow", "Add the neighbours over smooth edges (G)"), grow("grow-all", false, "All neighbours", "Add all neighbours (Shift+G)"));
+  }
+
+  /** Sets what a drag over the part does. */
+  setGesture(gesture: Gesture): void {
+    this.parts.viewer()?.setGesture(gesture);
+    for (const id of ["box", "brush"]) document.getElementById(id)?.setAttribute("aria-pressed", String(gesture === id));
   }
 
   private followBox(): HTMLElement {
@@ -303,6 +319,7 @@ export class LoadsPanel {
     for (const button of this.panel.querySelectorAll<HTMLElement>("button.face")) button.setAttribute("aria-pressed", String(chosen.includes(Number(button.dataset.face))));
     const known = chosen.filter((f) => report?.faces[f]);
     const nothing = known.length === 0;
+    for (const id of ["grow", "grow-all"]) { const button = document.getElementById(id) as HTMLButtonElement | null; if (button) button.disabled = chosen.length === 0; }
     const [hold, load] = [el("button", { type: "button", id: "hold-here", disabled: nothing, onclick: () => this.add("fixture") }, "Hold here"), el("button", { type: "button", id: "load-here", disabled: nothing, onclick: () => this.add("load") }, "Load here")];
     const undo = el("button", { type: "button", id: "undo", disabled: !this.parts.job.canUndo, "aria-label": "Undo", title: "Undo (Ctrl+Z)", onclick: () => this.parts.job.undo() }, "↶");
     const redo = el("button", { type: "button", id: "redo", disabled: !this.parts.job.canRedo, "aria-label": "Redo", title: "Redo (Ctrl+Shift+Z)", onclick: () => this.parts.job.redo() }, "↷");
@@ -423,7 +440,7 @@ export class LoadsPanel {
       const shown = new StressView(bytes, () => { document.documentElement.dataset.stress = String(end.id); });
       shown.take(new Float32Array(nine));
       view.setStress(shown);
-      this.stress = { view: shown, id: end.id, cases: result.cases ?? [], report: result.report.stress as api.StressReport, text, warnings: result.warnings };
+      this.stress = { view: shown, id: end.id, cases: result.cases ?? [], report: result.report.stress as api.StressReport, text, warnings: result.warnings, inside: new Inside(shown, end.id, view.low, view.high, this.parts) };
       this.shown = { ...this.shown, case: 0, scale: null, magnified: 0, isOn: true };
       this.tell();
     } catch (error) {
@@ -436,6 +453,7 @@ export class LoadsPanel {
     try {
       this.stress.view.take(new Float32Array(await api.bytes(`v1/jobs/${this.stress.id}/stress/${k}`)));
       this.shown = { ...this.shown, case: k, scale: null };
+      this.stress.inside.setCase(k);
       this.colour();
     } catch (error) {
       this.parts.say((error as Error).message, true);
@@ -477,6 +495,7 @@ export class LoadsPanel {
       el("div", { class: "row" }, end("scale-low", 0, "Scale from"), end("scale-high", 1, "to")),
       el("div", { class: "row" }, el("label", {}, "Displacement drawn", slider), words),
       el("label", { for: "stress-on", class: "check" }, on, " show the stress on the part"),
+      ...this.stress!.inside.fields(),
       ...warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
     );
     this.colour();

@@ -4,11 +4,13 @@ import * as api from "./api";
 import { Beads, type Bead } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, circle, css, gradient, ramp, type ColourBy } from "./colours";
-import { byId, duration, el, fixed } from "./dom";
+import { byId, duration, el, fixed, player } from "./dom";
+import { history } from "./history";
 import { JobPanel } from "./job";
 import { LoadsPanel } from "./loads";
 import { ShapePanel } from "./shape";
 import { StrengthPanel } from "./strength";
+import { Tour } from "./tour";
 import { Viewer } from "./viewer";
 
 /** Records that are asked for at a time: 512 kB on the wire. */
@@ -32,7 +34,7 @@ const from = byId<HTMLInputElement>("from");
 const to = byId<HTMLInputElement>("to");
 
 const job = new JobPanel(byId("panel-job"), { run, say });
-const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id) });
+const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
 const shape = new ShapePanel(byId("panel-shape"), { run, viewer: () => viewer, job, openLoads: () => tab("loads") });
 const loads = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
 job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); } };
@@ -93,6 +95,7 @@ function ensureViewer(): Viewer | null {
   viewer.onHover = tellBead;
   viewer.onPick = (side) => strength.pick(side);
   viewer.onFace = (face, at) => tellFace(face, at);
+  viewer.onPickFaces = (faces) => shape.add(faces);
   viewer.onPickFace = (face, isAdded) => shape.choose(face, isAdded);
   return viewer;
 }
@@ -231,27 +234,8 @@ function movesChanged(): void {
   viewer?.setRange({ low: Number(low.value), high: Number(high.value), from: Number(from.value), to: Number(to.value) });
 }
 
-let playing = 0;
-function play(): void {
-  const button = byId("play");
-  if (playing) { cancelAnimationFrame(playing); playing = 0; button.textContent = "▶"; button.setAttribute("aria-label", "Play the moves of the layer"); return; }
-  if (to.value === to.max) to.value = from.value;
-  button.textContent = "⏸";
-  button.setAttribute("aria-label", "Pause");
-  const n = Number(to.max);
-  let at = Number(to.value);
-  let before = performance.now();
-  const step = (now: number) => {
-    // A layer takes eight seconds, whatever its moves.
-    at += ((now - before) / 8000) * n;
-    before = now;
-    to.value = String(Math.min(Math.round(at), n));
-    movesChanged();
-    if (at >= n) { playing = 0; button.textContent = "▶"; return; }
-    playing = requestAnimationFrame(step);
-  };
-  playing = requestAnimationFrame(step);
-}
+// A layer takes eight seconds, whatever its moves.
+const play = player(byId("play"), to, 8, "Play the moves of the layer", () => from.value, movesChanged);
 
 // ---- colours and numbers ---------------------------------------------------------------------------------------
 
@@ -375,8 +359,8 @@ function tab(name: (typeof TABS)[number]): void {
     button.tabIndex = t === name ? 0 : -1;
     byId(`panel-${t}`).hidden = t !== name;
   }
-  strength.setActive(name === "strength");
   overlays();
+  strength.setActive(name === "strength");
   loads.setActive(name === "loads");
 }
 
@@ -407,9 +391,14 @@ document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName) || document.querySelector("dialog[open]")) return;
   const views: Record<string, string> = { "1": "top", "2": "front", "3": "side", "4": "oblique" };
   const pace = event.shiftKey ? 10 : 1;
+  const key = event.key.toLowerCase();
+  const isChoosing = active === "loads" && Boolean(viewer?.isPartShown);
   if (event.key in views) viewer?.view(views[event.key]!);
+  else if (event.key === "Escape" && viewer && viewer.dragging !== "turn") loads.setGesture("turn");
   else if (event.key === "Escape" && shape.chosen.length > 0) shape.choose(-1, false);
-  else if (viewer?.isPartShown && !["o", "?"].includes(event.key)) return;
+  else if (isChoosing && key in HELD_KEYS) { if (!event.repeat) loads.setGesture(HELD_KEYS[key]!); }
+  else if (isChoosing && key === "g") shape.grow(!event.shiftKey);
+  else if (viewer?.isPartShown && !["o", "?", "h"].includes(event.key)) return;
   else if (event.key === "ArrowUp") shift(high, pace, rangeChanged);
   else if (event.key === "ArrowDown") shift(high, -pace, rangeChanged);
   else if (event.key === "PageUp") shift(low, pace, rangeChanged);
@@ -421,20 +410,26 @@ document.addEventListener("keydown", (event) => {
   else if (event.key === "t") { const box = document.getElementById(`class-${CLASS_COLOURS.length - 1}`); box?.click(); }
   else if (event.key === "o") void choose();
   else if (event.key === "?") help();
+  else if (key === "h") void runs();
   else if (event.key === " " && target.tagName !== "BUTTON") play();
   else return;
   event.preventDefault();
 });
 
+/** Keys that say what a drag does while they are held. */
+const HELD_KEYS: Record<string, "box" | "brush"> = { r: "box", b: "brush" };
+document.addEventListener("keyup", (event) => { if (HELD_KEYS[event.key.toLowerCase()] === viewer?.dragging) loads.setGesture("turn"); });
+
 function help(): void {
   const keys: [string, string][] = [
     ["o", "open a file"], ["1 2 3 4", "look from the top, the front, the side, obliquely"], ["↑ ↓", "highest layer; with shift ten at a time"], ["PageUp PageDown", "lowest layer"],
-    ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["Ctrl+Z Ctrl+Shift+Z", "undo and redo a change of the job"], ["Esc", "choose no face"], ["?", "this page"],
+    ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["Ctrl+Z Ctrl+Shift+Z", "undo and redo a change of the job"], ["R B", "hold and drag: choose the faces in a box, or all that are touched"], ["G", "neighbours over smooth edges too; with shift all neighbours"], ["Esc", "choose no face"], ["h", "runs, and two side by side"], ["?", "this page"],
   ];
   const dialog = byId<HTMLDialogElement>("keys");
   dialog.replaceChildren(
     el("h2", {}, "Keys"), el("table", {}, ...keys.map(([k, words]) => el("tr", {}, el("td", {}, ...k.split(" ").map((one) => el("kbd", {}, one))), el("td", {}, words)))),
     el("h2", {}, "Pointer"), el("p", {}, "Drag turns, scroll zooms, drag with the right button moves. Rest on a bead for its numbers, on a face for its name, on a stress for its values. Click a face to choose it, with shift further ones."),
+    el("p", {}, el("button", { type: "button", id: "show-tour", onclick: () => { dialog.close(); tour.go(0); byId("tour-next").focus(); } }, "Show the tour")),
     el("p", {}, el("a", { href: "licences.txt", target: "_blank" }, "Licences of the page")),
     el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
   );
@@ -451,12 +446,18 @@ async function choose(): Promise<void> {
   if (chosen) await open(chosen.path, chosen.kind);
 }
 
+/** Opens the history of runs; `chosen` of the newest are side by side at once. */
+async function runs(chosen = 0): Promise<void> {
+  try { await history(byId<HTMLDialogElement>("history"), chosen); } catch (error) { say((error as Error).message, true); }
+}
+
 let saved: string | null = null;
 try { saved = localStorage.getItem("theme"); } catch { /* Private windows may refuse. */ }
 setTheme(saved ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 byId("theme").addEventListener("click", () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
 byId("open").addEventListener("click", () => void choose());
 byId("help").addEventListener("click", help);
+byId("runs").addEventListener("click", () => void runs());
 byId("play").addEventListener("click", play);
 for (const input of [high, low]) input.addEventListener("input", rangeChanged);
 for (const input of [from, to]) input.addEventListener("input", movesChanged);
@@ -492,7 +493,8 @@ async function start(): Promise<void> {
     say((error as Error).message, true);
   }
 }
-void start();
+const tour = new Tour(byId("tour"));
+void start().then(() => tour.first());
 
 // Tests look at the view through this; the page itself does not use it.
 Object.defineProperty(window, "studio", { get: () => ({ viewer, show, part: shape.view, report: shape.report, chosen: shape.chosen, rendererName: viewer?.rendererName }) });

@@ -4,15 +4,17 @@
 // Each triangle carries the number of its face; a texture holds the colour of each face, so that choosing one uploads four
 // bytes and not the mesh.
 
-import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, type Ray } from "three";
+import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, Group, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4, type Ray } from "three";
 import { ramp, table, type Rgb } from "./colours";
-import { Search } from "./search";
+import { Search, type Hit } from "./search";
 
 /** Colours of faces: plain, chosen, held, loaded. Told apart by brightness too. */
 export const FACE: Rgb = [178, 188, 196];
 export const CHOSEN: Rgb = [245, 196, 66];
 export const HELD: Rgb = [70, 130, 190];
 export const LOADED: Rgb = [226, 120, 58];
+/** An edge is smooth where the normals of its triangles are within 20 degrees. Source: chosen; a quarter round of five sides has 18, and bevels are 30 and more. */
+const SMOOTH_COS = Math.cos((20 * Math.PI) / 180);
 /** Faces in a row of the texture. */
 const ROW = 1024;
 
@@ -30,15 +32,36 @@ void main() {
   result = vec4(colour * (0.5 + 0.55 * lit), 1.0);
 }`;
 const STRESS_VERTEX = `
-in float value; in vec3 moved; uniform float magnify; out vec3 at; out float v;
-void main() { v = value; vec4 eye = modelViewMatrix * vec4(position + magnify * moved, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
+in float value; in vec3 moved; uniform float magnify; out vec3 at; out vec3 rest; out float v;
+void main() { v = value; rest = position; vec4 eye = modelViewMatrix * vec4(position + magnify * moved, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
 const STRESS_FRAGMENT = `
-in vec3 at; in float v; out vec4 result; uniform sampler2D colours; uniform vec2 scale;
+in vec3 at; in vec3 rest; in float v; out vec4 result; uniform sampler2D colours; uniform vec2 scale; uniform vec4 clip; uniform float opacity;
 void main() {
+  if (dot(clip.xyz, rest) > clip.w) discard;
   ${LIGHT}
   float t = clamp((v - scale.x) / max(scale.y - scale.x, 1e-12), 0.0, 1.0);
-  result = vec4(texture(colours, vec2(t * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb * (0.82 + 0.18 * lit), 1.0);
+  result = vec4(texture(colours, vec2(t * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb * (0.82 + 0.18 * lit), opacity);
 }`;
+/** Colours of principal lines. */
+export const TENSION: Rgb = [200, 30, 40];
+export const COMPRESSION: Rgb = [30, 70, 205];
+/** Width of a principal line, pixels. */
+const LINE_PX = 2.5;
+/** Each segment is a strip of the screen between its two ends. */
+const LINES_VERTEX = `
+in vec4 a; in vec4 b; uniform vec2 pixels; out vec3 rest; out float v;
+void main() {
+  vec4 here = position.x < 0.5 ? a : b; rest = here.xyz; v = here.w;
+  vec4 p = projectionMatrix * modelViewMatrix * vec4(a.xyz, 1.0); vec4 q = projectionMatrix * modelViewMatrix * vec4(b.xyz, 1.0);
+  vec2 along = (q.xy / q.w - p.xy / p.w) * pixels; along /= max(length(along), 1e-6);
+  vec4 end = position.x < 0.5 ? p : q;
+  gl_Position = end + vec4(vec2(-along.y, along.x) * position.y * ${LINE_PX.toFixed(1)} / pixels * end.w, 0.0, 0.0);
+}`;
+const LINES_FRAGMENT = `
+in vec3 rest; in float v; out vec4 result; uniform vec4 clip;
+void main() { if (dot(clip.xyz, rest) > clip.w) discard; result = vec4(v > 0.0 ? vec3(${TENSION.join(".0, ")}.0) / 255.0 : vec3(${COMPRESSION.join(".0, ")}.0) / 255.0, 1.0); }`;
+/** How much of the surface is left over the lines in it. */
+const GHOST = 0.16;
 
 export interface Surface { points: Float32Array; corners: Uint32Array; face: Uint32Array; faulty: Float32Array; borders: Uint32Array }
 
@@ -91,12 +114,16 @@ const COVERED = 0.995;
 
 /** The stress of a job on its surface. */
 export class StressView {
-  readonly mesh: Mesh;
+  readonly group = new Group();
+  private readonly mesh: Mesh;
+  private section: { mesh: Mesh; nine: Float32Array; corners: Uint32Array; search: Search } | null = null;
+  private lines: Mesh<InstancedBufferGeometry, ShaderMaterial> | null = null;
+  private what: Quantity = "mises";
   private readonly material: ShaderMaterial;
-  private readonly search: Search;
-  private nine: Float32Array = new Float32Array(0);
+  readonly search: Search;
+  nine: Float32Array = new Float32Array(0);
   private readonly points: Float32Array;
-  private readonly corners: Uint32Array;
+  readonly corners: Uint32Array;
 
   constructor(bytes: ArrayBuffer, then: () => void) {
     const [n, m] = new Uint32Array(bytes, 0, 2) as unknown as [number, number];
@@ -110,10 +137,76 @@ export class StressView {
     const colours = new DataTexture(table(ramp), 256, 1, RGBAFormat);
     colours.minFilter = colours.magFilter = NearestFilter;
     colours.needsUpdate = true;
-    this.material = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: STRESS_VERTEX, fragmentShader: STRESS_FRAGMENT, side: DoubleSide, uniforms: { colours: { value: colours }, scale: { value: new Vector2(0, 1) }, magnify: { value: 0 } } });
+    this.material = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: STRESS_VERTEX, fragmentShader: STRESS_FRAGMENT, side: DoubleSide, uniforms: { colours: { value: colours }, scale: { value: new Vector2(0, 1) }, magnify: { value: 0 }, clip: { value: new Vector4(0, 0, 0, 1) }, opacity: { value: 1 } } });
     this.mesh = new Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
+    this.group.add(this.mesh);
     this.search = new Search(this.points, this.corners, then);
+  }
+
+  /** Shows a section at a place on an axis and takes away the half before it; null shows the whole part. */
+  setSection(bytes: ArrayBuffer | null, axis: number, at: number, isLowKept: boolean): void {
+    if (this.section) { this.group.remove(this.section.mesh); this.section.mesh.geometry.dispose(); (this.section.mesh.material as ShaderMaterial).dispose(); this.section = null; }
+    const clip = this.material.uniforms.clip!.value as Vector4;
+    clip.set(0, 0, 0, 1);
+    if (!bytes) return;
+    clip.setComponent(axis, isLowKept ? 1 : -1).setW(isLowKept ? at : -at);
+    const [n, m] = new Uint32Array(bytes, 0, 2) as unknown as [number, number];
+    const points = new Float32Array(bytes, 8, 3 * n);
+    const corners = new Uint32Array(bytes, 8 + 12 * n, 3 * m);
+    const nine = new Float32Array(bytes, 8 + 12 * n + 12 * m, 9 * n);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(points, 3));
+    geometry.setAttribute("value", new BufferAttribute(new Float32Array(n), 1));
+    geometry.setAttribute("moved", new BufferAttribute(Float32Array.from({ length: 3 * n }, (_, k) => nine[9 * Math.floor(k / 3) + 6 + (k % 3)]!), 3));
+    geometry.setIndex(new BufferAttribute(corners, 1));
+    const whole = { clip: { value: new Vector4(0, 0, 0, 1) }, opacity: { value: 1 } };
+    const mesh = new Mesh(geometry, new ShaderMaterial({ glslVersion: GLSL3, vertexShader: STRESS_VERTEX, fragmentShader: STRESS_FRAGMENT, side: DoubleSide, uniforms: { ...this.material.uniforms, ...whole } }));
+    mesh.frustumCulled = false;
+    this.group.add(mesh);
+    this.section = { mesh, nine, corners, search: new Search(points, corners, () => {}) };
+    this.values(mesh, nine);
+  }
+
+  get hasLines(): boolean { return this.lines !== null; }
+
+  /** Shows principal lines, and the surface as a veil over them; null shows the surface alone. */
+  setLines(bytes: ArrayBuffer | null): void {
+    if (this.lines) { this.group.remove(this.lines); this.lines.geometry.dispose(); this.lines.material.dispose(); this.lines = null; }
+    const count = bytes ? new Uint32Array(bytes, 0, 1)[0]! : 0;
+    this.material.uniforms.opacity!.value = count > 0 ? GHOST : 1;
+    this.material.transparent = count > 0;
+    this.material.depthWrite = count === 0;
+    if (!bytes || count === 0) return;
+    const lengths = new Uint32Array(bytes, 4, count);
+    const points = new Float32Array(bytes, 4 + 4 * count);
+    const ends: number[] = [];
+    let from = 0;
+    for (const length of lengths) {
+      for (let k = from; k + 1 < from + length; k++) ends.push(...points.subarray(4 * k, 4 * k + 8));
+      from += length;
+    }
+    const geometry = new InstancedBufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, 1, 0, 0, -1, 0, 1, 1, 0, 1, -1, 0]), 3));
+    geometry.setIndex([0, 1, 2, 2, 1, 3]);
+    const buffer = new InstancedInterleavedBuffer(new Float32Array(ends), 8);
+    geometry.setAttribute("a", new InterleavedBufferAttribute(buffer, 4, 0));
+    geometry.setAttribute("b", new InterleavedBufferAttribute(buffer, 4, 4));
+    geometry.instanceCount = ends.length / 8;
+    const pixels = new Vector2();
+    this.lines = new Mesh(geometry, new ShaderMaterial({ glslVersion: GLSL3, vertexShader: LINES_VERTEX, fragmentShader: LINES_FRAGMENT, side: DoubleSide, uniforms: { pixels: { value: pixels }, clip: this.material.uniforms.clip! } }));
+    this.lines.onBeforeRender = (renderer) => { renderer.getSize(pixels); };
+    this.lines.frustumCulled = false;
+    this.group.add(this.lines);
+  }
+
+  /** Gives the points of a mesh the values of the quantity that is shown. */
+  private values(mesh: Mesh, nine: Float32Array): Float32Array {
+    const value = mesh.geometry.getAttribute("value") as BufferAttribute;
+    const all = value.array as Float32Array;
+    for (let k = 0; k < all.length; k++) all[k] = quantity(this.what, nine, 9 * k);
+    value.needsUpdate = true;
+    return all;
   }
 
   /** Takes the values of a case, nine a point. */
@@ -126,10 +219,9 @@ export class StressView {
 
   /** Colours by a quantity; gives the range of its values, and the one proposed for the scale. */
   colour(what: Quantity): { low: number; high: number; proposed: [number, number] } {
-    const value = this.mesh.geometry.getAttribute("value") as BufferAttribute;
-    const all = value.array as Float32Array;
-    for (let k = 0; k < all.length; k++) all[k] = quantity(what, this.nine, 9 * k);
-    value.needsUpdate = true;
+    this.what = what;
+    const all = this.values(this.mesh, this.nine);
+    if (this.section) this.values(this.section.mesh, this.section.nine);
     const sorted = all.slice().sort();
     const at = (share: number) => sorted[Math.min(Math.floor(share * sorted.length), sorted.length - 1)] ?? 0;
     const isSigned = what === "first" || what === "third";
@@ -148,16 +240,30 @@ export class StressView {
     return most;
   }
 
-  /** The values at the point of the surface that a ray meets: nine, and where. The part at rest is asked. */
+  /** The values at the point of the surface or of the section that a ray meets: nine, and where. The part at rest is asked. */
   probe(ray: Ray): { at: Vector3; nine: number[] } | null {
-    const hit = this.search.first(ray);
-    if (!hit) return null;
-    const shares = this.search.shares(hit.triangle, hit.point);
-    const nine = Array.from({ length: 9 }, (_, c) => shares.reduce((sum, share, k) => sum + share * this.nine[9 * this.corners[3 * hit.triangle + k]! + c]!, 0));
-    return { at: hit.point, nine };
+    const clip = this.material.uniforms.clip!.value as Vector4;
+    const normal = new Vector3(clip.x, clip.y, clip.z);
+    const before = normal.dot(ray.origin) - clip.w;
+    let hit: Hit | null = null;
+    let from: { search: Search; nine: Float32Array; corners: Uint32Array } = this;
+    if (this.section && before > 0) {
+      // The ray begins in the half that is taken away: at the section it comes in.
+      const t = -before / normal.dot(ray.direction);
+      if (!(t > 0)) return null;
+      hit = this.section.search.first(ray);
+      if (hit) from = this.section;
+      else ray = ray.clone().recast(t);
+    }
+    hit ??= this.search.first(ray);
+    if (!hit || normal.dot(hit.point) > clip.w + 1e-3) return null;
+    const { search, nine, corners } = from;
+    const shares = search.shares(hit.triangle, hit.point);
+    const triangle = hit.triangle;
+    return { at: hit.point, nine: Array.from({ length: 9 }, (_, c) => shares.reduce((sum, share, k) => sum + share * nine[9 * corners[3 * triangle + k]! + c]!, 0)) };
   }
 
-  dispose(): void { (this.material.uniforms.colours!.value as DataTexture).dispose(); this.material.dispose(); this.mesh.geometry.dispose(); }
+  dispose(): void { this.setSection(null, 0, 0, true); this.setLines(null); (this.material.uniforms.colours!.value as DataTexture).dispose(); this.material.dispose(); this.mesh.geometry.dispose(); }
 }
 
 export class PartView {
@@ -174,6 +280,8 @@ export class PartView {
   private readonly colours: DataTexture;
   private readonly patches = new Map<number, Patch>();
   private readonly trianglesOf: Uint32Array[] = [];
+  /** Faces on both sides of each border, and whether the edge is smooth. */
+  private pairs: [number, number, boolean][] | null = null;
   private stressed: StressView | null = null;
 
   constructor(readonly surface: Surface, then: () => void) {
@@ -228,6 +336,48 @@ export class PartView {
     const hit = this.search.first(ray);
     const face = hit ? this.surface.face[hit.triangle]! : 0xffffffff;
     return face === 0xffffffff ? -1 : face;
+  }
+
+  /** The faces that lie wholly in a box of the picture: x, y, x, y from -1 to 1. */
+  facesIn(picture: Matrix4, [left, bottom, right, top]: [number, number, number, number]): number[] {
+    const { points, corners, face } = this.surface;
+    const m = picture.elements;
+    const isIn = new Uint8Array(points.length / 3);
+    for (let k = 0; k < isIn.length; k++) {
+      const [x, y, z] = [points[3 * k]!, points[3 * k + 1]!, points[3 * k + 2]!];
+      const row = (r: number) => m[r]! * x + m[r + 4]! * y + m[r + 8]! * z + m[r + 12]!;
+      const w = row(3);
+      isIn[k] = w > 0 && row(0) >= left * w && row(0) <= right * w && row(1) >= bottom * w && row(1) <= top * w ? 1 : 0;
+    }
+    const isWhole = new Uint8Array(this.faces).fill(1);
+    face.forEach((f, t) => { if (f !== 0xffffffff && !(isIn[corners[3 * t]!]! & isIn[corners[3 * t + 1]!]! & isIn[corners[3 * t + 2]!]!)) isWhole[f] = 0; });
+    return [...isWhole.keys()].filter((f) => isWhole[f] === 1);
+  }
+
+  /** The faces beside these: all, or those over smooth edges alone. */
+  beside(chosen: number[], isSmooth: boolean): number[] {
+    const { points, corners, face, borders } = this.surface;
+    if (!this.pairs) {
+      this.pairs = [];
+      const n = points.length / 3;
+      const key = (a: number, b: number) => Math.min(a, b) * n + Math.max(a, b);
+      const uses = new Map<number, number[]>();
+      for (let k = 0; k < borders.length; k += 2) uses.set(key(borders[k]!, borders[k + 1]!), []);
+      for (let t = 0; t < face.length; t++) for (let k = 0; k < 3; k++) uses.get(key(corners[3 * t + k]!, corners[3 * t + ((k + 1) % 3)]!))?.push(t);
+      const normal = (t: number) => {
+        const [a, b, c] = [0, 1, 2].map((k) => new Vector3().fromArray(points, 3 * corners[3 * t + k]!)) as [Vector3, Vector3, Vector3];
+        return b.sub(a).cross(c.sub(a)).normalize();
+      };
+      for (const [t, u] of uses.values()) if (t !== undefined && u !== undefined) this.pairs.push([face[t]!, face[u]!, normal(t).dot(normal(u)) > SMOOTH_COS]);
+    }
+    const own = new Set(chosen);
+    const found = new Set<number>();
+    for (const [a, b, smooth] of this.pairs) {
+      if (isSmooth && !smooth) continue;
+      if (own.has(a)) found.add(b);
+      if (own.has(b)) found.add(a);
+    }
+    return [...found].filter((f) => f !== 0xffffffff && !own.has(f));
   }
 
   private triangles(face: number): Uint32Array {
@@ -311,20 +461,20 @@ export class PartView {
 
   /** Shows the stress instead of the faces; null shows the faces again. */
   setStress(stress: StressView | null): void {
-    if (this.stressed && this.stressed !== stress) { this.group.remove(this.stressed.mesh); this.stressed.dispose(); }
+    if (this.stressed && this.stressed !== stress) { this.group.remove(this.stressed.group); this.stressed.dispose(); }
     this.stressed = stress;
-    if (stress) this.group.add(stress.mesh);
+    if (stress) this.group.add(stress.group);
     this.showStress(stress !== null);
   }
 
   /** Switches between faces and stress. */
   showStress(isShown: boolean): void {
-    if (this.stressed) this.stressed.mesh.visible = isShown;
+    if (this.stressed) this.stressed.group.visible = isShown;
     this.mesh.visible = this.borders.visible = !isShown || !this.stressed;
   }
 
   get stress(): StressView | null { return this.stressed; }
-  get isStressShown(): boolean { return this.stressed !== null && this.stressed.mesh.visible; }
+  get isStressShown(): boolean { return this.stressed !== null && this.stressed.group.visible; }
 
   dispose(): void {
     this.setStress(null);

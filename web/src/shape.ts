@@ -89,6 +89,17 @@ export class ShapePanel {
     this.onChosen();
   }
 
+  /** Chooses further faces. */
+  add(faces: number[]): void {
+    const more = faces.filter((f) => !this.chosen.includes(f));
+    if (more.length === 0) return;
+    this.chosen = [...this.chosen, ...more];
+    this.onChosen();
+  }
+
+  /** Chooses the neighbours of the chosen faces too. */
+  grow(isSmooth: boolean): void { if (this.view) this.add(this.view.beside(this.chosen, isSmooth)); }
+
   /** A face in words. */
   words(face: number): string {
     const row = this.report?.faces[face];

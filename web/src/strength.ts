@@ -2,17 +2,23 @@
 
 import * as api from "./api";
 import { chart } from "./chart";
-import { el, fixed } from "./dom";
+import { gradient, ramp, type CrackBy } from "./colours";
+import { byId, el, fixed, player } from "./dom";
 import { quoted } from "./job";
-import type { Side, Slab, Viewer } from "./viewer";
+import { CELL, type Side, type Slab, type Viewer } from "./viewer";
 
 interface Parts {
   run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
   viewer: () => Viewer | null; job: () => Record<string, unknown> | null; showPaths: () => void; show: (id: number) => Promise<void>;
+  /** Gives beads and legend the colours of the paths again. */
+  recolour: () => void;
+  /** Shows the last two runs side by side. */
+  compare: () => void;
 }
 
 const SIDES: [Side, string][] = [["x-", "left end (low x)"], ["x+", "right end (high x)"], ["y-", "front (low y)"], ["y+", "back (high y)"], ["z-", "bottom"], ["z+", "top"]];
 const DIRECTIONS: [string, string][] = [["away", "pull away"], ["towards", "push towards"], ["down", "down (−z)"], ["up", "up (+z)"], ["x", "+x"], ["-x", "−x"], ["y", "+y"], ["-y", "−y"]];
+const CRACK_BY: [CrackBy | "none", string][] = [["lost", "what broke, by the stiffness lost"], ["order", "what broke, by the order of breaking"], ["beads", "the beads, by the order of breaking"], ["none", "nothing of it"]];
 const HELD = 0x2a74b2;
 const LOADED = 0xd65d20;
 
@@ -27,6 +33,8 @@ export class StrengthPanel {
   private profiles: api.Profile[] = [];
   private mode: "hold" | "load" | null = null;
   private isActive = false;
+  /** Draws the crack of the last test as it is chosen. */
+  private crack: (() => void) | null = null;
 
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) {
     this.empty("Open a G-code file to find where and at which load it breaks.");
@@ -38,7 +46,7 @@ export class StrengthPanel {
 
   /** A job states its own places and loads. */
   forJob(): void {
-    this.program = null;
+    this.program = this.crack = null;
     const test = el("button", { type: "button", class: "main", id: "test-job", onclick: () => void this.testJob() }, "Test the job's part");
     this.panel.replaceChildren(el("p", { class: "note" }, "The part is planned, and its G-code is loaded in steps until it breaks. Where it is held and loaded is said in the tab Loads."), test, el("div", { id: "answer" }));
   }
@@ -52,6 +60,7 @@ export class StrengthPanel {
   /** A program of any slicer: the two places are chosen here. */
   async forProgram(path: string): Promise<void> {
     this.program = path;
+    this.crack = null;
     const part = this.parts.viewer()?.beads?.index.part_mm;
     if (!part) { this.empty("Nothing is printed in this program, so nothing can be tested."); return; }
     // The longest side is the one that parts are pulled along.
@@ -150,7 +159,8 @@ export class StrengthPanel {
     viewer.setPlaces(slabs);
     const shown = document.getElementById("strength-job");
     if (shown) shown.textContent = this.job();
-    if (!this.isActive) { this.setMode(null); viewer.setGhost(false); viewer.setBroken(null, [1, 1, 1], 0); }
+    if (this.isActive) this.crack?.();
+    else { this.setMode(null); viewer.showCrack(null, 0); }
   }
 
   private async test(wanted: Record<string, unknown>): Promise<void> {
@@ -167,17 +177,12 @@ export class StrengthPanel {
     }
   }
 
-  private tell(result: api.Result, cells: Float32Array | null): void {
+  private tell(result: api.Result, cells: Float32Array<ArrayBuffer> | null): void {
     const report = result.report.strength;
     const answer = document.getElementById("answer");
     if (!report || !answer) return;
-    const viewer = this.parts.viewer();
-    const show = el("input", { type: "checkbox", id: "show-crack", checked: true, onchange: () => crack() });
-    const crack = () => {
-      if (!viewer) return;
-      viewer.setGhost(show.checked);
-      viewer.setBroken(show.checked ? cells : null, result.damage?.cell_mm ?? [1, 1, 1], result.damage?.angle_rad ?? 0);
-    };
+    const { made, mark } = chart(report, result.damage?.states ?? []);
+    const replay = result.damage && cells ? this.replay(result.damage, cells, mark) : [];
     const fact = (name: string, value: string) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value));
     const modes = Object.entries(report.modes).sort((a, b) => b[1] - a[1]).map(([name, share]) => fact(name, `${fixed(100 * share, 0)} %`));
     answer.replaceChildren(
@@ -185,16 +190,50 @@ export class StrengthPanel {
       el("p", { class: "big", id: "peak" }, `${fixed(report.peak_load_n, 0)} N`),
       el("p", { class: "note" }, `between ${fixed(report.low_n, 0)} and ${fixed(report.high_n, 0)} N over the card of the material (tier ${report.card_tier}) and the grid`),
       el("p", { id: "weakest" }, `Weakest at ${report.weakest.words}.`),
-      el("label", { for: "show-crack" }, show, " show what broke"),
-      chart(report),
+      made, ...replay,
       el("table", {}, fact("First bead fails at", `${fixed(report.first_n, 0)} N`), fact("Stiffness", `${fixed(report.stiffness_n_per_mm, 0)} N/mm`), fact("Displacement at the peak", `${fixed(report.peak_displacement_mm, 3)} mm`),
         fact("Mass of the part", `${fixed(report.mass_g, 2)} g`), fact("Load over mass", `${fixed(report.load_per_gram_n_g, 0)} N/g`), fact("Over the load given", `${fixed(report.peak_load_n / report.job_load_n, 2)} ×`),
         fact("Model", `${report.fidelity}, cells of ${report.cell_mm} mm`)),
       el("h2", {}, "How it fails"), el("table", {}, ...modes),
       ...result.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      el("div", { class: "row" }, el("button", { type: "button", id: "compare", onclick: () => this.parts.compare() }, "Compare with another run")),
       el("details", {}, el("summary", {}, "Where the strengths come from"), el("p", { class: "note" }, report.card_source)),
     );
-    crack();
+    this.crack?.();
     answer.scrollIntoView({ block: "nearest" });
+  }
+
+  /** The replay of a test: a slider over its states, a button that plays them, and what is coloured. */
+  private replay(damage: api.Damage, cells: Float32Array<ArrayBuffer>, mark: (u: number, f: number) => void): Node[] {
+    const viewer = this.parts.viewer();
+    const { states } = damage;
+    const broke = Array.from({ length: cells.length / CELL }, (_, k) => cells[CELL * k + 4]!);
+    // Elements that break in one state share their place in the order.
+    const steps = [...new Set(broke)].sort((a, b) => a - b);
+    const order = Float32Array.from(broke, (at) => (steps.length > 1 ? steps.indexOf(at) / (steps.length - 1) : 1));
+    viewer?.setCrack({ cells, order, size_mm: damage.cell_mm as [number, number, number], angle_rad: damage.angle_rad });
+    const last = Math.max(states.length - 1, 0);
+    const select = el("select", { id: "crack-by", onchange: () => this.crack?.() }, ...CRACK_BY.map(([k, words]) => el("option", { value: k }, words)));
+    const slider = el("input", { id: "crack-step", type: "range", min: 0, max: last, value: last, "aria-label": "Step of the load", oninput: () => this.crack?.() });
+    const words = el("output", { id: "crack-words", class: "note" });
+    const button = el("button", { type: "button", id: "crack-play" });
+    button.addEventListener("click", player(button, slider, 6, "Play how it breaks", () => "0", () => this.crack?.()));
+    this.crack = () => {
+      const state = Number(slider.value);
+      const [u, f] = states[state] ?? [0, 0];
+      mark(u, f);
+      words.textContent = `step ${state + 1} of ${last + 1}: ${fixed(f, 0)} N at ${fixed(u, 3)} mm, ${broke.filter((at) => at <= state).length} of ${broke.length} elements broken`;
+      slider.setAttribute("aria-valuetext", words.textContent);
+      if (!viewer || !this.isActive) return;
+      const by = select.value as CrackBy | "none";
+      this.parts.recolour();
+      viewer.showCrack(by === "none" ? null : by, state);
+      if (by === "order" || by === "beads") {
+        const bar = el("div", { class: "ramp" });
+        bar.style.background = gradient(ramp);
+        byId("legend").replaceChildren(el("div", {}, "Order of breaking"), bar, el("div", { class: "ends" }, el("span", {}, "first"), el("span", {}, "last")));
+      }
+    };
+    return [el("div", { class: "row" }, button, slider), words, el("div", { class: "row" }, el("label", {}, "Show", select))];
   }
 }

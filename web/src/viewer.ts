@@ -5,14 +5,14 @@
 // work depends on what is seen. A picture is drawn only when something changed.
 
 import {
-  BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, FloatType, GLSL3, Group, InstancedBufferAttribute, InstancedBufferGeometry, InstancedInterleavedBuffer,
-  InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, NearestFilter, BoxGeometry, ConeGeometry, CylinderGeometry, PerspectiveCamera,
+  BufferAttribute, BufferGeometry, Color, Data3DTexture, DataTexture, DoubleSide, FloatType, GLSL3, Group, InstancedBufferAttribute, InstancedBufferGeometry, InstancedInterleavedBuffer,
+  InterleavedBufferAttribute, type Texture, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, BoxGeometry, ConeGeometry, CylinderGeometry, PerspectiveCamera,
   Quaternion, Raycaster, type Ray, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Beads, WORDS, type Bead } from "./beads";
 import type { PartView } from "./part";
-import { CLASS_COLOURS, circle, ramp, table, type ColourBy } from "./colours";
+import { CLASS_COLOURS, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
 
 /** Records up to which a window gets a chunk of its own. */
 const WINDOW_RECORDS = 60_000;
@@ -25,8 +25,9 @@ const VERTEX = `
 in vec2 a; in vec2 b; in vec4 meta;
 uniform vec2 origin; uniform float unit; uniform sampler2D heights; uniform float firstRecord; uniform vec2 range; uniform int by; uniform vec2 scale;
 uniform vec3 classColours[16]; uniform float classShown[16]; uniform sampler2D speeds; uniform sampler2D colours; uniform sampler2D circleColours; uniform float hovered; uniform float ghost;
-out vec3 colour; out vec3 side; out float lit;
+out vec3 colour; out vec3 side; out float lit; out vec3 at;
 void main() {
+  at = vec3(0.0);
   float record = firstRecord + float(gl_InstanceID) + 1.0;
   float kind = mod(meta.y, 256.0); float speedAt = floor(meta.y / 256.0);
   int k = int(kind + 0.5);
@@ -53,22 +54,41 @@ void main() {
   if (abs(record - hovered) < 0.5) colour = vec3(1.0, 0.95, 0.35);
   side = vec3(across * position.y, position.z);
   lit = travel ? 0.0 : 1.0;
+  at = vec3(xy, h.r - 0.5 * h.g);
   gl_Position = projectionMatrix * viewMatrix * vec4(xy, z, 1.0);
 }`;
 
 const FRAGMENT = `
-in vec3 colour; in vec3 side; in float lit; out vec4 result;
+in vec3 colour; in vec3 side; in float lit; in vec3 at; out vec4 result;
+uniform int by; uniform sampler3D breaks; uniform mat4 breaksFrom; uniform float state; uniform sampler2D colours;
 void main() {
+  vec3 tone = colour;
+  if (by == 6) {
+    vec3 g = (breaksFrom * vec4(at, 1.0)).xyz;
+    vec2 found = texture(breaks, g).rg;
+    bool isIn = all(greaterThan(g, vec3(0.0))) && all(lessThan(g, vec3(1.0)));
+    tone = isIn && found.x > 0.0 && found.x <= state + 1.0 ? texture(colours, vec2(clamp(found.y, 0.002, 0.998), 0.5)).rgb : vec3(0.72, 0.75, 0.77);
+  }
   // Light from above and a little from the left: the ridge of a bead keeps its colour, its flanks are darker.
   vec3 n = normalize(side);
   float shade = mix(1.0, 0.52 + 0.48 * max(dot(n, vec3(0.0, 0.0, 1.0)), 0.0) + 0.10 * dot(n, vec3(-0.7, 0.5, 0.0)), lit);
-  result = vec4(colour * shade, 1.0);
+  result = vec4(tone * shade, 1.0);
 }`;
 
 export type Side = "x-" | "x+" | "y-" | "y+" | "z-" | "z+";
 export interface Slab { side: Side; depth_mm: number; colour: number; arrow?: [number, number, number] }
 
+/** Numbers of a broken element: x, y, z, the share lost, the state in which it broke. */
+export const CELL = 5;
+/** What broke in a test; `order` is the place of each element in the order of breaking, 0 to 1. */
+export interface Crack { cells: Float32Array<ArrayBuffer>; order: Float32Array; size_mm: [number, number, number]; angle_rad: number }
+
 export interface Shown { low: number; high: number; from: number; to: number }
+
+/** What a drag over the part does. */
+export type Gesture = "turn" | "box" | "brush";
+/** Places between which a stroke of the brush looks for faces, pixels. */
+const BRUSH_STEP = 4;
 
 export class Viewer {
   readonly renderer: WebGLRenderer;
@@ -88,6 +108,9 @@ export class Viewer {
   part: PartView | null = null;
   onFace: (face: number, at: { clientX: number; clientY: number }) => void = () => {};
   onPickFace: (face: number, isAdded: boolean) => void = () => {};
+  /** Faces that a box held, or that the brush touched. */
+  onPickFaces: (faces: number[]) => void = () => {};
+  private gesture: Gesture = "turn";
   private mode: "part" | "paths" = "paths";
   private material: ShaderMaterial;
   private shown: Shown = { low: 0, high: 0, from: 0, to: 0 };
@@ -111,7 +134,7 @@ export class Viewer {
         scale: { value: new Vector2(0, 1) }, speeds: { value: null }, hovered: { value: -1 }, ghost: { value: 0 },
         classColours: { value: Array.from({ length: 16 }, (_, k) => new Vector3(...(CLASS_COLOURS[k] ?? [0, 0, 0]).map((c) => c / 255))) },
         classShown: { value: this.classShown },
-        colours: { value: palette(ramp) }, circleColours: { value: palette(circle) },
+        breaks: { value: null }, breaksFrom: { value: new Matrix4() }, state: { value: 0 }, colours: { value: palette(ramp) }, circleColours: { value: palette(circle) },
       },
     });
     this.setShown(CLASS_COLOURS.length - 1, false);
@@ -126,6 +149,7 @@ export class Viewer {
       if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) this.pick(event);
       down = null;
     });
+    this.dragFaces();
     const frame = () => {
       if (this.isDirty) { this.isDirty = false; this.renderer.render(this.scene, this.camera); }
       requestAnimationFrame(frame);
@@ -185,8 +209,8 @@ export class Viewer {
   /** Takes away the program that is shown and frees its memory. */
   clear(): void {
     for (const group of [this.chunks, this.window, this.places, this.broken]) empty(group);
-    for (const name of ["heights", "speeds"]) {
-      (this.material.uniforms[name]!.value as DataTexture | null)?.dispose();
+    for (const name of ["heights", "speeds", "breaks"]) {
+      (this.material.uniforms[name]!.value as Texture | null)?.dispose();
       this.material.uniforms[name]!.value = null;
     }
     this.beads = null;
@@ -285,7 +309,6 @@ export class Viewer {
 
   setShown(kind: number, isShown: boolean): void { this.classShown[kind] = isShown ? 1 : 0; this.draw(); }
   isShown(kind: number): boolean { return this.classShown[kind]! > 0; }
-  setGhost(isGhost: boolean): void { this.material.uniforms.ghost!.value = isGhost ? 0.82 : 0; this.draw(); }
 
   private get box(): [Vector3, Vector3] {
     if (this.part && this.isPartShown) return [this.part.low.clone(), this.part.high.clone()];
@@ -390,6 +413,58 @@ export class Viewer {
     return -1;
   }
 
+  setGesture(gesture: Gesture): void {
+    this.gesture = gesture;
+    this.controls.enabled = gesture === "turn";
+    this.canvas.style.cursor = gesture === "turn" ? "" : "crosshair";
+  }
+  get dragging(): Gesture { return this.gesture; }
+
+  /** Drags that choose faces: a box, whose faces lie wholly in it, or a brush, which takes all that it touches. */
+  private dragFaces(): void {
+    const rubber = document.createElement("div");
+    rubber.id = "rubber";
+    rubber.hidden = true;
+    this.canvas.after(rubber);
+    let [from, last]: [PointerEvent | null, PointerEvent | null] = [null, null];
+    const box = (event: PointerEvent) => ({ left: Math.min(from!.clientX, event.clientX), top: Math.min(from!.clientY, event.clientY), right: Math.max(from!.clientX, event.clientX), bottom: Math.max(from!.clientY, event.clientY) });
+    this.canvas.addEventListener("pointerdown", (event) => {
+      if (this.gesture === "turn" || !this.isPartShown || event.button !== 0) return;
+      from = last = event;
+      this.canvas.setPointerCapture(event.pointerId);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (!from || !last || !this.part) return;
+      if (this.gesture === "box") {
+        const { left, top, right, bottom } = box(event);
+        const own = this.canvas.getBoundingClientRect();
+        rubber.hidden = false;
+        Object.assign(rubber.style, { left: `${left - own.left}px`, top: `${top - own.top}px`, width: `${right - left}px`, height: `${bottom - top}px` });
+      } else {
+        const n = Math.ceil(Math.hypot(event.clientX - last.clientX, event.clientY - last.clientY) / BRUSH_STEP);
+        const touched = new Set<number>();
+        for (let k = 0; k <= n; k++) touched.add(this.part.faceAt(this.rayAt(last.clientX + ((event.clientX - last.clientX) * k) / Math.max(n, 1), last.clientY + ((event.clientY - last.clientY) * k) / Math.max(n, 1))));
+        touched.delete(-1);
+        this.onPickFaces([...touched]);
+      }
+      last = event;
+    });
+    const end = (event: PointerEvent) => {
+      if (from && this.part && !rubber.hidden && event.type === "pointerup") {
+        const { left, top, right, bottom } = box(event);
+        const own = this.canvas.getBoundingClientRect();
+        const x = (v: number) => (2 * (v - own.left)) / own.width - 1;
+        const y = (v: number) => 1 - (2 * (v - own.top)) / own.height;
+        this.camera.updateMatrixWorld();
+        this.onPickFaces(this.part.facesIn(new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse), [x(left), y(bottom), x(right), y(top)]));
+      }
+      rubber.hidden = true;
+      from = last = null;
+    };
+    this.canvas.addEventListener("pointerup", end);
+    this.canvas.addEventListener("pointercancel", end);
+  }
+
   private hoverPart(clientX: number, clientY: number): void {
     const begun = performance.now();
     const face = this.part?.faceAt(this.rayAt(clientX, clientY)) ?? -1;
@@ -414,7 +489,7 @@ export class Viewer {
 
   private pick(event: PointerEvent): void {
     if (this.part && this.isPartShown) {
-      this.onPickFace(this.part.faceAt(this.ray(event).ray), event.shiftKey);
+      this.onPickFace(this.part.faceAt(this.ray(event).ray), event.shiftKey || this.gesture !== "turn");
       return;
     }
     if (!this.picking || !this.beads) return;
@@ -464,29 +539,70 @@ export class Viewer {
     this.draw();
   }
 
-  /** Draws broken elements: x, y, z and the share lost of each. */
-  setBroken(cells: Float32Array | null, size_mm: number[], angle_rad: number): void {
+  /** Takes what broke; null takes it away. It is drawn by `showCrack`. */
+  setCrack(crack: Crack | null): void {
     empty(this.broken);
-    if (cells && cells.length > 0) {
+    const u = this.material.uniforms;
+    (u.breaks!.value as Texture | null)?.dispose();
+    u.breaks!.value = null;
+    if (crack && crack.cells.length > 0) {
+      const { cells, order, size_mm, angle_rad } = crack;
       const geometry = new InstancedBufferGeometry();
       // Elements of a plate are as high as the plate; they are drawn so.
-      const box = new BoxGeometry(...(size_mm as [number, number, number]));
+      const box = new BoxGeometry(...size_mm);
       box.rotateZ(angle_rad);
       geometry.index = box.index;
       geometry.setAttribute("position", box.getAttribute("position"));
       geometry.setAttribute("normal", box.getAttribute("normal"));
-      geometry.setAttribute("cell", new InstancedBufferAttribute(cells, 4));
-      geometry.instanceCount = cells.length / 4;
+      const buffer = new InstancedInterleavedBuffer(cells, CELL);
+      geometry.setAttribute("cell", new InterleavedBufferAttribute(buffer, 4, 0));
+      geometry.setAttribute("broke", new InterleavedBufferAttribute(buffer, 1, 4));
+      geometry.setAttribute("order", new InstancedBufferAttribute(order, 1));
+      geometry.instanceCount = cells.length / CELL;
       const material = new ShaderMaterial({
-        glslVersion: GLSL3, transparent: true, depthTest: false,
-        vertexShader: `in vec4 cell; out float lost; out float shade; void main() { lost = cell.w; shade = 0.8 + 0.2 * normal.z + 0.1 * normal.x; gl_Position = projectionMatrix * viewMatrix * vec4(cell.xyz + position, 1.0); }`,
-        fragmentShader: `in float lost; in float shade; out vec4 result; void main() { result = vec4(mix(vec3(0.98, 0.72, 0.18), vec3(0.80, 0.05, 0.06), lost) * shade, 0.35 + 0.5 * lost); }`,
+        glslVersion: GLSL3, transparent: true, depthTest: false, uniforms: { state: u.state!, colours: u.colours!, byOrder: { value: false } },
+        vertexShader: `in vec4 cell; in float broke; in float order; uniform float state; out float lost; out float rank; out float shade;
+void main() { lost = cell.w; rank = order; shade = 0.8 + 0.2 * normal.z + 0.1 * normal.x; gl_Position = broke > state ? vec4(2.0, 2.0, 2.0, 0.0) : projectionMatrix * viewMatrix * vec4(cell.xyz + position, 1.0); }`,
+        fragmentShader: `in float lost; in float rank; in float shade; out vec4 result; uniform sampler2D colours; uniform bool byOrder;
+void main() { result = byOrder ? vec4(texture(colours, vec2(clamp(rank, 0.002, 0.998), 0.5)).rgb * shade, 0.85) : vec4(mix(vec3(0.98, 0.72, 0.18), vec3(0.80, 0.05, 0.06), lost) * shade, 0.35 + 0.5 * lost); }`,
       });
       const mesh = new Mesh(geometry, material);
       mesh.frustumCulled = false;
       mesh.renderOrder = 2;
       this.broken.add(mesh);
+      // Beads ask by place: a texture over the elements, in the directions of their grid.
+      const own = new Matrix4().makeRotationZ(-angle_rad);
+      const [low, high] = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
+      const at = (k: number) => new Vector3().fromArray(cells, CELL * k).applyMatrix4(own);
+      for (let k = 0; k < order.length; k++) { low.min(at(k)); high.max(at(k)); }
+      const size = new Vector3(...size_mm);
+      const n = high.sub(low).divide(size).round().addScalar(1);
+      const data = new Float32Array(2 * n.x * n.y * n.z);
+      for (let k = 0; k < order.length; k++) {
+        const g = at(k).sub(low).divide(size).round();
+        data.set([cells[CELL * k + 4]! + 1, order[k]!], 2 * (g.x + n.x * (g.y + n.y * g.z)));
+      }
+      const breaks = new Data3DTexture(data, n.x, n.y, n.z);
+      breaks.format = RGFormat;
+      breaks.type = FloatType;
+      breaks.unpackAlignment = 1;
+      breaks.minFilter = breaks.magFilter = NearestFilter;
+      breaks.needsUpdate = true;
+      u.breaks!.value = breaks;
+      const whole = n.multiply(size);
+      (u.breaksFrom!.value as Matrix4).makeScale(1 / whole.x, 1 / whole.y, 1 / whole.z).multiply(new Matrix4().makeTranslation(low.addScaledVector(size, -0.5).negate())).multiply(own);
     }
+    this.showCrack(null, 0);
+  }
+
+  /** Draws what is broken in a state of the test; null hides it. */
+  showCrack(by: CrackBy | null, state: number): void {
+    const u = this.material.uniforms;
+    u.state!.value = state;
+    const mesh = this.broken.children[0] as Mesh<BufferGeometry, ShaderMaterial> | undefined;
+    if (mesh) { mesh.visible = by === "lost" || by === "order"; mesh.material.uniforms.byOrder!.value = by === "order"; }
+    u.ghost!.value = by === "lost" || by === "order" ? 0.82 : 0;
+    if (by === "beads" && u.breaks!.value) u.by!.value = 6;
     this.draw();
   }
 }

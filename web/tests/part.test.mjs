@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { boxStl, choose, colours, command, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, stl, studio, view, visit } from "./bench.mjs";
+import { boxStl, choose, faceAt, hold, load, vector, solve, colours, command, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, stl, studio, view, visit } from "./bench.mjs";
 
 /** Colours by hue: the light of a face scales them. */
 const HELD = [70, 130, 190];
@@ -67,26 +67,6 @@ const is = (found, wanted, what) => assert.ok(hue(found, wanted) < 0.07 && Math.
 const isNot = (found, other, what) => assert.ok(hue(found, other) > 0.12, `${what}: ${found} is ${other}`);
 const click = async (page, p, options) => { const [[x, y]] = await places(page, [p]); await page.mouse.click(x, y, options); await page.mouse.move(5, 5); await settle(page); };
 const text = (page) => page.$eval("#panel-job textarea", (area) => area.value);
-/** The number of the face whose middle is here. */
-const faceAt = (page, p) => page.evaluate((at) => window.studio.report.faces.findIndex((row) => row.centre_mm.every((v, k) => Math.abs(v - at[k]) < 0.02)), p);
-async function chooseFace(page, p) {
-  const face = await faceAt(page, p);
-  assert.ok(face >= 0, `a face at ${p}`);
-  await page.click("#tab-loads");
-  await page.$eval("#all-faces", (d) => (d.open = true));
-  await page.click(`button.face[data-face="${face}"]`);
-}
-const hold = async (page, p) => { await chooseFace(page, p); await page.click("#hold-here"); };
-const load = async (page, p) => { await chooseFace(page, p); await page.click("#load-here"); };
-async function vector(page, id, v) {
-  for (const [k, axis] of ["x", "y", "z"].entries()) { await page.fill(`#${id}-${axis}`, String(v[k])); await page.press(`#${id}-${axis}`, "Tab"); }
-}
-async function solve(page) {
-  const before = await page.evaluate(() => document.documentElement.dataset.stress);
-  await page.click("#solve");
-  await page.waitForFunction((b) => { const d = document.documentElement.dataset; return (d.stress && d.stress !== b) || document.querySelector("#progress .error"); }, before, { timeout: 240_000 });
-  await settle(page);
-}
 
 test("a part is drawn with its size, its faces and no defect", async () => {
   const { page, wrong, close } = await opened("bar.stl");

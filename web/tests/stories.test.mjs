@@ -46,19 +46,64 @@ test("a program of another slicer, from its file to where it breaks", async () =
   assert.ok(peak > 0.85 * 50 * 8 && peak < 1.05 * 57 * 8, `${peak} N`);
   assert.ok((await page.textContent("#weakest")).includes(theirs.strength.weakest.words));
   assert.match(await page.textContent("#panel-strength"), /tier T0/);
-  // What broke is drawn in the part, and can be taken away.
-  const damage = await page.evaluate(async () => { const list = (await (await fetch("v1/jobs")).json()).jobs; const id = list[list.length - 1].id; return [...new Float32Array(await (await fetch(`v1/jobs/${id}/damage`)).arrayBuffer())]; });
-  assert.ok(damage.length >= 4, "something broke");
-  let worst = 0;
-  for (let k = 0; k < damage.length; k += 4) if (damage[k + 3] > damage[worst + 3]) worst = k;
-  const at = [[damage[worst], damage[worst + 1], 1.0]];
+  // What broke is drawn in the part, state by state, and can be taken away.
+  const { cells, states } = await page.evaluate(async () => {
+    const list = (await (await fetch("v1/jobs")).json()).jobs;
+    const of = `v1/jobs/${list[list.length - 1].id}`;
+    return { cells: [...new Float32Array(await (await fetch(`${of}/damage`)).arrayBuffer())], states: (await (await fetch(`${of}/result`)).json()).damage.states };
+  });
+  const broken = Array.from({ length: cells.length / 5 }, (_, k) => ({ at: [cells[5 * k], cells[5 * k + 1], 1.0], lost: cells[5 * k + 3], state: cells[5 * k + 4] }));
+  assert.ok(broken.length > 3 && broken.every((c) => c.state > 0 && c.state < states.length), "elements break after the first state");
+  assert.equal(Math.max(...states.map(([, f]) => Math.round(f))), peak);
   await page.click("#views [data-view=top]");
-  await settle(page);
-  const [broken] = await colours(page, at);
-  await shot(page, "broken");
-  await page.click("#show-crack");
-  const [whole] = await colours(page, at);
-  assert.ok(broken[0] > broken[1] + 40 && far(broken, whole) > 40, `${broken} ${whole}`);
+  // Places of the picture that nothing lies over.
+  const first = broken.reduce((a, b) => (b.state < a.state ? b : a));
+  const last = broken.reduce((a, b) => (b.state > a.state || (b.state === a.state && b.lost > a.lost) ? b : a));
+  assert.ok(last.state > first.state, "the crack grows");
+  const both = async (shows) => { const found = await colours(page, [first.at, last.at]); if (shows) await shot(page, shows); return found; };
+  const step = async (k) => { await page.$eval("#crack-step", (input, v) => { input.focus(); input.value = String(v); input.dispatchEvent(new Event("input", { bubbles: true })); }, k); await settle(page); };
+  const isRed = (c) => c[0] > c[1] + 40;
+  const end = await both("broken");
+  assert.ok(isRed(end[0]) && isRed(end[1]), `${end}`);
+  await step(0);
+  const begin = await both();
+  assert.ok(!isRed(begin[0]) && !isRed(begin[1]), `nothing is broken in the first state: ${begin}`);
+  assert.match(await page.textContent("#crack-words"), /^step 1 of \d+: \d+ N at 0\.\d+ mm, 0 of \d+ elements broken$/);
+  await step(last.state - 1);
+  const half = await both("half");
+  assert.ok(isRed(half[0]) && !isRed(half[1]), `the first is broken and the last is not: ${half}`);
+  // The mark moves along the curve.
+  const mark = async () => Number(await page.getAttribute("#mark", "cx"));
+  await step(0);
+  const from = await mark();
+  await page.focus("#crack-step");
+  await page.keyboard.press("End");
+  assert.ok(Math.abs((await mark()) - from) > 20, `${from} ${await mark()}`);
+  // Colours of the order: the ramp's ends, on the elements and on the beads.
+  await page.selectOption("#crack-by", "order");
+  const [dark, bright] = await both("order");
+  assert.ok(dark[2] > dark[1] + 20 && bright[0] > bright[2] + 60 && bright[1] > bright[2] + 60, `${dark} ${bright}`);
+  await page.selectOption("#crack-by", "beads");
+  const [early, late] = await both("order-of-beads");
+  assert.ok(early[2] > early[1] + 20 && late[0] > late[2] + 60 && late[1] > late[2] + 60, `${early} ${late}`);
+  const isWhole = (p) => broken.every((c) => Math.hypot(c.at[0] - p[0], c.at[1] - p[1]) > 2);
+  const whole = [30, 35, 40, 45, 50, 55, 60, 65, 70].flatMap((x) => [22, 24, 26].map((y) => [x, y, 1.0])).find(isWhole);
+  const [grey] = await colours(page, [whole]);
+  assert.ok(Math.max(...grey) - Math.min(...grey) < 30, `a bead that is whole is grey: ${grey}`);
+  await page.selectOption("#crack-by", "none");
+  const [plain] = await both();
+  assert.ok(far(plain, early) > 40 && far(plain, end[0]) > 40, `${plain}`);
+  // Played, it ends where it ends.
+  await page.selectOption("#crack-by", "lost");
+  await page.focus("#crack-play");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction((n) => Number(document.getElementById("crack-step").value) > 0 && Number(document.getElementById("crack-step").value) < n, states.length - 1);
+  await page.waitForFunction((n) => document.getElementById("crack-step").value === String(n), states.length - 1);
+  // Another tab and back: the crack is there again, and the paths have their own colours meanwhile.
+  await page.click("#tab-paths");
+  assert.ok(!isRed((await both())[0]) || far((await both())[0], end[0]) > 40);
+  await page.click("#tab-strength");
+  assert.ok(isRed((await both())[0]));
   assert.deepEqual(wrong, []);
   await close();
 });

@@ -5,7 +5,6 @@ use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
-use grainpath_fea::strength::Outcome;
 use grainpath_fea::strength::brick_strength::SolidTest;
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
@@ -13,6 +12,7 @@ use grainpath_fea::strength::elements::{GridHold, PlateElements, middle_strain, 
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, Ply};
 use grainpath_fea::strength::plate_strength::PlateTest;
 use grainpath_fea::strength::plate_system::PlateSystem;
+use grainpath_fea::strength::{BROKEN_SHARE, Outcome};
 
 /// PLA; the raster along its beads is as strong as data sheets say.
 fn pla() -> StrengthCard {
@@ -145,6 +145,26 @@ fn a_plain_bar_breaks_at_its_strength_times_its_section() {
     let (outcome, _) = pull(&vec![raster(size, 90.0); 5], 0.4, &pla());
     assert!((outcome.peak_load_n / (37.0 * 8.0) - 1.0).abs() < 0.01, "{}", outcome.peak_load_n);
     assert_eq!(outcome.mode(), FailureMode::Across);
+}
+
+/// A crack off axis grows over many states and returns to an equilibrium several times.
+#[test]
+fn every_broken_element_knows_the_state_in_which_it_broke() {
+    let (outcome, _) = pull_cut(&[45.0, -45.0], &pla());
+    let last = outcome.states.len() as u32 - 1;
+    let is_broken = |lost: &f32| *lost >= BROKEN_SHARE;
+    for (e, (lost, at)) in outcome.damage.iter().zip(&outcome.broke_at).enumerate() {
+        assert_eq!(is_broken(lost), at.is_some(), "element {e} has lost {lost} and broke at {at:?}");
+        assert!(at.is_none_or(|at| at > 0 && at <= last), "{at:?} of {last}");
+    }
+    let mut at: Vec<u32> = outcome.broke_at.iter().flatten().copied().collect();
+    at.sort_unstable();
+    at.dedup();
+    assert!(at.len() >= 5, "the crack grows: {at:?}");
+    let most = outcome.states.iter().map(|s| s.load_n).fold(0.0, f64::max);
+    assert_eq!(most, outcome.peak_load_n);
+    // The curve is a choice of the states, behind its beginning.
+    assert!(outcome.curve[1..].iter().all(|p| outcome.states.contains(p)));
 }
 
 #[test]

@@ -32,7 +32,7 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
-use crate::{assets, runs, surface, uploads};
+use crate::{assets, history, runs, section, surface, uploads};
 
 /// Diameter of the filament for programs that do not state one, mm. Source: the nominal diameter of the common filament,
 /// as the command line takes it.
@@ -69,6 +69,9 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::SURFACE, get(surface_bytes)),
         (openapi::STRESSED, get(stressed)),
         (openapi::CASE, get(case)),
+        (openapi::SECTION, get(section_bytes)),
+        (openapi::LINES, get(lines)),
+        (openapi::HISTORY, get(history_rows)),
         (openapi::OUTPUT, get(output)),
         (openapi::SCHEMA, get(schema)),
         (openapi::PROFILES, get(profiles)),
@@ -419,13 +422,27 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
         Wanted::Plan { file, text, name } => {
             let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
             let title = stem(&out);
-            studio.runs.add(Kind::Plan, title, Box::new(move |d| engine.plan(&job, &out, &roots, d)))
+            let name = title.clone();
+            let input = file.map(PathBuf::from);
+            let work: runs::Work = Box::new(move |d| {
+                let finished = engine.plan(&job, &out, &roots, d)?;
+                history::add(&roots, Kind::Plan, &name, input.as_deref(), &finished);
+                Ok(finished)
+            });
+            studio.runs.add(Kind::Plan, title, work)
         }
         Wanted::Strength { file, text, name, program } => {
             let program = program.map(|p| roots.readable(FilePath::new(&p))).transpose()?;
             let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
-            let work: runs::Work = Box::new(move |d| engine.strength(&job, program.as_deref(), &roots, d));
-            studio.runs.add(Kind::Strength, stem(&out), work)
+            let name = stem(&out);
+            let title = name.clone();
+            let input = program.clone().or_else(|| file.map(PathBuf::from));
+            let work: runs::Work = Box::new(move |d| {
+                let finished = engine.strength(&job, program.as_deref(), &roots, d)?;
+                history::add(&roots, Kind::Strength, &name, input.as_deref(), &finished);
+                Ok(finished)
+            });
+            studio.runs.add(Kind::Strength, title, work)
         }
     }
 }
@@ -523,7 +540,7 @@ async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde
     Ok(Json(json!({
         "ok": true, "report": finished.report, "warnings": finished.warnings, "outputs": outputs,
         "cases": finished.stress.as_ref().map(|s| s.cases.iter().map(|c| c.name.as_str()).collect::<Vec<_>>()),
-        "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len() })),
+        "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len(), "states": d.states })),
     })))
 }
 
@@ -560,12 +577,12 @@ async fn layer_records(
     Ok(binary(bytes, is_packed))
 }
 
-/// Broken elements: x, y, z in mm and the share of stiffness lost, as 32-bit floats.
+/// Broken elements: x, y, z in mm, the share of stiffness lost and the state in which it broke, as 32-bit floats.
 async fn damage(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
     let result = done(&studio, id)?;
     let none = || Problem::new(StatusCode::NOT_FOUND, "this job tested no strength");
     let damage = result.finished.damage.as_ref().ok_or_else(none)?;
-    let bytes = damage.cells.iter().flat_map(|(at, lost)| [at[0], at[1], at[2], *lost]);
+    let bytes = damage.cells.iter().flat_map(|(at, lost, state)| [at[0], at[1], at[2], *lost, *state as f32]);
     Ok(binary(bytes.flat_map(f32::to_le_bytes).collect(), false))
 }
 
@@ -607,6 +624,57 @@ async fn case(
         found.map(surface::case).ok_or_else(none)
     })
     .await
+}
+
+#[derive(Deserialize)]
+struct Plane {
+    axis: Axis,
+    at: f32,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+async fn section_bytes(
+    State(studio): Shared,
+    Path((id, number)): Path<(u64, usize)>,
+    query: Result<Query<Plane>, QueryRejection>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let Query(Plane { axis, at }) = query?;
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
+    made(&headers, move || {
+        let stress = result.finished.stress.as_ref().ok_or_else(none)?;
+        let case = stress.cases.get(number).ok_or_else(none)?;
+        Ok(surface::section(&section::cut(&stress.volume, &case.inside, axis as usize, at)))
+    })
+    .await
+}
+
+async fn lines(
+    State(studio): Shared,
+    Path((id, number)): Path<(u64, usize)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
+    made(&headers, move || {
+        let found = result.finished.stress.as_ref().and_then(|s| s.cases.get(number));
+        found.map(|case| surface::lines(&case.lines)).ok_or_else(none)
+    })
+    .await
+}
+
+async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {
+    let roots = Arc::clone(&studio.roots);
+    let rows = tokio::task::spawn_blocking(move || history::told(&roots)).await.map_err(fault)?;
+    Ok(Json(json!({ "ok": true, "runs": rows })))
 }
 
 /// A file that a job wrote.

@@ -37,8 +37,11 @@ pub struct Damage {
     pub cell_mm: [f64; 3],
     /// Angle of its first edge from the x axis, rad.
     pub angle_rad: f64,
-    /// Middle of each broken element, mm, in the program's coordinates, and the share lost, 0 to 1.
-    pub cells: Vec<([f32; 3], f32)>,
+    /// Middle of each broken element, mm, in the program's coordinates; the share lost, 0 to 1; and the first of `states`
+    /// in which it is broken.
+    pub cells: Vec<([f32; 3], f32, u32)>,
+    /// Displacement in mm and load in N of every state that was solved, in order.
+    pub states: Vec<[f64; 2]>,
 }
 
 /// The surface of a part as a job places it.
@@ -65,15 +68,33 @@ pub struct StressSurface {
     pub triangles: Vec<[u32; 3]>,
     /// One for each load case.
     pub cases: Vec<CaseValues>,
+    /// The solid, for sections.
+    pub volume: StressVolume,
 }
 
-/// A load case at the points of a [`StressSurface`].
+/// The solid that was solved.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StressVolume {
+    /// Points, mm, part coordinates.
+    pub points: Vec<[f32; 3]>,
+    /// Indices of points.
+    pub tetrahedra: Vec<[u32; 4]>,
+}
+
+/// A principal stress line: each point, mm, part coordinates, with the stress along the line, MPa.
+pub type StressLine = Vec<[f32; 4]>;
+
+/// A load case of a [`StressSurface`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CaseValues {
     /// Name of the case.
     pub name: String,
     /// Stress xx, yy, zz, xy, yz, zx in MPa, then displacement x, y, z in mm.
     pub values: Vec<[f32; 9]>,
+    /// The same at the points of the [`StressVolume`].
+    pub inside: Vec<[f32; 9]>,
+    /// Lines along the greatest and the smallest principal stress.
+    pub lines: Vec<StressLine>,
 }
 
 /// What a run gives.

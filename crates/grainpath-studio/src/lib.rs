@@ -15,11 +15,13 @@ mod api;
 mod assets;
 mod engine;
 mod gate;
+mod history;
 mod openapi;
 pub mod records;
 mod refusal;
 pub mod roots;
 pub mod runs;
+mod section;
 mod serve;
 mod studio;
 mod surface;
@@ -28,7 +30,8 @@ mod uploads;
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
 pub use engine::{
-    CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressSurface, Surface,
+    CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressLine, StressSurface,
+    StressVolume, Surface,
 };
 pub use refusal::Refusal;
 pub use serve::serve;

@@ -141,7 +141,7 @@ pub(crate) const RECORDS: Route = Route::get(
 pub(crate) const DAMAGE: Route = Route::get(
     "/v1/jobs/{id}/damage",
     "damage",
-    "Elements that broke: x, y, z in mm and the share of stiffness lost, as 32-bit floats.",
+    "Elements that broke: x, y, z in mm, the share of stiffness lost, and the first state of the test in which it is broken, counted from 0 as in the result; as 32-bit floats.",
     Answers::Bytes,
 );
 pub(crate) const SURFACE: Route = Route::get(
@@ -161,6 +161,27 @@ pub(crate) const CASE: Route = Route::get(
     "case",
     "A load case, counted from 0, at the points of that surface: stress xx, yy, zz, xy, yz, zx in MPa and displacement x, y, z in mm, as 32-bit floats.",
     Answers::Bytes,
+);
+pub(crate) const SECTION: Route = Route {
+    query: &[("axis", "x, y or z."), ("at", "The place on it, mm.")],
+    ..Route::get(
+        "/v1/jobs/{id}/stress/{case}/section",
+        "section",
+        "A section of the solid that was solved, 32 bits a number: counts of points and triangles; x, y, z of the points; corners of the triangles; nine values a point as those of the case.",
+        Answers::Bytes,
+    )
+};
+pub(crate) const LINES: Route = Route::get(
+    "/v1/jobs/{id}/stress/{case}/lines",
+    "lines",
+    "Principal stress lines, 32 bits a number: the count of lines; the count of points of each; x, y, z in mm and the stress along the line in MPa of each point.",
+    Answers::Bytes,
+);
+pub(crate) const HISTORY: Route = Route::get(
+    "/v1/history",
+    "history",
+    "Plans and strength tests of this working folder, the last one first; earlier starts of the studio too.",
+    Answers::Json("History"),
 );
 pub(crate) const OUTPUT: Route =
     Route::get("/v1/jobs/{id}/outputs/{kind}", "output", "A file that the job wrote.", Answers::Bytes);
@@ -279,7 +300,10 @@ fn schemas() -> Value {
             "outputs": list(&object(json!({ "kind": text, "path": text }))),
             "cases": { "type": ["array", "null"], "items": text },
             "damage": { "type": ["object", "null"], "properties":
-                { "cell_mm": list(&number), "angle_rad": number, "cells": whole } } })),
+                { "cell_mm": list(&number), "angle_rad": number, "cells": whole, "states": list(&list(&number)) } } })),
+        "History": object(json!({ "runs": list(&object(json!({ "at_s": whole, "kind": text, "name": text,
+            "input": maybe("string"), "mass_g": maybe("number"), "time_s": maybe("number"), "layers": maybe("integer"),
+            "filament_mm": maybe("number"), "strength": { "type": ["object", "null"] } }))) })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
             "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "records": whole,
             "generator": maybe("string"), "time_s": number, "filament_mm": number,

@@ -3,7 +3,8 @@
 //! All numbers are 32 bits, little-endian. A surface begins with its counts, so that the page can lay typed arrays over
 //! the answer without a copy. Cost: 12 bytes a vertex and 16 bytes a triangle; 36 bytes a point and case.
 
-use crate::engine::{CaseValues, StressSurface, Surface};
+use crate::engine::{CaseValues, StressLine, StressSurface, Surface};
+use crate::section::Section;
 
 fn put(bytes: &mut Vec<u8>, words: impl IntoIterator<Item = u32>) {
     words.into_iter().for_each(|w| bytes.extend(w.to_le_bytes()));
@@ -42,5 +43,26 @@ pub(crate) fn stressed(surface: &StressSurface) -> Vec<u8> {
 pub(crate) fn case(case: &CaseValues) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(36 * case.values.len());
     put_reals(&mut bytes, case.values.iter().flatten().copied());
+    bytes
+}
+
+/// Counts of points and triangles; then x, y, z of the points, corners of the triangles, and nine values a point as those
+/// of a case.
+pub(crate) fn section(section: &Section) -> Vec<u8> {
+    let Section { points, triangles, values } = section;
+    let mut bytes = Vec::with_capacity(4 * (2 + 12 * points.len() + 3 * triangles.len()));
+    put(&mut bytes, [points.len(), triangles.len()].map(|n| n as u32));
+    put_reals(&mut bytes, points.iter().flatten().copied());
+    put(&mut bytes, triangles.iter().flatten().copied());
+    put_reals(&mut bytes, values.iter().flatten().copied());
+    bytes
+}
+
+/// The count of lines, the count of points of each, then x, y, z in mm and the stress along the line in MPa of each point.
+pub(crate) fn lines(lines: &[StressLine]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    put(&mut bytes, [lines.len() as u32]);
+    put(&mut bytes, lines.iter().map(|l| l.len() as u32));
+    put_reals(&mut bytes, lines.iter().flatten().flatten().copied());
     bytes
 }

@@ -1013,6 +1013,7 @@ fn answers_have_the_keys_of_the_description() {
         (format!("/v1/jobs/{id}"), "State"),
         (format!("/v1/jobs/{id}/result"), "Result"),
         (format!("/v1/jobs/{id}/layers"), "Index"),
+        ("/v1/history".to_owned(), "History"),
         ("/v1/profiles".to_owned(), "Profiles"),
         ("/v1/nothing".to_owned(), "Error"),
     ] {
@@ -1108,4 +1109,62 @@ fn surfaces_are_sent_packed_to_those_who_unpack() {
     std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&packed.bytes[..]), &mut plain)
         .expect("gzip");
     assert_eq!(plain, bench.get(&address).bytes);
+}
+
+#[test]
+fn a_section_of_a_load_case_has_the_values_between_its_points() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "stress", "text": "" }));
+    let at = |what: &str| bench.get(&format!("/v1/jobs/{}/stress/{what}", state["id"]));
+    let all = words(&at("1/section?axis=z&at=0.5").bytes);
+    assert_eq!((all.len(), &all[..2]), (2 + 9 + 3 + 27, &[3, 1][..]));
+    let points = reals(&all[2..11]);
+    assert!(points.chunks(3).all(|p| p[2] == 0.5), "{points:?}");
+    // The values are 0, -0.5, -1 and -1.5 at the corners, the last one above the plane.
+    let mut values: Vec<f32> = reals(&all[14..]).chunks(9).map(|v| v[8]).collect();
+    values.sort_by(f32::total_cmp);
+    assert_eq!(values, [-1.25, -1.0, -0.75]);
+    assert_eq!(words(&at("0/section?axis=x&at=3").bytes), [0, 0]);
+    assert_eq!(at("2/section?axis=z&at=0.5").status, StatusCode::NOT_FOUND);
+    for wrong in ["0/section?axis=w&at=1", "0/section?axis=x", "0/section?axis=x&at=one"] {
+        assert_eq!(at(wrong).status, StatusCode::BAD_REQUEST, "{wrong}");
+    }
+}
+
+#[test]
+fn principal_lines_are_sent_with_the_stress_along_them() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "stress", "text": "" }));
+    let all = words(&bench.get(&format!("/v1/jobs/{}/stress/0/lines", state["id"])).bytes);
+    assert_eq!(all[..3], [2, 2, 1]);
+    assert_eq!(reals(&all[3..]), [0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0, 1.0, 0.0, -1.0]);
+    let id = bench.square();
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/stress/0/lines")).status, StatusCode::NOT_FOUND);
+}
+
+#[test]
+fn the_history_outlives_the_studio_and_bears_broken_lines() {
+    let bench = Bench::new();
+    let told = |bench: &Bench| bench.get("/v1/history").json()["runs"].as_array().expect("a list").clone();
+    assert!(told(&bench).is_empty());
+    let job = bench.shown("files/job.toml");
+    assert_eq!(bench.run(&json!({ "kind": "plan", "file": job }))["phase"], "done");
+    bench.square();
+    assert_eq!(bench.run(&json!({ "kind": "strength", "file": job }))["phase"], "failed");
+    let runs = told(&bench);
+    assert_eq!(runs.len(), 1, "views and what failed leave no line: {runs:?}");
+    let (run, of) = (&runs[0], |key: &str| &runs[0][key]);
+    assert_eq!((of("kind"), of("name"), of("input")), (&json!("plan"), &json!("job"), &json!(job)));
+    assert_eq!((of("mass_g"), of("time_s"), of("strength")), (&json!(1.5), &json!(60.0), &json!(null)));
+    assert!(run["at_s"].as_u64().expect("a time") > 1_700_000_000);
+    // Another start in the same folder, after another program wrote into the file.
+    let file = bench.path("files/studio/history.jsonl");
+    let kept = fs::read_to_string(&file).expect("there");
+    fs::write(&file, format!("{kept}half a li\n[1]\n{}\n", kept.trim().replace("\"plan\"", "\"strength\"")))
+        .expect("written");
+    let runs = told(&bench);
+    assert_eq!(
+        runs.iter().map(|r| r["kind"].as_str().expect("a kind")).collect::<Vec<_>>(),
+        ["strength", "plan"]
+    );
 }

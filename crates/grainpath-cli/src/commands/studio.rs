@@ -26,9 +26,6 @@ use crate::{Failure, files, interrupt, memory, outputs};
 
 /// Name of the folder below the current one that the studio writes to.
 const WORK: &str = "grainpath-studio";
-/// Share of its stiffness that an element must have lost to be shown as broken. Source: chosen; the softening law of
-/// `docs/strength.md` has spent a tenth of its energy there, and elements beside a crack keep less damage.
-const BROKEN: f32 = 0.3;
 
 /// `grainpath studio`
 pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
@@ -202,7 +199,7 @@ impl Engine for Commands {
         };
         let done = tested.test(&input, bytes.as_deref(), diagnostics, &|_| {}).map_err(refusal)?;
         let size_mm = done.tested.element_mm();
-        let cells = done.tested.broken(BROKEN);
+        let cells = done.tested.broken();
         Ok(Finished {
             report: json!({
                 "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.program.layers.len(),
@@ -213,7 +210,8 @@ impl Engine for Commands {
             damage: Some(Damage {
                 cell_mm: size_mm.to_array(),
                 angle_rad: done.tested.element_angle_rad(),
-                cells: cells.iter().map(|c| (c.at_mm.as_vec3().to_array(), c.lost)).collect(),
+                cells: cells.iter().map(|c| (c.at_mm.as_vec3().to_array(), c.lost, c.state)).collect(),
+                states: done.tested.outcome.states.iter().map(|p| [p.displacement_mm, p.load_n]).collect(),
             }),
             program: done.program,
             warnings: done.warnings,

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use grainpath::guide::{ResultMesh, ResultSurface, faces_as_in_file};
+use grainpath::guide::{ResultMesh, ResultSurface, ResultVolume, StressLine, faces_as_in_file};
 use grainpath::measure::report::StressReport;
 use grainpath::run::{Placed, config, placed_mesh};
 use grainpath::shape::likely_unit;
@@ -16,7 +16,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
 use grainpath_job::Settings;
 use grainpath_job::choices::LoadFrame;
-use grainpath_studio::{CaseValues, Finished, StressSurface, Surface};
+use grainpath_studio::{CaseValues, Finished, StressSurface, StressVolume, Surface};
 use serde_json::{Value, json};
 
 use super::inspect_faces::face_json;
@@ -160,6 +160,7 @@ pub(super) fn stress(
     let bottom_mm = config::placing(settings).lift_mm;
     // All cases are solved on one mesh.
     let drawn: ResultSurface = guide.results.first().map(|r| r.surface(bottom_mm)).unwrap_or_default();
+    let volume: ResultVolume = guide.results.first().map(|r| r.volume(bottom_mm)).unwrap_or_default();
     let values = |result: &ResultMesh| {
         let moved = |n: usize| result.displacement.as_ref().map_or(DVec3::ZERO, |all| all[n]);
         let nine = |n: &u32| {
@@ -169,12 +170,25 @@ pub(super) fn stress(
             nine.iter_mut().zip(stress.into_iter().chain(by)).for_each(|(to, v)| *to = v as f32);
             nine
         };
-        CaseValues { name: result.name.clone(), values: drawn.nodes.iter().map(nine).collect() }
+        let line = |line: &StressLine| {
+            let both = line.points.iter().zip(&line.values_mpa);
+            both.map(|(p, v)| p.extend(*v).as_vec4().to_array()).collect()
+        };
+        CaseValues {
+            name: result.name.clone(),
+            values: drawn.nodes.iter().map(nine).collect(),
+            inside: volume.nodes.iter().map(nine).collect(),
+            lines: result.stress_lines().iter().map(line).collect(),
+        }
     };
     let stress = StressSurface {
         points: drawn.points.iter().map(|p| single(*p)).collect(),
         cases: guide.results.iter().map(values).collect(),
         triangles: drawn.triangles.clone(),
+        volume: StressVolume {
+            points: volume.points.iter().map(|p| single(*p)).collect(),
+            tetrahedra: volume.tetrahedra.clone(),
+        },
     };
     let warnings = diagnostics.warnings();
     let report =

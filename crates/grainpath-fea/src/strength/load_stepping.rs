@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 use super::card::{FailureMode, FinalStrains, StrengthCard};
 use super::damage::{damage, energy_share};
-use super::{Outcome, TestError};
+use super::{BROKEN_SHARE, Outcome, TestError};
 
 /// Damage of a ply, in this order: through its beads, between them, and between it and the layer below.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,6 +157,7 @@ pub(super) fn run_to_failure(
     let mut history = History::default();
     let mut first_index = Vec::new();
     let mut equilibrium = Equilibrium { states: states.clone(), factor: 0.0, n_states: 0, flexibility: 0.0 };
+    let mut broke_at = vec![None; n];
     // Elements whose damage changed since the last equilibrium.
     let mut touched = Vec::new();
     let (mut indices, mut weakest) = (vec![Vec::new(); n], vec![WeakestPly::NONE; n]);
@@ -198,7 +199,9 @@ pub(super) fn run_to_failure(
             // The peak lies within this step: back to the last equilibrium, and on in smaller steps.
             states.clone_from(&equilibrium.states);
             part.update_stiffness(&touched, &states)?;
-            touched.clear();
+            for e in touched.drain(..).filter(|e| lost_share(part, &states, *e) < BROKEN_SHARE) {
+                broke_at[e] = None;
+            }
             history.return_to(equilibrium.n_states);
             step /= STEP_REFINEMENT.value();
             level = equilibrium.factor * (1.0 + step);
@@ -214,11 +217,17 @@ pub(super) fn run_to_failure(
         }
         let changed = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
         part.update_stiffness(&changed, &states)?;
+        for &e in changed.iter().filter(|e| lost_share(part, &states, **e) >= BROKEN_SHARE) {
+            // The damage of now is that of the next state.
+            broke_at[e].get_or_insert(history.factors.len() as u32);
+        }
         touched.extend(changed);
         touched.sort_unstable();
         touched.dedup();
     };
-    Ok(outcome(part, cards, &history, &states, load_n, first_index, past_peak))
+    let last = history.factors.len().saturating_sub(1) as u32;
+    let broke_at = broke_at.into_iter().map(|at| at.map(|at| at.min(last))).collect();
+    Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first_index, past_peak) })
 }
 
 /// The last state in which the part carried the level of the load.
@@ -324,6 +333,17 @@ fn grow_damage(
     changed
 }
 
+/// The share of its stiffness that an element has lost, by the most damaged direction of each ply.
+fn lost_share(part: &dyn LoadedPart, states: &[PlyState], element: usize) -> f32 {
+    let (mut lost, mut all) = (0.0, 0.0);
+    for p in part.plies(element) {
+        all += part.amount(p);
+        lost += part.amount(p) * states[p].damage().into_iter().fold(0.0, f64::max);
+    }
+    (lost / f64::max(all, 1e-30)) as f32
+}
+
+/// The outcome but for the states in which elements broke.
 fn outcome(
     part: &dyn LoadedPart,
     cards: &[StrengthCard],
@@ -337,13 +357,11 @@ fn outcome(
     let mut damage = Vec::with_capacity(part.n_elements());
     let mut most_energy = (0.0, 0);
     for e in 0..part.n_elements() {
-        let (mut energy, mut lost, mut all) = (0.0, 0.0, 0.0);
+        let mut energy = 0.0;
         for p in part.plies(e) {
             let amount = part.amount(p);
             let card = &cards[part.material(p)];
             let energies = [card.g_along_n_mm, card.g_across_n_mm, card.g_across_n_mm];
-            all += amount;
-            lost += amount * states[p].damage().into_iter().fold(0.0, f64::max);
             for k in 0..3 {
                 let spent = amount
                     * energies[k]
@@ -360,7 +378,7 @@ fn outcome(
                 mode_shares[mode as usize] += spent;
             }
         }
-        damage.push((lost / f64::max(all, 1e-30)) as f32);
+        damage.push(lost_share(part, states, e));
         if energy > most_energy.0 {
             most_energy = (energy, e);
         }
@@ -372,9 +390,11 @@ fn outcome(
         first_failure_n: history.factors[0] * load_n,
         stiffness_n_per_mm: load_n * load_n / history.flexibilities[0],
         curve: history.curve(load_n),
+        states: history.points(load_n).collect(),
         mode_shares,
         weakest: centre_of_damage(part, most_energy.1, &damage),
         damage,
+        broke_at: Vec::new(),
         failure_index: first_index,
         dofs: part.dofs(),
         solutions: part.n_solutions(),
@@ -431,13 +451,18 @@ impl History {
         self.factors.iter().copied().fold(0.0, f64::max)
     }
 
+    /// Displacement and load of every state.
+    fn points(&self, load_n: f64) -> impl Iterator<Item = CurvePoint> {
+        let both = self.factors.iter().zip(&self.flexibilities);
+        both.map(move |(f, w)| CurvePoint { displacement_mm: f * w / load_n, load_n: f * load_n })
+    }
+
     /// Displacement and load at each new maximum of the load, and on the way down after the peak.
     fn curve(&self, load_n: f64) -> Vec<CurvePoint> {
         let mut curve = vec![CurvePoint::default()];
         let max = self.max_factor();
         let (mut highest, mut after_peak) = (0.0, false);
-        for (f, w) in self.factors.iter().zip(&self.flexibilities) {
-            let point = CurvePoint { displacement_mm: f * w / load_n, load_n: f * load_n };
+        for (f, point) in self.factors.iter().zip(self.points(load_n)) {
             let descends = curve.last().is_some_and(|last: &CurvePoint| {
                 point.displacement_mm >= last.displacement_mm && point.load_n <= last.load_n
             });

@@ -83,12 +83,16 @@ pub struct Outcome {
     pub stiffness_n_per_mm: f64,
     /// Load over displacement, up to the peak and past it.
     pub curve: Vec<CurvePoint>,
+    /// Load and displacement of every state that was solved, in order: the curve and what lies below it.
+    pub states: Vec<CurvePoint>,
     /// Share of the energy that each mode spent, in the order of [`FailureMode::ALL`].
     pub mode_shares: [f64; 5],
     /// The place where most energy was spent, mm; plates lie at z = 0.
     pub weakest: DVec3,
     /// Share of the stiffness that each element has lost, 0 to 1.
     pub damage: Vec<f32>,
+    /// The first of `states` in which each element is broken, see [`BROKEN_SHARE`]; `None` for those that never are.
+    pub broke_at: Vec<Option<u32>>,
     /// The largest failure index of each element when the first ply failed, 0 to 1.
     pub failure_index: Vec<f32>,
     /// Number of unknowns.
@@ -100,6 +104,10 @@ pub struct Outcome {
     /// Whether the load was followed past its peak. Where it was not, the peak is a lower bound.
     pub past_peak: bool,
 }
+
+/// Share of its stiffness that an element must have lost to count as broken. Source: chosen; the softening law of
+/// `docs/strength.md` has spent a tenth of its energy there, and elements beside a crack keep less damage.
+pub const BROKEN_SHARE: f32 = 0.3;
 
 impl Outcome {
     /// The mode that spent most energy.

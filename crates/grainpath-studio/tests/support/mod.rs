@@ -17,7 +17,7 @@ use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, StressSurface,
-    Studio, Surface, router,
+    StressVolume, Studio, Surface, router,
 };
 use http_body_util::BodyExt;
 use serde_json::Value;
@@ -61,11 +61,17 @@ impl Engine for Planner {
         let case = |name: &str, by: f32| CaseValues {
             name: name.to_owned(),
             values: (0..3).map(|k| [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|c| by * (c + 10 * k) as f32)).collect(),
+            inside: (0..4).map(|k| [by * k as f32; 9]).collect(),
+            lines: vec![vec![[0.0, 0.0, 0.0, by], [1.0, 0.0, 0.0, 2.0 * by]], vec![[0.0, 1.0, 0.0, -by]]],
         };
         let stress = StressSurface {
             points: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             triangles: vec![[0, 1, 2]],
             cases: vec![case("pull", 1.0), case("bend", -0.5)],
+            volume: StressVolume {
+                points: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                tetrahedra: vec![[0, 1, 2, 3]],
+            },
         };
         Ok(Finished { stress: Some(stress), ..Finished::default() })
     }
@@ -102,7 +108,7 @@ impl Engine for Planner {
         let program =
             simulate(&gcode, 1.75, &Limits::default()).map_err(|e| Refusal::input(e.to_string()))?;
         Ok(Finished {
-            report: serde_json::json!({ "ok": true }),
+            report: serde_json::json!({ "ok": true, "mass_g": 1.5, "time_s": 60.0, "layers": program.layers.len() }),
             program,
             outputs: vec![Output { kind: "gcode".to_owned(), path: place }],
             warnings: diagnostics.warnings(),

@@ -20,7 +20,7 @@ use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::PlateTest;
-use grainpath_fea::strength::{CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
+use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
 use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -319,6 +319,8 @@ pub struct BrokenElement {
     pub at_mm: DVec3,
     /// The share of its stiffness that is lost, 0 to 1.
     pub lost: f32,
+    /// The first state of the test in which it is broken.
+    pub state: u32,
 }
 
 impl Tested {
@@ -336,8 +338,8 @@ impl Tested {
         grainpath_core::math::atan2(x.y, x.x)
     }
 
-    /// The elements that lost at least this share of their stiffness.
-    pub fn broken(&self, least: f32) -> Vec<BrokenElement> {
+    /// The elements that lost at least [`BROKEN_SHARE`] of their stiffness.
+    pub fn broken(&self) -> Vec<BrokenElement> {
         let size_mm = self.element_mm();
         let (n, low, cells) = match &self.map {
             Map::Plane(e) => ([e.grid.nx, e.grid.ny], e.grid.low.extend(self.heights_mm[0]), &e.cells),
@@ -348,8 +350,14 @@ impl Tested {
             let index = DVec3::new((cell % nx) as f64, (cell / nx % ny) as f64, (cell / (nx * ny)) as f64);
             self.frame.to_part_3d(low + (index + 0.5) * size_mm) + self.program_from_part_mm
         };
-        let with = cells.iter().zip(&self.outcome.damage).filter(|(_, lost)| **lost >= least);
-        with.map(|(cell, lost)| BrokenElement { at_mm: place(*cell), lost: *lost }).collect()
+        let all = cells.iter().zip(&self.outcome.damage).zip(&self.outcome.broke_at);
+        let broken = all.filter(|((_, lost), _)| **lost >= BROKEN_SHARE);
+        let element = |((cell, lost), at): ((&u32, &f32), &Option<u32>)| BrokenElement {
+            at_mm: place(*cell),
+            lost: *lost,
+            state: at.unwrap_or_default(),
+        };
+        broken.map(element).collect()
     }
 }
 

@@ -1,0 +1,93 @@
+// The history of runs in the working folder, and two of them side by side.
+
+import * as api from "./api";
+import { duration, el, fixed } from "./dom";
+
+type Row = [string, string, string, string];
+
+/** A number of a run in words; a dash where it has none. */
+const words = (value: number | null | undefined, digits: number, unit: string) => (value === null || value === undefined ? "–" : `${fixed(value, digits)} ${unit}`);
+/** The second over the first in per cent; nothing where one is missing. */
+const share = (a: number | null | undefined, b: number | null | undefined) => (a && b ? `${fixed((100 * b) / a, 1)} %` : "");
+const file = (run: api.RunRow) => run.input?.split(/[/\\]/).pop() ?? run.name;
+
+/**
+ * The peak load of one part over that of another with its interval, as `grainpath compare` tells it: corner by corner of the
+ * card, which both share, and wider by what the grid moves either of them.
+ */
+export function ratio(a: api.StrengthReport, b: api.StrengthReport): { nominal: number; low: number; high: number } {
+  const nominal = b.peak_load_n / a.peak_load_n;
+  const all = [nominal, ...Object.entries(b.corners).flatMap(([name, load]) => (a.corners[name] ? [load / a.corners[name]!] : []))];
+  const grid = Math.max(a.grid_share, b.grid_share);
+  return { nominal, low: Math.min(...all) * (1 - grid), high: Math.max(...all) * (1 + grid) };
+}
+
+/** The rows of a table of two runs. */
+function compared(a: api.RunRow, b: api.RunRow): Row[] {
+  const [s, t] = [a.strength, b.strength];
+  const number = (name: string, of: (run: api.RunRow) => number | null | undefined, digits: number, unit: string): Row => [name, words(of(a), digits, unit), words(of(b), digits, unit), share(of(a), of(b))];
+  const peak = (r: api.StrengthReport | null) => (r ? `${fixed(r.peak_load_n, 0)} N (${fixed(r.low_n, 0)} to ${fixed(r.high_n, 0)})` : "–");
+  const rows: Row[] = [
+    number("Mass", (r) => r.mass_g, 2, "g"),
+    ["Printing time", a.time_s === null ? "–" : duration(a.time_s), b.time_s === null ? "–" : duration(b.time_s), share(a.time_s, b.time_s)],
+    number("Layers", (r) => r.layers, 0, ""),
+  ];
+  if (!s && !t) return rows;
+  const both = s && t ? ratio(s, t) : null;
+  rows.push(
+    ["Breaks at", peak(s), peak(t), both ? `${fixed(100 * both.nominal, 1)} % (${fixed(100 * both.low, 1)} to ${fixed(100 * both.high, 1)})` : ""],
+    number("Load of the job", (r) => r.strength?.job_load_n, 0, "N"),
+    number("First bead fails at", (r) => r.strength?.first_n, 0, "N"),
+    number("Stiffness", (r) => r.strength?.stiffness_n_per_mm, 0, "N/mm"),
+    number("Load over mass", (r) => r.strength?.load_per_gram_n_g, 1, "N/g"),
+    // Strength is compared at equal mass: a heavier part carries more.
+    number(`Breaks at, for ${words(a.mass_g, 2, "g")} of each`, (r) => (r.strength && a.mass_g ? r.strength.load_per_gram_n_g * a.mass_g : null), 0, "N"),
+    ["Fails mostly", s?.mode ?? "–", t?.mode ?? "–", ""],
+    ["Weakest at", s?.weakest.words ?? "–", t?.weakest.words ?? "–", ""],
+    ["Card", s ? `tier ${s.card_tier}` : "–", t ? `tier ${t.card_tier}` : "–", ""],
+  );
+  return rows;
+}
+
+/** Opens the list of runs; `chosen` are marked from the beginning. */
+export async function history(dialog: HTMLDialogElement, chosen = 0): Promise<void> {
+  const { runs } = await api.history();
+  const marked: number[] = [...runs.keys()].slice(0, Math.min(chosen, runs.length));
+  const answer = el("div", { id: "compared", role: "status" });
+  const boxes = runs.map((run, k) => {
+    const box = el("input", { type: "checkbox", checked: marked.includes(k), "aria-label": `Compare ${file(run)} of ${when(run)}`, onchange: () => {
+      if (box.checked) marked.push(k); else marked.splice(marked.indexOf(k), 1);
+      // Two at a time: the one that was marked longest gives way.
+      if (marked.length > 2) boxes[marked.shift()!]!.checked = false;
+      tell();
+    } });
+    return box;
+  });
+  const tell = () => {
+    if (marked.length < 2) { answer.replaceChildren(el("p", { class: "note" }, runs.length > 1 ? "Mark two runs to see them side by side." : "Two runs can be seen side by side.")); return; }
+    // The older one comes first.
+    const [b, a] = [...marked].sort((p, q) => p - q).map((k) => runs[k]!) as [api.RunRow, api.RunRow];
+    const head = (run: api.RunRow) => el("th", { scope: "col" }, `${file(run)}, ${when(run)}`);
+    const both = a.strength && b.strength ? ratio(a.strength, b.strength) : null;
+    answer.replaceChildren(
+      el("h2", {}, "Side by side"),
+      el("table", {}, el("tr", {}, el("td"), head(a), head(b), el("th", { scope: "col" }, "second over first")),
+        ...compared(a, b).map(([name, ...cells]) => el("tr", {}, el("th", { scope: "row" }, name), ...cells.map((cell) => el("td", {}, cell))))),
+      ...(both ? [el("p", { id: "decided" }, both.low > 1 ? "The second carries more." : both.high < 1 ? "The first carries more." : "Which one carries more is not decided: the interval holds both.")] : []),
+    );
+  };
+  tell();
+  dialog.replaceChildren(
+    el("h2", {}, "Runs in this folder"),
+    runs.length === 0 ? el("p", { class: "note" }, "None yet: plans and strength tests are listed here, and stay when the studio is ended.")
+      : el("div", { class: "files" }, el("table", { id: "all-runs" },
+        el("tr", {}, ...["", "When", "What", "File", "Mass", "Time", "Breaks at"].map((name) => el("th", { scope: "col" }, name || el("span", { class: "sr" }, "Compare")))),
+        ...runs.map((run, k) => el("tr", {}, el("td", {}, boxes[k]!), el("td", {}, when(run)), el("td", {}, run.kind === "plan" ? "plan" : "strength test"), el("td", { title: run.name }, file(run)),
+          el("td", { class: "n" }, words(run.mass_g, 2, "g")), el("td", { class: "n" }, run.time_s === null ? "–" : duration(run.time_s)), el("td", { class: "n" }, words(run.strength?.peak_load_n, 0, "N")))))),
+    answer,
+    el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
+  );
+  dialog.showModal();
+}
+
+const when = (run: api.RunRow) => new Date(1000 * run.at_s).toLocaleString([], { dateStyle: "short", timeStyle: "short" });

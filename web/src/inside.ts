@@ -1,0 +1,101 @@
+// What is inside the part under its loads: a section with the stress on it, and principal stress lines. The server cuts
+// the solid and traces the lines; both are asked for when they are wanted.
+
+import type { Vector3 } from "three";
+import * as api from "./api";
+import { css } from "./colours";
+import { el } from "./dom";
+import { COMPRESSION, TENSION, type StressView } from "./part";
+import type { Viewer } from "./viewer";
+
+interface Parts { say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null }
+
+const AXES = ["x", "y", "z"] as const;
+
+export class Inside {
+  private axis = -1;
+  private at = 0;
+  private isLowKept = true;
+  private ofCase = 0;
+  private isBusy = false;
+  private isStale = false;
+
+  constructor(private readonly view: StressView, private readonly job: number, private readonly low: Vector3, private readonly high: Vector3, private readonly parts: Parts) {}
+
+  /** The fields that choose what is seen. */
+  fields(): Node[] {
+    const ends = () => [this.low.getComponent(this.axis), this.high.getComponent(this.axis)] as const;
+    const slider = el("input", { type: "range", id: "section-slider", step: "any", "aria-label": "Place of the section", oninput: () => place(slider.valueAsNumber) });
+    const number = el("input", { type: "number", id: "section-at", step: "any", onchange: () => { if (Number.isFinite(number.valueAsNumber)) place(number.valueAsNumber); } });
+    const other = el("input", { type: "checkbox", id: "section-other", onchange: () => { this.isLowKept = !this.isLowKept; this.section(); } });
+    const rows = el("div", { hidden: true }, el("div", { class: "row" }, slider, el("label", {}, "at, mm", number)), el("label", { for: "section-other", class: "check" }, other, " the other half"));
+    const place = (at: number) => {
+      this.at = at;
+      number.value = String(Number(at.toFixed(3)));
+      slider.value = String(at);
+      this.section();
+    };
+    const axis = el("select", { id: "section", onchange: () => {
+      this.axis = Number(axis.value);
+      rows.hidden = this.axis < 0;
+      if (this.axis < 0) { this.section(); return; }
+      const [low, high] = ends();
+      [slider.min, slider.max] = [String(low), String(high)];
+      // A step of the arrow keys is a hundredth of the part.
+      slider.step = String((high - low) / 100);
+      // The half that the eye is on is taken away.
+      const viewer = this.parts.viewer();
+      this.isLowKept = !viewer || viewer.camera.position.getComponent(this.axis) >= viewer.controls.target.getComponent(this.axis);
+      other.checked = false;
+      place(0.5 * (low + high));
+    } }, el("option", { value: -1 }, "none"), ...AXES.map((name, k) => el("option", { value: k }, `across ${name}`)));
+    const lines = el("input", { type: "checkbox", id: "lines", onchange: () => void this.lines(lines.checked) });
+    const swatch = (colour: [number, number, number]) => { const box = el("span", { class: "swatch" }); box.style.background = css(colour); return box; };
+    return [
+      el("div", { class: "row" }, el("label", {}, "Section", axis)), rows,
+      el("label", { for: "lines", class: "check" }, lines, " principal stress lines"),
+      el("p", { class: "note" }, swatch(TENSION), "tension ", swatch(COMPRESSION), "compression along the line"),
+    ];
+  }
+
+  /** Another load case is shown. */
+  setCase(k: number): void {
+    this.ofCase = k;
+    this.section();
+    if (this.view.hasLines) void this.lines(true);
+  }
+
+  /** Asks for the section as it is chosen; while one is on its way, the last wish is remembered. */
+  private section(): void {
+    if (this.isBusy) { this.isStale = true; return; }
+    void this.fetchSection();
+  }
+
+  private async fetchSection(): Promise<void> {
+    this.isBusy = true;
+    do {
+      this.isStale = false;
+      const { axis, at, isLowKept } = this;
+      try {
+        const bytes = axis < 0 ? null : await api.bytes(`v1/jobs/${this.job}/stress/${this.ofCase}/section?axis=${AXES[axis]}&at=${at}`);
+        this.view.setSection(bytes, axis, at, isLowKept);
+        document.documentElement.dataset.section = axis < 0 ? "none" : `${AXES[axis]} ${at} ${isLowKept}`;
+      } catch (error) {
+        this.parts.say((error as Error).message, true);
+      }
+      this.parts.viewer()?.draw();
+    } while (this.isStale);
+    this.isBusy = false;
+  }
+
+  private async lines(isWanted: boolean): Promise<void> {
+    try {
+      this.view.setLines(isWanted ? await api.bytes(`v1/jobs/${this.job}/stress/${this.ofCase}/lines`) : null);
+      if (isWanted && !this.view.hasLines) this.parts.say("No stress in this part is clear enough for a line.");
+      document.documentElement.dataset.lines = String(isWanted);
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
+    this.parts.viewer()?.draw();
+  }
+}
