@@ -150,7 +150,8 @@ fn a_plain_bar_breaks_at_its_strength_times_its_section() {
 /// A crack off axis grows over many states and returns to an equilibrium several times.
 #[test]
 fn every_broken_element_knows_the_state_in_which_it_broke() {
-    let (outcome, _) = pull_cut(&[45.0, -45.0], &pla());
+    let size = DVec2::new(20.0, 6.0);
+    let (outcome, _) = pull(&[raster(size, 45.0), raster(size, -45.0)], 0.4, &pla());
     let last = outcome.states.len() as u32 - 1;
     let is_broken = |lost: &f32| *lost >= BROKEN_SHARE;
     for (e, (lost, at)) in outcome.damage.iter().zip(&outcome.broke_at).enumerate() {
