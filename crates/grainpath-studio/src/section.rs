@@ -6,7 +6,7 @@ use crate::engine::StressVolume;
 
 /// A section: points, triangles, and nine values a point.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Section {
+pub(crate) struct StressSection {
     pub points: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
     pub values: Vec<[f32; 9]>,
@@ -16,8 +16,8 @@ pub(crate) struct Section {
 ///
 /// A point in the plane counts as above it, so that a plane through points gives no triangle twice. Cost: one look at each
 /// tetrahedron.
-pub(crate) fn cut(volume: &StressVolume, values: &[[f32; 9]], axis: usize, at_mm: f32) -> Section {
-    let mut section = Section::default();
+pub(crate) fn cut(volume: &StressVolume, values: &[[f32; 9]], axis: usize, at_mm: f32) -> StressSection {
+    let mut section = StressSection::default();
     let mut known: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     let is_above = |k: u32| volume.points[k as usize][axis] >= at_mm;
     for tet in &volume.tetrahedra {
@@ -71,7 +71,7 @@ mod tests {
         (StressVolume { points, tetrahedra }, values)
     }
 
-    fn area(section: &Section) -> f32 {
+    fn area(section: &StressSection) -> f32 {
         let triangle = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|k| section.points[k as usize]);
             let side = |p: [f32; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
@@ -95,7 +95,7 @@ mod tests {
                 }
             }
             for beside in [-0.1, 2.1] {
-                assert_eq!(cut(&volume, &values, axis, beside), Section::default());
+                assert_eq!(cut(&volume, &values, axis, beside), StressSection::default());
             }
         }
     }

@@ -4,7 +4,7 @@
 //! the answer without a copy. Cost: 12 bytes a vertex and 16 bytes a triangle; 36 bytes a point and case.
 
 use crate::engine::{CaseValues, StressLine, StressSurface, Surface};
-use crate::section::Section;
+use crate::section::StressSection;
 
 fn put(bytes: &mut Vec<u8>, words: impl IntoIterator<Item = u32>) {
     words.into_iter().for_each(|w| bytes.extend(w.to_le_bytes()));
@@ -48,8 +48,8 @@ pub(crate) fn case(case: &CaseValues) -> Vec<u8> {
 
 /// Counts of points and triangles; then x, y, z of the points, corners of the triangles, and nine values a point as those
 /// of a case.
-pub(crate) fn section(section: &Section) -> Vec<u8> {
-    let Section { points, triangles, values } = section;
+pub(crate) fn section(section: &StressSection) -> Vec<u8> {
+    let StressSection { points, triangles, values } = section;
     let mut bytes = Vec::with_capacity(4 * (2 + 12 * points.len() + 3 * triangles.len()));
     put(&mut bytes, [points.len(), triangles.len()].map(|n| n as u32));
     put_reals(&mut bytes, points.iter().flatten().copied());
