@@ -12,12 +12,14 @@ use grainpath_core::{Diagnostics, LayerStack};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::CtStack;
-use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions};
+use grainpath_io::directions::{
+    DensitySamples, DirectionOptions, DirectionSamples, parse_densities, parse_directions,
+};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
-use grainpath_job::choices::GuideKind;
+use grainpath_job::choices::{DensityBy, GuideKind};
 use grainpath_job::regions::RegionPlace;
 use grainpath_job::{Settings, parse_job};
 
@@ -110,6 +112,9 @@ pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claim
     for (what, file) in photos.chain(images).chain(others).filter(|(_, f)| !f.is_empty()) {
         claims.read(what, &base.join(file));
     }
+    for graded in settings.fill.density.graded().into_iter().filter(|g| g.by == DensityBy::File) {
+        claims.read("of fill.density", &base.join(&graded.file));
+    }
     for region in &settings.regions {
         if let RegionPlace::Mesh(file) = &region.on {
             claims.read("of a region", &base.join(file));
@@ -164,7 +169,9 @@ pub fn plan_given(
     let planned = match read {
         Handed::Mesh(mesh) => {
             let regions = read_regions(settings, base)?;
-            let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture, regions };
+            let densities = read_densities(settings, base)?;
+            let inputs =
+                grainpath::Inputs { mesh, path, stress, directions, densities, photos, texture, regions };
             grainpath::plan_job(settings, inputs, diagnostics)?
         }
         Handed::Layers(stack) => {
@@ -340,6 +347,18 @@ pub(crate) fn read_directions(settings: &Settings, base: &Path) -> Result<Option
     }
     let path = base.join(&settings.field.path);
     directions(&path, &grainpath::run::config::directions(settings)).map(Some)
+}
+
+/// The file of `fill.density`.
+pub(crate) fn read_densities(settings: &Settings, base: &Path) -> Result<Option<DensitySamples>, Failure> {
+    let Some(graded) = settings.fill.density.graded().filter(|g| g.by == DensityBy::File) else {
+        return Ok(None);
+    };
+    let path = base.join(&graded.file).display().to_string();
+    let bytes = files::read(Path::new(&path))?;
+    let array = Some(graded.array.as_str()).filter(|a| !a.is_empty());
+    let read = parse_densities(&bytes, &path, array);
+    Ok(Some(read.map_err(|source| grainpath::Error::Densities { path, source })?))
 }
 
 /// Reads directions from a file, or from the matrices in a folder.

@@ -151,6 +151,17 @@ pub(crate) fn write(
             drawn.extend(strength_pictures(&tested));
             report.strength = Some(tested.report);
         }
+        if let Some(laid) = &planned.laid {
+            let picture = page::Picture {
+                title:
+                    "Density of sparse infill over cells of 5 mm: asked for on the left, laid on the right"
+                        .into(),
+                png: grainpath_view::density::density_png(laid, GUIDE_PX),
+                of: page::Of::Density,
+                scale: Some(page::ColourScale { low: laid.min, high: laid.max, what: "share" }),
+            };
+            drawn.push(("density.png".into(), picture));
+        }
         let supports = planned.supported_mesh.as_ref().zip(planned.support.as_ref());
         let pictures =
             supports.map(|(mesh, s)| grainpath_view::support::pictures(mesh, s)).unwrap_or_default();

@@ -15,6 +15,7 @@ pub mod field_mesh;
 pub mod hash;
 pub mod image;
 pub mod layer;
+pub mod isolines;
 pub mod mask;
 pub mod math;
 pub mod medial;

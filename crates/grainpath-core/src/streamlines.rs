@@ -252,6 +252,8 @@ pub fn evenly_spaced(
         for k in 0..segments {
             let (a, b) = (line.points[k], line.points[(k + 1) % n]);
             let length = a.distance(b);
+            // Where lines are to lie closer than at the seed, they have to find this one there too.
+            let separation = separation.min((seeding.separation_mm)(a));
             // Points at a quarter of the separation: the distance to the nearest one is then nearly
             // the distance to the line.
             let steps = (length / (0.25 * separation)).ceil().max(1.0) as usize;

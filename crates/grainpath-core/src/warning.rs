@@ -196,6 +196,9 @@ warning_ids! {
     FillLinesSeparate = "fill-lines-separate",
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";
+    DensityOff = "density-off",
+        "Graded infill is off the density asked for by more than 3 % of full in the mean, or 10 % at worst, over cells of 5 mm.",
+        "look at the map of densities in the report; a larger fill.density.min, or rectilinear or stripes, follows more closely";
     PathNeck = "path-neck",
         "A neck of a region is too narrow for one continuous path; its two sides are printed separately.",
         "widen the neck or print a narrower bead";

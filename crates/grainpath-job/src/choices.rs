@@ -247,6 +247,11 @@ choices! {
         SeedLines = "seed-lines", "a seed line along the guide and its offsets, region by region, as published.";
         Continuous = "continuous", "one unbroken path for each island and layer.";
     }
+    /// What a graded density follows (`fill.density.by`).
+    enum DensityBy {
+        Stress = "stress", "in proportion to what the stress of the guide takes of the material's strengths.";
+        File = "file", "the densities of a file.";
+    }
     /// What happens to beads along a guide where they meet the border (`fill.ends`).
     enum BeadEnds {
         Joined = "joined", "ends that lie close together are joined along the border: few paths, with turns that lie off the guide.";

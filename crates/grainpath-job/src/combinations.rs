@@ -1,6 +1,6 @@
 //! Checks of settings against each other.
 
-use crate::choices::{Choice, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
+use crate::choices::{Choice, DensityBy, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::{MaterialSection, Settings};
 
@@ -75,6 +75,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
         );
     }
     check_lines(s)?;
+    check_graded(s)?;
     check_regions(s)
 }
 
@@ -111,6 +112,30 @@ fn check_lines(s: &Settings) -> Result<(), String> {
         return Ok(());
     };
     Err(format!("fill.lines = {} {problem}", f.lines))
+}
+
+/// Checks what a graded density needs.
+fn check_graded(s: &Settings) -> Result<(), String> {
+    let Some(graded) = s.fill.density.graded() else { return Ok(()) };
+    let of_mesh = s.ct.path.is_empty() && s.photo.files.is_empty();
+    let problem = match (s.fill.pattern, graded.by) {
+        (Pattern::Continuous | Pattern::SeedLines | Pattern::Concentric, _) => {
+            return Err(format!(
+                "fill.density as a table is not for fill.pattern = {:?}, whose lines cannot end or begin along the way; use \
+                 \"stripes\" or \"streamlines\" along a guide, or \"rectilinear\", \"grid\", \"triangles\", \"gyroid\" or \"honeycomb\"",
+                s.fill.pattern.name()
+            ));
+        }
+        (_, DensityBy::Stress) if s.guide.kind != GuideKind::Stress => {
+            "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import"
+        }
+        (_, DensityBy::File) if !of_mesh => "by = \"file\" is for parts from meshes and outlines",
+        _ if s.fill.lines > 1 => "as a table is not for fill.lines above 1",
+        _ if s.fibre.enabled => "as a table is not for fibre.enabled = true",
+        _ if s.guide.kind == GuideKind::Grain => "as a table is not for guide.kind = \"grain\"",
+        _ => return Ok(()),
+    };
+    Err(format!("fill.density {problem}"))
 }
 
 /// Checks the settings of drawings.
@@ -169,7 +194,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
         return Err("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
     }
     // Fibre is laid in the infill, so there must be some.
-    if s.fill.density.fraction() == 0.0 {
+    if s.fill.density.even().is_some_and(|d| d.fraction() == 0.0) {
         return Err("fibre.enabled = true needs fill.density above 0".into());
     }
     if f.matrix_pattern.follows_field() && s.guide.kind == GuideKind::None {

@@ -31,6 +31,7 @@ pub mod choices;
 mod combinations;
 pub mod edit;
 mod error;
+mod fill_density;
 mod layer_angles;
 pub mod loads;
 mod parse;
@@ -43,6 +44,7 @@ mod source;
 mod value;
 
 pub use error::{JobError, Location};
+pub use fill_density::{FillDensity, GradedDensity, LEAST_GRADED};
 pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, default_profile, profile, profiles_of};

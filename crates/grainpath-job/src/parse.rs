@@ -1,7 +1,7 @@
 //! Reads a job file into [`Settings`].
 
 use grainpath_core::spelling::nearest;
-use grainpath_core::{Warning, WarningId};
+use grainpath_core::{Density, Warning, WarningId};
 use toml::{Table, Value};
 
 use super::combinations::{self, strengths};
@@ -301,7 +301,11 @@ fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
         && last("mass_g").is_none_or(|mass| mass < density)
     {
         settings.fill.mass_g = None;
-        let density = settings.fill.density.fraction();
+        // A graded density says where material goes, and the mass how much of it.
+        let Some(density) = settings.fill.density.even().map(Density::fraction) else {
+            settings.fill.mass_g = Some(mass_g);
+            return;
+        };
         let text = format!("--set fill.density={density} replaces fill.mass_g = {mass_g} of the job");
         settings.warnings.push(Warning::new(WarningId::JobOverruled, text));
     }
@@ -519,7 +523,7 @@ mod tests {
         let job = "[fill]\nmass_g = 18\n";
         assert_eq!(parse(job, &[]).expect("sound").fill.mass_g, Some(18.0));
         let s = parse(job, &["fill.density=0.4"]).expect("sound");
-        assert_eq!((s.fill.mass_g, s.fill.density), (None, grainpath_core::Density::Sparse(0.4)));
+        assert_eq!((s.fill.mass_g, s.fill.density), (None, Density::Sparse(0.4).into()));
         assert_eq!(s.warnings[0].id, WarningId::JobOverruled);
         for unset in ["fill.mass_g=0", "fill.mass_g=none", "fill.mass_g=\"none\""] {
             let s = parse(job, &[unset]).expect(unset);

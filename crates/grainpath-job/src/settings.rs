@@ -10,6 +10,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{Density, Warning};
 use toml::Value;
 
+use super::fill_density::FillDensity;
 use super::layer_angles::LayerAngles;
 use super::loads::{Case, Fixture, Load};
 use super::regions::JobRegion;
@@ -321,7 +322,7 @@ sections! {
     /// Infill.
     FillSection "fill" {
         pattern: Pattern = Pattern::Grid, "", Any, "Infill pattern.";
-        density: Density = Density::new(0.2), "", Range(0.0, 1.0), "Volume of beads over volume of the infill region; 1 is dense.";
+        density: FillDensity = FillDensity::Even(Density::new(0.2)), "", Range(0.0, 1.0), "Volume of beads over volume of the infill region; 1 is dense. Or graded between two such numbers, as `{ min = 0.1, max = 1.0, by = \"stress\" }`, or `by = \"file\"` with `file` and perhaps `array`.";
         angles_deg: LayerAngles = LayerAngles::all(vec![45.0, -45.0]), "deg", Range(-3600.0, 3600.0), "Raster angles, used in turn from layer to layer; or lists for ranges of layers, counted from 1, as `{ layers = { \"1-10\" = [0], \"11-\" = [45, -45] } }`. `aligned` and patterns that cross within a layer use the first angle of a list only.";
         skin_angles_deg: Option<LayerAngles> = None, "deg", Range(-3600.0, 3600.0), "Raster angles of top and bottom skins over sparse infill, written as angles_deg; skins are then straight lines whatever infill follows. Unset: as angles_deg, or the guide.";
         lines: usize = 1, "", Range(1.0, 8.0), "Number of beads that lie side by side in each line of sparse infill. Lines are that many times as far apart, so that the density stays.";
@@ -429,7 +430,7 @@ sections! {
 ///
 /// let no_files = |_: &str| Err("no profiles of its own".to_owned());
 /// let parsed = parse_job("[fill]\ndensity = 1\n", "job.toml", &[], &no_files).unwrap();
-/// assert_eq!(parsed.fill.density, Density::Dense);
+/// assert_eq!(parsed.fill.density.even(), Some(Density::Dense));
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs)]
@@ -490,7 +491,7 @@ impl Settings {
         let (fill, process) = (&mut s.fill, &mut s.process);
         fill.pattern = region.pattern.unwrap_or(fill.pattern);
         if let Some(density) = region.density {
-            fill.density = density;
+            fill.density = density.into();
             // The mass is met by the density of the rest of the part.
             fill.mass_g = None;
         }

@@ -10,10 +10,10 @@ use toml::Value;
 
 use crate::choices::{
     Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice,
-    ComponentOrder, Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns,
-    Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
-    Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
-    SupportSurface, Threshold, WallOrder, Word,
+    ComponentOrder, Contours, CurveJoin, Denoise, DensityBy, Elasticity, FibreStart, FibreToolKind,
+    FibreTurns, Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode,
+    GuideKind, Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
+    SupportStyle, SupportSurface, Threshold, WallOrder, Word,
 };
 
 /// The numbers that a setting accepts.
@@ -284,6 +284,7 @@ choice_values!(
     Contours,
     CurveJoin,
     Denoise,
+    DensityBy,
     Elasticity,
     FibreStart,
     FibreToolKind,

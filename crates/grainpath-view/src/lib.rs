@@ -2,6 +2,7 @@
 //!
 //! All pictures show data that the planner returns; this crate decides nothing about beads.
 
+pub mod density;
 pub mod faces;
 pub mod grain;
 pub mod guide;

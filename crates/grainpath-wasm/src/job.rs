@@ -9,11 +9,11 @@ use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
 use grainpath_gcode::{Program, Written, simulate, write_gcode};
 use grainpath_imaging::photo::Photo;
-use grainpath_io::directions::DirectionSamples;
+use grainpath_io::directions::{DensitySamples, DirectionSamples, parse_densities};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
-use grainpath_job::choices::GuideKind;
+use grainpath_job::choices::{DensityBy, GuideKind};
 use grainpath_job::parse_job;
 use grainpath_job::regions::RegionPlace;
 
@@ -66,8 +66,17 @@ impl Inputs {
             Some((path, mesh)) => {
                 let stress = self.stress(&settings)?;
                 let regions = self.regions(&settings)?;
-                let inputs =
-                    grainpath::Inputs { mesh, path, stress, directions, photos, texture: None, regions };
+                let densities = self.densities(&settings)?;
+                let inputs = grainpath::Inputs {
+                    mesh,
+                    path,
+                    stress,
+                    directions,
+                    densities,
+                    photos,
+                    texture: None,
+                    regions,
+                };
                 grainpath::plan_job(&settings, inputs, diagnostics)
             }
         };
@@ -150,6 +159,16 @@ impl Inputs {
             &config::directions(settings),
         );
         read.map(Some).map_err(|source| Error::Directions { path: path.clone(), source }.to_string())
+    }
+
+    fn densities(&self, settings: &Settings) -> Result<Option<DensitySamples>, String> {
+        let Some(graded) = settings.fill.density.graded().filter(|g| g.by == DensityBy::File) else {
+            return Ok(None);
+        };
+        let path = &graded.file;
+        let array = Some(graded.array.as_str()).filter(|a| !a.is_empty());
+        let read = parse_densities(self.file(path)?, path, array);
+        read.map(Some).map_err(|source| Error::Densities { path: path.clone(), source }.to_string())
     }
 
     fn stress(&self, settings: &Settings) -> Result<Option<StressField>, String> {

@@ -12,6 +12,7 @@ use grainpath_job::JobError;
 use crate::error_kind::ErrorKind;
 use crate::fibre::FibreError;
 use crate::guide::GuideError;
+use crate::guide::density::DensityError;
 use crate::guide::field::FieldError;
 use crate::guide::grain::GrainError;
 use crate::measure::dimensions::DimensionError;
@@ -63,6 +64,15 @@ pub enum Error {
         "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at no fill and {high_g:.2} g when dense"
     )]
     Mass { asked_g: f64, low_g: f64, high_g: f64 },
+    #[error(
+        "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at density {least} everywhere and {high_g:.2} g at \
+         {most}; change fill.density.min or max"
+    )]
+    GradedMass { asked_g: f64, least: f64, low_g: f64, most: f64, high_g: f64 },
+    #[error("{path}: {source}")]
+    Densities { path: String, source: DirectionError },
+    #[error(transparent)]
+    Density(#[from] DensityError),
     #[error("paths of {n} layers for a part of {n_layers}")]
     FilledElsewhere { n: usize, n_layers: usize },
     #[error(transparent)]
@@ -80,6 +90,7 @@ impl Error {
             Self::Guide(e) if e.is_usage() => "docs/how-to/loads.md",
             Self::Guide(_) => "docs/stress.md",
             Self::Directions { .. } | Self::Field { .. } => "docs/directions.md",
+            Self::Densities { .. } | Self::Density(_) | Self::GradedMass { .. } => "docs/how-to/density.md",
             Self::Fibre(_) => "docs/how-to/fibre.md",
             Self::Strength(_) => "docs/strength.md",
             Self::Gcode(GcodeError::UnknownPlaceholder { .. }) => "docs/gcode.md",
@@ -110,6 +121,7 @@ impl Error {
             | Self::Dimension(_)
             | Self::Fibre(_)
             | Self::Region(_)
+            | Self::Density(DensityError::NoStress | DensityError::NoFile)
             | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => ErrorKind::Job,
             Self::Mesh { .. }
             | Self::Outline { .. }
@@ -120,11 +132,15 @@ impl Error {
             | Self::Grain { .. }
             | Self::Directions { .. }
             | Self::Field { .. }
+            | Self::Densities { .. }
+            | Self::Density(DensityError::Elsewhere { .. })
             | Self::FilledElsewhere { .. }
             | Self::Shape { .. } => ErrorKind::Input,
-            Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => {
-                ErrorKind::Physics
-            }
+            Self::Gcode(_)
+            | Self::OutsideBed { .. }
+            | Self::Mass { .. }
+            | Self::GradedMass { .. }
+            | Self::Guide(_) => ErrorKind::Physics,
         }
     }
 }

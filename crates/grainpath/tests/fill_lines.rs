@@ -133,7 +133,13 @@ fn planned(sets: &[&str]) -> Vec<LayerPlan> {
     let (step_settings, order) = (config::steps(&settings), config::order(&settings));
     let mut layers = Vec::new();
     Steps::new(&step_settings, &stack)
-        .in_windows(20, settings.fill.density, &order, &Diagnostics::default(), |layer| layers.push(layer))
+        .in_windows(
+            20,
+            settings.fill.density.even().expect("a number"),
+            &order,
+            &Diagnostics::default(),
+            |layer| layers.push(layer),
+        )
         .expect("not stopped");
     layers
 }

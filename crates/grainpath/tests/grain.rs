@@ -153,6 +153,7 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
         let mesh = grainpath_io::MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() };
         let inputs = grainpath::Inputs {
             directions: None,
+            densities: None,
             mesh,
             path: "a.stl".into(),
             stress: None,

@@ -66,7 +66,9 @@ fn planned(job: &str, turn_rad: f64, mesh: Option<TriMesh>) -> Result<Outcome, R
     let mut layers = Vec::new();
     Steps::new(&step_settings, &stack)
         .with_regions(Some(&areas))
-        .in_windows(5, settings.fill.density, &order, &diagnostics, |layer| layers.push(layer))
+        .in_windows(5, settings.fill.density.even().expect("a number"), &order, &diagnostics, |layer| {
+            layers.push(layer)
+        })
         .expect("not stopped");
     Ok(Outcome { layers, warnings: diagnostics.warnings().iter().map(|w| w.id).collect() })
 }

@@ -95,6 +95,7 @@ fn printed(mesh: &TriMesh, sets: &[&str]) -> Outcome {
         path: "part.stl".into(),
         stress: None,
         directions: None,
+        densities: None,
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),

@@ -141,6 +141,7 @@ pub fn checked(
         path,
         stress,
         directions: None,
+        densities: None,
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),

@@ -152,6 +152,7 @@ pub(super) fn stress(
         path: path.display().to_string(),
         stress: read_stress(settings, base)?,
         directions: None,
+        densities: None,
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),

@@ -1,5 +1,5 @@
 //! A user's own directions: tables, arrays, matrices, pictures and meshes to one interpolated
-//! field.
+//! field; and densities in the same files ([`parse_densities`]).
 //!
 //! [`parse_directions`] reads any of these into [`DirectionSamples`], which answers at every point:
 //!
@@ -33,6 +33,7 @@ mod model;
 mod npy;
 mod read;
 mod samples;
+mod scalar;
 mod table;
 
 pub use model::{
@@ -41,3 +42,4 @@ pub use model::{
 };
 pub use read::{parse_directions, sniff_directions};
 pub use samples::DirectionSamples;
+pub use scalar::{DensitySamples, parse_densities};

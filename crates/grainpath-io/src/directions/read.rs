@@ -15,7 +15,7 @@ use super::table::{
     ANGLES, Column, angle_reading, angle_unit, axis_of_angle, from_columns, names_directions, strength_scale,
 };
 use crate::fe::{Element, FeArray, FeError, FeFile, FeFormat, On, parse_fe, sniff_fe};
-use crate::image::{Samples, decode_within, sniff_image};
+use crate::image::{Image, Samples, decode_within, sniff_image};
 use crate::text::skip_space;
 
 /// Whether a file is certainly one of directions: an array of numpy, or a table whose header names
@@ -70,7 +70,7 @@ pub fn parse_directions(
 const MAX_COLUMNS: usize = 256;
 
 /// The names and the separator of the first line, unless it is made of numbers.
-fn header(bytes: &[u8]) -> Option<(Vec<String>, u8)> {
+pub(super) fn header(bytes: &[u8]) -> Option<(Vec<String>, u8)> {
     let text = skip_space(bytes);
     let line = text[..text.len().min(1 << 16)].split(|b| matches!(b, b'\n' | b'\r')).next()?;
     let separator = separator_of(line)?;
@@ -100,7 +100,12 @@ fn cell(field: &[u8], separator: u8) -> f64 {
     number(text).or_else(|| if separator == b',' { None } else { point() }).unwrap_or(f64::NAN)
 }
 
-fn rows(bytes: &[u8], names: &[String], separator: u8, place: &str) -> Result<Vec<Column>, DirectionError> {
+pub(super) fn rows(
+    bytes: &[u8],
+    names: &[String],
+    separator: u8,
+    place: &str,
+) -> Result<Vec<Column>, DirectionError> {
     let mut columns: Vec<Column> = names.iter().map(|n| (n.clone(), Vec::new())).collect();
     for (i, line) in skip_space(bytes).split(|&b| b == b'\n').enumerate().skip(1) {
         let line = line.trim_ascii();
@@ -365,7 +370,7 @@ fn matrices(files: &[(&str, &[u8])], options: &DirectionOptions) -> Result<Direc
 
 /// A CSV of numbers alone. Tables of two to six columns without a header are refused: they are
 /// hardly matrices.
-fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError> {
+pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError> {
     let text = skip_space(bytes);
     let first = text.split(|&b| b == b'\n').next().unwrap_or_default();
     let separator = separator_of(first).ok_or(DirectionError::Unknown)?;
@@ -420,8 +425,8 @@ fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError> {
 /// Source: derived: half a step of eight bits, which rounding in a conversion may cost.
 const GREY_TOLERANCE: f32 = 0.6 / 255.0;
 
-fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError> {
-    let image = decode_within(bytes, MAX_CELLS as u64)?;
+/// The grey of every pixel, from 0 to 1, row by row from the top, and its alpha; `meaning` says what a grey picture is.
+pub(super) fn grey(image: &Image, place: &str, meaning: &str) -> Result<Vec<(f32, f32)>, DirectionError> {
     let scale = 1.0 / image.samples.full_scale();
     let value = |i: usize| match &image.samples {
         Samples::U8(v) => scale * f32::from(v[i]),
@@ -438,16 +443,21 @@ fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError
         let [r, g, b] = [value(n * k), value(n * k + 1), value(n * k + 2)];
         (r - g).abs().max((g - b).abs()) > GREY_TOLERANCE
     };
-    let (columns, rows) = (image.width, image.height);
-    if colour && (0..columns * rows).any(coloured) {
-        let problem =
-            "the picture has colours; an angle picture is grey, from 0 to the maximum for 0 to 180 degrees";
-        return Err(invalid(place, problem));
+    let pixels = image.width * image.height;
+    if colour && (0..pixels).any(coloured) {
+        return Err(invalid(place, format!("the picture has colours; {meaning}")));
     }
+    Ok((0..pixels).map(|k| (value(n * k), if alpha { value(n * k + n - 1) } else { 1.0 })).collect())
+}
+
+fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError> {
+    let image = decode_within(bytes, MAX_CELLS as u64)?;
+    let pixels = grey(&image, place, "an angle picture is grey, from 0 to the maximum for 0 to 180 degrees")?;
+    let (columns, rows) = (image.width, image.height);
+    let alpha = ![1, 3].contains(&image.channels);
     let cell = |column: usize, row: usize| -> GridCell {
-        let k = n * ((rows - 1 - row) * columns + column);
-        let strength = if alpha { f64::from(value(k + n - 1)) } else { 1.0 };
-        let grey = f64::from(value(k));
+        let (grey, strength) = pixels[(rows - 1 - row) * columns + column];
+        let (grey, strength) = (f64::from(grey), f64::from(strength));
         (grey.is_finite() && strength > 0.0)
             .then(|| (grainpath_core::math::direction(std::f64::consts::TAU * grey), strength.min(1.0)))
     };

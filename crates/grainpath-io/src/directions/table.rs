@@ -73,6 +73,16 @@ fn is_coordinate(base: &str, axis: usize) -> bool {
         || [":", "_"].iter().any(|mark| base == format!("points{mark}{axis}"))
 }
 
+/// The column of a coordinate, 0 to 2, among these names.
+pub(super) fn coordinate(names: &[&str], axis: usize) -> Option<usize> {
+    names.iter().position(|n| is_coordinate(&split_unit(n).0, axis))
+}
+
+/// The unit of lengths that a name states.
+pub(super) fn length_unit_of(name: &str) -> Option<LengthUnit> {
+    length_unit(&split_unit(name).1)
+}
+
 /// The stem and the component of a name such as `Fibre_x` or `Directions:1`, in lower case.
 fn component(base: &str) -> Option<(&str, usize)> {
     let (stem, last) = base.rsplit_once(['_', ':', '.'])?;

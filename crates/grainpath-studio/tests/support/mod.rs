@@ -96,6 +96,7 @@ impl Engine for Planner {
             path: shown,
             stress: None,
             directions: None,
+            densities: None,
             photos: vec![],
             texture: None,
             regions: Default::default(),

@@ -38,6 +38,8 @@ pub enum Of {
     Part,
     /// A layer, for readers without scripts.
     Layer,
+    /// Graded density.
+    Density,
     /// Stress, directions, loads.
     Stress,
     /// The strength test.
@@ -145,6 +147,11 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
         put("<h2>Warnings</h2>\n<ul class=\"warnings\">".into());
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
         put("</ul>\n".into());
+    }
+    if let Some(g) = &report.graded {
+        put("<h2>Density</h2>\n".into());
+        put(table(g.rows().iter().map(|(what, value)| (what.as_str(), value.clone()))));
+        pictures(Of::Density).for_each(|p| put(figure(p)));
     }
     put(layers_section(contents));
     let of_stress: String = pictures(Of::Stress).map(figure).collect();

@@ -13,11 +13,13 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
+use grainpath_core::isolines::isolines;
 use grainpath_core::math::{asin, atan2, cos, sin, sin_cos};
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{LineClipper, simplify_line};
 use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
+use crate::guide::density::DensityMap;
 
 /// Slices of `sin x cos y + sin y cos z + sin z cos x = 0`.
 pub struct Gyroid;
@@ -46,6 +48,79 @@ impl Infill for Gyroid {
         }
     }
 }
+
+/// Gyroid whose period halves where the density of the map passes from a level to the next; `levels` are their densities, the
+/// shortest period first.
+///
+/// There the section is that of both surfaces, mixed over a band of densities, so that waves run on from one to the
+/// other. Widths are left to the caller.
+pub(super) fn graded(
+    context: &FillContext<'_>,
+    map: &DensityMap,
+    infill_region: &Polygon,
+    levels: &[f64],
+    out: &mut Vec<Toolpath>,
+) {
+    let Some(bounds) = infill_region.bounds() else { return };
+    let bounds = bounds.grown(1.0);
+    let Some(&finest) = levels.first() else { return };
+    let unit_mm = |density: f64| context.spacing_mm() * length_density() / density;
+    let size = bounds.size();
+    let cell_mm = (unit_mm(finest) * TAU / MIXED_POINTS).max((size.x * size.y / MOST_NODES).sqrt());
+    let n = [size.x, size.y].map(|mm| (mm / cell_mm).ceil() as usize + 2);
+    // Sines and cosines of each level at every column and row.
+    let axis = |unit: f64, from: f64, n: usize| -> Vec<(f64, f64)> {
+        (0..n).map(|i| sin_cos((from + cell_mm * i as f64) / unit)).collect()
+    };
+    let waves: Vec<_> = levels
+        .iter()
+        .map(|&density| {
+            let unit = unit_mm(density);
+            (axis(unit, bounds.min.x, n[0]), axis(unit, bounds.min.y, n[1]), sin_cos(context.z_mid_mm / unit))
+        })
+        .collect();
+    let value = |at: usize| {
+        let (i, j) = (at % n[0], at / n[0]);
+        let p = bounds.min + cell_mm * DVec2::new(i as f64, j as f64);
+        let density = map.at(p.extend(context.z_mid_mm));
+        let section = |k: usize| {
+            let (x, y, (sz, cz)) = &waves[k];
+            let ((sx, cx), (sy, cy)) = (x[i], y[j]);
+            sx * cy + sy * cz + sz * cx
+        };
+        // Between two levels the finer one holds down to the root of a half of its density.
+        let finer = levels.iter().rposition(|&level| level >= density).unwrap_or(0);
+        let coarser = (finer + 1).min(levels.len() - 1);
+        let share = 0.5 + (std::f64::consts::FRAC_1_SQRT_2 - density / levels[finer]) / MIXED;
+        let share = share.clamp(0.0, 1.0);
+        ((1.0 - share) * section(finer) + share * section(coarser)) as f32
+    };
+    let values: Vec<f32> = (0..n[0] * n[1]).map(value).collect();
+    let clipper = LineClipper::new(&Region::from(infill_region.clone()));
+    for line in isolines(n, bounds.min, cell_mm, &values) {
+        let mut points = line.points;
+        if line.closed {
+            points.extend(points.first().copied());
+        }
+        for piece in clipper.clip(&points) {
+            let points = simplify_line(&piece.points, 0.02);
+            let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
+            // Where two levels meet, small rings come off.
+            if path.length_mm() > 6.0 * context.bead_width_mm {
+                out.push(path);
+            }
+        }
+    }
+}
+
+/// Nodes over a period of the finest level. Source: derived: marching squares put a sine's zeros off by a share
+/// (2 pi / 16)^2 / 8 of its amplitude, 2 %, which is 5 um there.
+const MIXED_POINTS: f64 = 16.0;
+/// Most nodes of a section. Source: derived: as in `mask` of core.
+const MOST_NODES: f64 = 1.5e6;
+/// Band of densities over which two levels mix, as a share of the finer one. Source: derived: from one level to the next there is
+/// half of it, and a third leaves both levels pure for most of their range.
+const MIXED: f64 = 0.16;
 
 /// The curves of the section at phase `z` over the bounds: functions of x, or of y where the waves
 /// run upright.

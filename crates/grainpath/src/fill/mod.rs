@@ -11,6 +11,7 @@ mod field;
 #[cfg(test)]
 #[path = "../../../../tests/figure.rs"]
 mod figure;
+pub mod graded;
 mod gyroid;
 mod hatch;
 mod honeycomb;

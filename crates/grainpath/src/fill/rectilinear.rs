@@ -69,7 +69,7 @@ pub(super) fn crossed(
 }
 
 /// Lines whose position depends on the part alone, whatever the region.
-fn sparse(
+pub(super) fn sparse(
     context: &FillContext<'_>,
     infill_region: &Polygon,
     angle_rad: f64,

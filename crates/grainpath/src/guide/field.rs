@@ -96,15 +96,7 @@ impl FieldGuide {
         diagnostics: &Diagnostics,
     ) -> Result<Self, FieldError> {
         samples.warnings().iter().for_each(|w| diagnostics.push(w.clone()));
-        let [x, y, z] = settings.rotate_rad;
-        let (turn, to_file, shift_mm) = match settings.frame {
-            FieldFrame::Part => {
-                let turn = turn_about(2, z) * turn_about(1, y) * turn_about(0, x);
-                let back = turn.transpose() * (1.0 / settings.scale);
-                (turn, back, DVec3::new(0.0, 0.0, settings.lowered_mm))
-            }
-            FieldFrame::Plate => (DMat3::IDENTITY, DMat3::IDENTITY, settings.plate_from_part_mm),
-        };
+        let (turn, to_file, shift_mm) = to_file(settings);
         let corners = stack.layers().iter().flat_map(|layer| {
             let z = layer.z_top_mm() - 0.5 * layer.height_mm();
             layer.region().contours().flatten().map(move |p| to_file * (p.extend(z) + shift_mm))
@@ -182,6 +174,19 @@ impl DirectionField for FieldGuide {
 
     fn spacing_mm(&self, p: DVec3) -> Option<f64> {
         self.samples.sample(self.to_file * (p + self.shift_mm)).spacing_mm
+    }
+}
+
+/// The turn from a file to the part, and the way from a point of the part to the file: `to_file * (p + shift_mm)`.
+pub(super) fn to_file(settings: &FieldSettings) -> (DMat3, DMat3, DVec3) {
+    match settings.frame {
+        FieldFrame::Part => {
+            let [x, y, z] = settings.rotate_rad;
+            let turn = turn_about(2, z) * turn_about(1, y) * turn_about(0, x);
+            let back = turn.transpose() * (1.0 / settings.scale);
+            (turn, back, DVec3::new(0.0, 0.0, settings.lowered_mm))
+        }
+        FieldFrame::Plate => (DMat3::IDENTITY, DMat3::IDENTITY, settings.plate_from_part_mm),
     }
 }
 

@@ -7,6 +7,7 @@
 //! MPa.
 
 mod degenerate;
+pub mod density;
 mod direction;
 pub mod field;
 pub mod grain;

@@ -1,6 +1,7 @@
 //! Results: the planned job, and measurements on the written program.
 
 pub mod alignment;
+pub mod density;
 pub mod dimensions;
 pub mod fibre;
 pub mod plan_json;

@@ -8,6 +8,7 @@ use grainpath_imaging::scan::CtReport;
 use crate::guide::Guide;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
+use crate::measure::density::LaidDensity;
 use crate::measure::strength::TestSetup;
 use crate::support::Support;
 
@@ -27,6 +28,8 @@ pub struct Planned {
     pub supported_mesh: Option<TriMesh>,
     /// Density of sparse infill: that of the job, or the one found for a required mass.
     pub density: Density,
+    /// The density as laid against the density asked for, where it is graded.
+    pub laid: Option<LaidDensity>,
     /// The grain that infill follows, for jobs with such a guide.
     pub grain: Option<GrainGuide>,
     /// The user's own directions, for jobs that have them.

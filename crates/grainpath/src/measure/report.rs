@@ -13,6 +13,7 @@ use serde_json::Value;
 use crate::guide::field::FieldReport;
 use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
+use crate::measure::density::LaidDensity;
 use crate::measure::fibre::FibreReport;
 use crate::measure::strength::{ReserveReport, StrengthReport};
 use crate::measure::{DirectionError, Planned};
@@ -49,6 +50,9 @@ pub struct Report {
     pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
+    /// The density as laid against the density asked for, where it is graded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub graded: Option<LaidDensity>,
     /// The factor on the loads at first failure, of jobs whose stress was solved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reserve: Option<ReserveReport>,
@@ -369,6 +373,7 @@ impl Report {
             time_s: round(written.time_s, 1),
             density: round(planned.density.fraction(), 5),
             is_dense: planned.density.is_dense(),
+            graded: planned.laid.clone(),
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
@@ -452,6 +457,9 @@ impl Report {
         }
         lines.extend(
             self.stress.iter().flat_map(StressReport::rows).map(|(what, value)| format!("{what}: {value}")),
+        );
+        lines.extend(
+            self.graded.iter().flat_map(LaidDensity::rows).map(|(what, value)| format!("{what}: {value}")),
         );
         lines.extend(
             self.reserve.iter().flat_map(ReserveReport::rows).map(|(what, value)| format!("{what}: {value}")),

@@ -19,6 +19,7 @@ use grainpath_io::volume::RawHeader;
 
 use crate::fibre::FibreSettings;
 use crate::fill::{Continuous, SideBySide, TreeKind};
+use crate::guide::density::DensitySettings;
 use crate::guide::field::FieldSettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
@@ -479,12 +480,39 @@ fn region(s: &Settings, region: &JobRegion) -> RegionSettings {
 /// above.
 const BASELINE_MIN_DENSITY: f64 = 0.15;
 
+/// Stands for a density that is not known yet: neither hollow nor dense.
+const GRADED: f64 = 0.5;
+
+/// What a graded density is made with.
+pub(crate) fn graded_density(
+    s: &Settings,
+    lowered_mm: f64,
+    plate_from_part_mm: DVec3,
+) -> Option<DensitySettings> {
+    let graded = s.fill.density.graded()?;
+    let place = FieldSettings {
+        frame: choices::FieldFrame::Part,
+        cell_mm: None,
+        origin_mm: None,
+        ..field(s, lowered_mm, plate_from_part_mm)
+    };
+    Some(DensitySettings {
+        range: [graded.min, graded.max],
+        by: graded.by,
+        spacing_mm: bead_spacing_mm(s.process.bead_width_mm, s.process.layer_height_mm),
+        card: strength(s).told_cards().ok().map(|[_, nominal, _]| nominal),
+        place,
+    })
+}
+
 fn infill(s: &Settings) -> InfillSettings {
     let f = &s.fill;
     let mass = |m: &MaterialSection| ExtrudedMass { density_g_cm3: m.density_g_cm3, flow: m.flow };
     InfillSettings {
         pattern: f.pattern,
-        density: f.density,
+        // A graded density is put in its place once the part is known.
+        density: f.density.even().unwrap_or(Density::Sparse(GRADED)),
+        graded: f.density.graded().is_some(),
         mass_g: f.mass_g,
         material: mass(&s.material),
         fibre_material: mass(&s.fibre_material),

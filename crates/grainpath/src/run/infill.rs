@@ -5,7 +5,7 @@
 //! is dense throughout is filled by its own pattern.
 
 use grainpath_core::math::direction;
-use grainpath_core::poly::edges;
+use grainpath_core::poly::{Join, edges};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
 use grainpath_job::choices::Pattern;
@@ -14,8 +14,9 @@ use super::steps::Steps;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill, join_rings,
+    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, graded, infill, join_rings,
 };
+use crate::guide::density::DensityMap;
 use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::region::on_border;
@@ -24,6 +25,8 @@ use crate::wall::skin::{IslandPolygon, SkinSplit};
 /// Fill of an infill region.
 struct RegionFill<'a> {
     density: Density,
+    /// The density of each place, where it is graded.
+    graded: Option<&'a DensityMap>,
     role: Role,
     pattern: &'a dyn Infill,
     grain: Option<&'a GrainGuide>,
@@ -74,6 +77,15 @@ impl Steps<'_> {
         if length > 0.0 { sum / length } else { wall_mm }
     }
 
+    /// The area of each layer that sparse infill fills outside regions, up to the strips of the walls.
+    pub(super) fn sparse_areas(&self, skins: &[SkinSplit]) -> Vec<Region> {
+        let of_layer = |(layer, split): (&Layer, &SkinSplit)| {
+            let polygons = split.sparse.iter().map(|p| p.1.clone()).collect();
+            Region { polygons }.offset(self.border_mm(layer), Join::Miter(2.0))
+        };
+        self.stack.layers().iter().zip(skins).map(of_layer).collect()
+    }
+
     /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the
     /// first raster angle.
     pub(super) fn angle_rad(&self, layer_idx: usize, density: Density) -> f64 {
@@ -118,7 +130,15 @@ impl Steps<'_> {
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let pattern = if angle_rad.is_some() { &Solid } else { self.dense_pattern(infill.pattern) };
             let one_path = self.is_continuous() && angle_rad.is_none();
-            let asked = RegionFill { density: Density::Dense, role, pattern, grain, one_path, angle_rad };
+            let asked = RegionFill {
+                density: Density::Dense,
+                graded: None,
+                role,
+                pattern,
+                grain,
+                one_path,
+                angle_rad,
+            };
             // All regions of an island are filled together: the continuous pattern reports the
             // necks between them.
             for regions in polygons.chunk_by(|a, b| a.0 == b.0) {
@@ -148,6 +168,9 @@ impl Steps<'_> {
             let density = self.density_in(region, density);
             tally = tally.and(region.sparse_fill(i, split, density, add));
         }
+        // The mean that the map is made for; all of its places are filled alike, however dense.
+        let map = self.graded.map(|graded| graded.of_mean(density.fraction()));
+        let density = map.as_ref().map_or(density, |_| Density::Sparse(density.fraction()));
         // A density of zero is a hollow part.
         if density.fraction() <= 0.0 {
             return tally;
@@ -158,7 +181,9 @@ impl Steps<'_> {
             None => self.pattern(self.settings.infill.pattern),
         };
         let one_path = self.is_continuous();
-        let asked = RegionFill { density, role, pattern, grain: self.grain, one_path, angle_rad: None };
+        let graded = map.as_deref();
+        let asked =
+            RegionFill { density, graded, role, pattern, grain: self.grain, one_path, angle_rad: None };
         let mut paths = Vec::new();
         for regions in split.sparse.chunk_by(|a, b| a.0 == b.0) {
             tally = tally.and(self.fill_island(i, regions, &asked, self.fibre, &mut paths));
@@ -242,11 +267,13 @@ impl Steps<'_> {
             let first = out.len();
             let context =
                 &FillContext { border_mm: self.border_of(i, context.border_mm, region), ..*context };
-            match asked.grain {
-                Some(grain) => self.along_grain(grain, context, region, out),
-                None => asked.pattern.fill(context, region, out),
+            match (asked.grain, asked.graded) {
+                (_, Some(map)) => graded::fill(self.settings.infill.pattern, context, map, region, out),
+                (Some(grain), None) => self.along_grain(grain, context, region, out),
+                (None, None) => asked.pattern.fill(context, region, out),
             }
-            if self.settings.infill.spiral {
+            // Of a graded density rings lie at other distances from place to place.
+            if self.settings.infill.spiral && asked.graded.is_none() {
                 let mut rings = out.split_off(first);
                 join_rings(&mut rings, context.spacing_mm() / context.density.fraction());
                 out.append(&mut rings);

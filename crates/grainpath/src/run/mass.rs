@@ -5,13 +5,14 @@
 //! find it to 0.25 %. It also jumps where a line appears or disappears. Where the steps fail, up to
 //! 14 bisections take the density with the nearest mass. Each try lays the sparse infill of all
 //! layers. Masses are added in the order of the layers, so the result does not depend on the number
-//! of threads. A mass that the pattern cannot give is refused, with the range that it can give.
+//! of threads. Of a graded density it is the mean that is found, and with it the scale of the densities. A mass that the pattern cannot give is refused, with the range that it can give.
 
 use grainpath_core::{Density, Role, Toolpath};
 use rayon::prelude::*;
 
 use super::steps::{LayerWalls, Steps};
 use crate::error::Error;
+use crate::guide::density::GradedDensity;
 use crate::wall::skin::SkinSplit;
 
 impl Steps<'_> {
@@ -29,8 +30,11 @@ impl Steps<'_> {
 
     fn density_of_mass(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
         let Some(asked_g) = self.settings.infill.mass_g else {
-            return Ok(self.settings.infill.density);
+            // Of a graded density the number is its mean.
+            return Ok(self.graded.map_or(self.settings.infill.density, |g| Density::Sparse(g.mean)));
         };
+        // The numbers that are tried: for a graded density its mean, whose scale follows from it.
+        let [least, most] = self.graded.map_or([0.0, 1.0], GradedDensity::range);
         let grams = |path: &Toolpath, height_mm: f64| {
             let infill = &self.settings.infill;
             let m = if path.role == Role::Fibre { infill.fibre_material } else { infill.material };
@@ -62,7 +66,7 @@ impl Steps<'_> {
                 })
         };
         // Mass is nearly proportional to density, so each step scales the density by what is missing.
-        let mut density = 0.3;
+        let mut density = self.graded.map_or(0.3, |g| g.mean);
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
             let found = mass(density);
@@ -76,7 +80,9 @@ impl Steps<'_> {
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
             // Outside this range the proportion no longer holds: a line appears or the infill turns
             // dense.
-            if !(0.01..0.95).contains(&density) {
+            if self.graded.is_some() {
+                density = density.clamp(least, most);
+            } else if !(0.01..0.95).contains(&density) {
                 break;
             }
         }
@@ -84,12 +90,16 @@ impl Steps<'_> {
         if nearest.0 < 5e-3 * asked_g {
             return Ok(Density::new(nearest.1));
         }
-        let high_g = mass(1.0);
-        if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
-            return Err(Error::Mass { asked_g, low_g: fixed, high_g });
+        let high_g = mass(most);
+        let low_g = if self.graded.is_some() { mass(least) } else { fixed };
+        if asked_g < low_g * 0.99 || asked_g > high_g * 1.01 {
+            return Err(match self.graded {
+                Some(_) => Error::GradedMass { asked_g, least, low_g, most, high_g },
+                None => Error::Mass { asked_g, low_g, high_g },
+            });
         }
         // Bisection: mass rises with density, in small jumps where a line appears.
-        let (mut low, mut high) = (0.0, 1.0);
+        let (mut low, mut high) = (least, most);
         let mut best = (f64::INFINITY, 0.0);
         for _ in 0..14 {
             let middle = 0.5 * (low + high);

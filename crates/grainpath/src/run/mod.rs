@@ -22,15 +22,17 @@ use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
 use grainpath_io::MeshFile;
-use grainpath_io::directions::DirectionSamples;
+use grainpath_io::directions::{DensitySamples, DirectionSamples};
 use grainpath_io::fe::StressField;
 
 use crate::error::Error;
+use crate::guide::density::GradedDensity;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, Guide, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
+use crate::measure::density::{AskedDensity, LaidDensity};
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::{LayerPaths, order_stack};
@@ -55,6 +57,8 @@ pub struct Inputs {
     pub stress: Option<StressField>,
     /// The user's own directions, for `guide.kind = "field"`.
     pub directions: Option<DirectionSamples>,
+    /// The densities of a file, for `fill.density.by = "file"`.
+    pub densities: Option<DensitySamples>,
     /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
     pub photos: Vec<Photo>,
     /// The scan whose texture it is filled along, for `guide.volume`.
@@ -85,6 +89,7 @@ pub fn plan_job(
     let source = GuideSource {
         stress: inputs.stress,
         directions: inputs.directions,
+        densities: inputs.densities,
         photos: &inputs.photos,
         scan,
         regions: inputs.regions,
@@ -194,6 +199,7 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
         && settings.regions.is_empty()
         && !settings.fibre.enabled
         && steps.infill.mass_g.is_none()
+        && !steps.infill.graded
         // What it could not lay as one path is told once for the whole part.
         && steps.infill.pattern != Pattern::Continuous
 }
@@ -284,6 +290,7 @@ fn surface_if_wanted(
 struct GuideSource<'a> {
     stress: Option<StressField>,
     directions: Option<DirectionSamples>,
+    densities: Option<DensitySamples>,
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
     regions: BTreeMap<usize, MeshFile>,
@@ -375,6 +382,9 @@ fn plan_stack(
     if guide.is_some() || grain.is_some() || field.is_some() {
         clock.stop(Stage::Guide);
     }
+    let graded = config::graded_density(settings, lowered_mm, plate_from_part_mm)
+        .map(|s| GradedDensity::new(&s, &stack, guide.as_ref(), source.densities))
+        .transpose()?;
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
         Some(wanted) => {
             let wanted = SupportSettings { painted, ..wanted };
@@ -397,8 +407,10 @@ fn plan_stack(
         .with_support(support.as_ref())
         .with_guide(guide.as_ref(), grain.as_ref())
         .with_field(field.as_ref())
+        .with_density(graded.as_ref())
         .with_fibre(fibre.as_ref())
         .with_regions(areas.as_ref());
+    let mut laid = None;
     let (filled, density) = match source.filled {
         Some(layers) if layers.len() != stack.layers().len() => {
             return Err(Error::FilledElsewhere { n: layers.len(), n_layers: stack.layers().len() });
@@ -410,9 +422,20 @@ fn plan_stack(
             let mut walls = steps.walls(all.clone(), diagnostics)?;
             let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
             let density = steps.density(&walls, &skins)?;
-            (steps.infill(all, walls, &skins, density, diagnostics)?, density)
+            let filled = steps.infill(all, walls, &skins, density, diagnostics)?;
+            laid = graded.as_ref().map(|graded| {
+                let asked = AskedDensity {
+                    map: &graded.of_mean(density.fraction()),
+                    range: graded.range(),
+                    by: graded.by(),
+                    areas: &steps.sparse_areas(&skins),
+                };
+                LaidDensity::measure(&asked, &stack, &filled.layers)
+            });
+            (filled, density)
         }
     };
+    laid.iter().filter_map(LaidDensity::warning).for_each(|warning| diagnostics.push(warning));
     if let Some(fibre) = &fibre {
         let islands = filled.layers.iter().flat_map(|l| &l.islands);
         let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
@@ -438,6 +461,7 @@ fn plan_stack(
         support,
         supported_mesh,
         density,
+        laid,
         grain,
         field,
         guide,

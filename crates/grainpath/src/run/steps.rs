@@ -36,6 +36,7 @@ use rayon::prelude::*;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::{Continuous, FillContext, Note, SideBySide};
 use crate::guide::Guide;
+use crate::guide::density::GradedDensity;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
@@ -99,8 +100,10 @@ pub struct RegionSettings {
 pub struct InfillSettings {
     /// The pattern.
     pub pattern: Pattern,
-    /// Density of the job; replaced where the job asks for a mass.
+    /// Density of the job; replaced where the job asks for a mass, and where the density is graded.
     pub density: Density,
+    /// Whether the density is graded.
+    pub graded: bool,
     /// Required mass of the part, g.
     pub mass_g: Option<f64>,
     /// Properties of the extruded material.
@@ -192,6 +195,8 @@ pub struct Steps<'a> {
     pub(super) guide: Option<&'a Guide>,
     pub(super) grain: Option<&'a GrainGuide>,
     field: Option<&'a FieldGuide>,
+    /// The density, where it is graded.
+    pub(super) graded: Option<&'a GradedDensity>,
     /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
     /// Constant field for patterns that follow directions, where no guide gives one.
@@ -224,6 +229,7 @@ impl<'a> Steps<'a> {
             guide: None,
             grain: None,
             field: None,
+            graded: None,
             fibre: None,
             uniform: UniformField { axis_rad: settings.infill.field_axis_rad },
             areas: None,
@@ -250,6 +256,12 @@ impl<'a> Steps<'a> {
         Self { field, ..self }
     }
 
+    /// Lays sparse infill at a density that differs from place to place.
+    #[must_use]
+    pub fn with_density(self, graded: Option<&'a GradedDensity>) -> Self {
+        Self { graded, ..self }
+    }
+
     /// Lays infill with continuous fibre.
     #[must_use]
     pub fn with_fibre(self, fibre: Option<&'a FibreSettings>) -> Self {
@@ -266,6 +278,7 @@ impl<'a> Steps<'a> {
             guide: self.guide.filter(|_| r.guided),
             grain: self.grain.filter(|_| r.guided),
             field: self.field.filter(|_| r.guided),
+            graded: self.graded.filter(|_| r.steps.infill.graded),
             areas,
             ..Self::new(&r.steps, self.stack)
         };
@@ -284,7 +297,8 @@ impl<'a> Steps<'a> {
     /// The density of sparse infill in a region, where that of the rest of the part is given.
     pub(super) fn density_in(&self, region: &Steps<'_>, rest: Density) -> Density {
         let (own, job) = (&region.settings.infill, &self.settings.infill);
-        if own.density == job.density && own.mass_g == job.mass_g { rest } else { own.density }
+        let same = own.density == job.density && own.graded == job.graded && own.mass_g == job.mass_g;
+        if same { rest } else { own.density }
     }
 
     /// The walls of a window of layers, and the areas for their infill.
@@ -503,6 +517,7 @@ impl<'a> Steps<'a> {
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
                     && self.field.is_none_or(FieldGuide::is_upright)
+                    && self.graded.is_none_or(GradedDensity::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
             // The layer below, or the one below that where directions alternate.

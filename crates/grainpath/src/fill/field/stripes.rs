@@ -48,9 +48,9 @@ use grainpath_job::choices::BeadEnds;
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
 /// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
 /// where beads are only seldom wide.
-const NARROWEST: f64 = 0.6;
+pub(crate) const NARROWEST: f64 = 0.6;
 /// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
-const WIDEST: f64 = 1.6;
+pub(crate) const WIDEST: f64 = 1.6;
 /// Pieces shorter than this are dropped, in beads: their start and end would cost more than they fill.
 /// Measured: row `fill.field.stripes.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTEST", 2.0);

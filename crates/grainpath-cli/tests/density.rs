@@ -1,0 +1,89 @@
+//! Density that follows the stress of a job, or a file: as laid, for a mass, and what is refused.
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use support::{box_stl, folder, grainpath, json};
+
+/// A plate of 60 x 20 x 2.4 mm, held at its left end and bent in its plane at its right one.
+fn plate(name: &str) -> PathBuf {
+    let dir = folder(name);
+    fs::write(dir.join("plate.stl"), box_stl([60.0, 20.0, 2.4])).expect("written");
+    let job = "[shape]\nmesh = \"plate.stl\"\n[process]\nwalls = 1\ntop_layers = 1\nbottom_layers = 1\nlayer_height_mm = 0.3\n\
+        [guide]\nkind = \"stress\"\n[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [3, 20, 3]] }\nfix = \"xyz\"\n\
+        [[guide.load]]\non = { box_mm = [[57, 0, 0], [60, 20, 3]] }\nforce_n = [0, -60, 0]\n\
+        [fill]\npattern = \"rectilinear\"\ndensity = { min = 0.15, max = 0.9, by = \"stress\" }\n";
+    fs::write(dir.join("job.toml"), job).expect("written");
+    dir
+}
+
+fn run(dir: &Path, sets: &[&str]) -> Value {
+    let mut words = vec!["run", "job.toml", "--json"];
+    sets.iter().for_each(|set| words.extend(["--set", set]));
+    let out = grainpath(dir, &words);
+    let report = json(&out);
+    assert!(out.status.success(), "{report}");
+    report
+}
+
+#[test]
+fn a_bent_plate_gets_its_material_where_it_is_bent_most() {
+    let dir = plate("graded plate");
+    let report = run(&dir, &["output.preview=pictures"]);
+    let graded = &report["graded"];
+    let number = |key: &str| graded[key].as_f64().unwrap_or_else(|| panic!("{key}: {graded}"));
+    assert_eq!((graded["by"].as_str(), number("min"), number("max")), (Some("stress"), 0.15, 0.9));
+    assert!(number("mean_error") < 0.03 && number("worst_error") < 0.1, "{graded}");
+    assert!((number("laid") - number("asked")).abs() < 0.02, "{graded}");
+    assert!(dir.join("pictures/density.png").is_file());
+    // Twice as much near the fixture as near the load.
+    let uniform = run(&dir, &["fill.density=0.15"]);
+    assert!(uniform["graded"].is_null());
+    assert!(report["mass_g"].as_f64() > uniform["mass_g"].as_f64());
+}
+
+#[test]
+fn a_mass_is_met_by_the_scale_of_the_densities() {
+    let dir = plate("graded mass");
+    let mass = |report: &Value| report["mass_g"].as_f64().unwrap_or_default();
+    let [light, heavy] = [0.15, 0.9].map(|d| mass(&run(&dir, &[&format!("fill.density={d}")])));
+    let asked_g = 0.5 * (light + heavy);
+    let report = run(&dir, &[&format!("fill.mass_g={asked_g}")]);
+    assert!((mass(&report) / asked_g - 1.0).abs() < 0.01, "{asked_g}: {report}");
+    let out = grainpath(&dir, &["run", "job.toml", "--set", "fill.mass_g=100"]);
+    let text = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(4) && text.contains("at density 0.15 everywhere"), "{text}");
+}
+
+#[test]
+fn a_file_of_densities_is_laid_or_refused_in_one_line() {
+    let dir = plate("graded file");
+    fs::write(dir.join("rho.csv"), "x,y,density\n0,0,0.2\n60,0,0.6\n0,20,0.2\n60,20,0.6\n").expect("written");
+    let file =
+        |name: &str| format!("fill.density={{ min = 0.1, max = 1, by = \"file\", file = \"{name}\" }}");
+    let report = run(&dir, &["guide.kind=none", &file("rho.csv")]);
+    assert!((report["graded"]["asked"].as_f64().unwrap_or_default() - 0.4).abs() < 0.02, "{report}");
+    fs::write(dir.join("nan.csv"), "x,y,density\n0,0,0.2\n60,0,nan\n0,20,0.2\n").expect("written");
+    fs::write(dir.join("off.csv"), "x,y,density\n100,0,0.2\n160,0,0.3\n100,20,0.2\n").expect("written");
+    let stress = "fill.density={ min = 0.1, max = 1, by = \"stress\" }".to_owned();
+    for (sets, code, message) in [
+        (vec!["guide.kind=none".to_owned(), stress.clone()], 2, "by = \"stress\" needs a stress"),
+        (vec![file("nan.csv")], 3, "sample 2: the density should be from 0 to 1, is NaN"),
+        (vec![file("off.csv")], 3, "the densities lie from (100.00, 0.00, 0.00)"),
+        (vec!["fill.pattern=continuous".to_owned(), stress], 2, "not for fill.pattern = \"continuous\""),
+        (
+            vec!["fill.density={ min = 0.5, max = 0.2, by = \"stress\" }".to_owned()],
+            2,
+            "min = 0.5 above max = 0.2",
+        ),
+    ] {
+        let mut words = vec!["run", "job.toml"];
+        sets.iter().for_each(|set| words.extend(["--set", set]));
+        let out = grainpath(&dir, &words);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.code() == Some(code) && text.contains(message), "{sets:?}: {text}");
+    }
+}

@@ -1,0 +1,475 @@
+//! Graded density: how much material each place of the part gets.
+//!
+//! By stress the part is *fully stressed*: the density is in proportion to what the stress takes of the material's
+//! strengths, so that every place has the same reserve, between a least and a greatest density. The share taken is the failure
+//! index of beads along the larger principal stress ([`StrengthCard::index`]), or that between layers where it is larger, and the
+//! largest of all load cases; where fixtures and loads act it is not counted. By file the densities are those of another program.
+//!
+//! Densities are kept on a grid of nodes and interpolated linearly. The distance between lines, spacing over density, grows
+//! by no more than `STEEPEST` for each millimetre, as the patterns can follow; where more is asked for, the place
+//! around gets more material, never less. A job that asks for a mass scales the densities before both limits.
+//!
+//! Units: mm and MPa. Cost: linear in the nodes, at most about `MOST_NODES`, times the number of masses tried.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use grainpath_core::isolines::isolines;
+use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::poly::FillRule;
+use grainpath_core::{Bounds2, DMat3, DVec2, DVec3, LayerStack, Region};
+use grainpath_fea::principal::plane_principal;
+use grainpath_fea::strength::card::StrengthCard;
+use grainpath_io::directions::DensitySamples;
+use grainpath_job::choices::DensityBy;
+
+use super::Guide;
+use super::field::{FieldSettings, to_file};
+
+/// The distance between lines grows by at most this much for each mm. Source: derived. Over one distance it grows by half, so that
+/// two lines of the sparse side face three of the dense one; steeper, lines end before they have a neighbour of their own density.
+const STEEPEST: f64 = 0.5;
+/// Distance of the nodes in parts that are small enough, mm. Source: derived: a fifth of the cells of 5 mm over which densities are
+/// measured.
+const NODES_MM: f64 = 1.0;
+/// About the most nodes. Source: derived: a density for a mass is found in some 20 passes of 26 neighbours over all nodes; this
+/// many take about 2 s.
+const MOST_NODES: f64 = 300_000.0;
+/// The greatest density belongs to the stress that this share of the part does not exceed. Source: derived. The peaks of a
+/// stress at corners and contacts grow with a finer mesh; 2 % of the part hold them.
+const FULL_SHARE: f64 = 0.98;
+/// Reach of the mean that smooths the stress, in nodes. Source: derived: with nodes of 1 mm about two beads to either side.
+const SMOOTHED: usize = 1;
+
+/// Why a graded density cannot be laid.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum DensityError {
+    #[error(
+        "the densities lie from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm and the part from ({:.2}, {:.2}, {:.2}) to \
+         ({:.2}, {:.2}, {:.2}); they should be in the coordinates of the part's file, in mm",
+        file[0].x, file[0].y, file[0].z, file[1].x, file[1].y, file[1].z, part[0].x, part[0].y, part[0].z, part[1].x, part[1].y,
+        part[1].z
+    )]
+    Elsewhere { file: [DVec3; 2], part: [DVec3; 2] },
+    #[error("fill.density by = \"file\" is for parts from meshes and outlines")]
+    NoFile,
+    #[error("fill.density by = \"stress\": the stress is zero everywhere")]
+    NoStress,
+}
+
+/// What a graded density is made with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DensitySettings {
+    /// The least and the greatest density.
+    pub range: [f64; 2],
+    /// What it follows.
+    pub by: DensityBy,
+    /// Distance of beads that touch, mm.
+    pub spacing_mm: f64,
+    /// Strengths of the material; without them the equivalent stress counts.
+    pub card: Option<StrengthCard>,
+    /// Where a file's coordinates lie.
+    pub place: FieldSettings,
+}
+
+/// Densities at the nodes of a regular grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DensityMap {
+    low: DVec3,
+    cell_mm: DVec3,
+    n: [usize; 3],
+    values: Vec<f32>,
+}
+
+impl DensityMap {
+    /// A map with this density at every node of a box.
+    pub fn new(low: DVec3, high: DVec3, cell_mm: f64, flat: bool, at: impl Fn(DVec3) -> f64) -> Self {
+        let size = high - low;
+        let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize + 1;
+        let n = [count(size.x), count(size.y), if flat { 1 } else { count(size.z) }];
+        let step = |k: usize| if n[k] > 1 { size[k].max(1e-6) / (n[k] - 1) as f64 } else { 1.0 };
+        let mut map = Self { low, cell_mm: DVec3::new(step(0), step(1), step(2)), n, values: Vec::new() };
+        map.values = (0..n[0] * n[1] * n[2]).map(|i| at(map.node(i)) as f32).collect();
+        map
+    }
+
+    fn node(&self, i: usize) -> DVec3 {
+        let [nx, ny, _] = self.n;
+        let at = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / (nx * ny)) as f64);
+        self.low + at * self.cell_mm
+    }
+
+    /// The density at a point; outside the grid that of its nearest place.
+    pub fn at(&self, p: DVec3) -> f64 {
+        let q = (p - self.low) / self.cell_mm;
+        let axis = |k: usize| {
+            let v = q[k].clamp(0.0, (self.n[k] - 1) as f64);
+            let i = (v as usize).min(self.n[k].saturating_sub(2));
+            (i, (i + 1).min(self.n[k] - 1), v - i as f64)
+        };
+        let ([x, y, z], [nx, ny, _]) = ([axis(0), axis(1), axis(2)], self.n);
+        let value = |i: usize, j: usize, k: usize| f64::from(self.values[(k * ny + j) * nx + i]);
+        let row = |j: usize, k: usize| value(x.0, j, k) + x.2 * (value(x.1, j, k) - value(x.0, j, k));
+        let plane = |k: usize| row(y.0, k) + y.2 * (row(y.1, k) - row(y.0, k));
+        plane(z.0) + z.2 * (plane(z.1) - plane(z.0))
+    }
+
+    /// Whether the densities are the same at all heights.
+    pub fn is_upright(&self) -> bool {
+        self.n[2] == 1
+    }
+
+    /// The least and the greatest density of any node within a box of the plan, at a height.
+    pub fn range_in(&self, bounds: Bounds2, z_mm: f64) -> [f64; 2] {
+        let step = self.cell_mm.x.min(self.cell_mm.y);
+        let size = bounds.size();
+        let [nx, ny] = [size.x, size.y].map(|mm| (mm / step).ceil().max(1.0) as usize);
+        let mut range = [f64::INFINITY, 0.0f64];
+        for j in 0..=ny {
+            for i in 0..=nx {
+                let share = DVec2::new(i as f64 / nx as f64, j as f64 / ny as f64);
+                let density = self.at((bounds.min + share * size).extend(z_mm));
+                range = [range[0].min(density), range[1].max(density)];
+            }
+        }
+        range
+    }
+
+    /// Where the density is at least this in a layer, within these bounds.
+    pub fn at_least(&self, density: f64, bounds: Bounds2, z_mm: f64) -> Region {
+        // A margin below it, so that every border is closed.
+        let bounds = bounds.grown(2.0);
+        let size = bounds.size();
+        // Half a millimetre: finer than any distance of lines at which levels change.
+        let cell_mm = 0.5f64.max((size.x * size.y / MOST_NODES).sqrt());
+        let [nx, ny] = [size.x, size.y].map(|mm| (mm / cell_mm).ceil() as usize + 1);
+        let value = |k: usize| {
+            let (i, j) = (k % nx, k / nx);
+            if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
+                return -1.0;
+            }
+            let p = bounds.min + cell_mm * DVec2::new(i as f64, j as f64);
+            (self.at(p.extend(z_mm)) - density) as f32
+        };
+        let values: Vec<f32> = (0..nx * ny).map(value).collect();
+        let lines: Vec<_> =
+            isolines([nx, ny], bounds.min, cell_mm, &values).into_iter().map(|line| line.points).collect();
+        Region::from_contours(&lines, FillRule::NonZero).simplified(0.02)
+    }
+
+    /// Makes the distance between lines grow by no more than `STEEPEST`, by more density where it would.
+    fn limit(&mut self, spacing_mm: f64) {
+        let [nx, ny, nz] = self.n;
+        let mut far: Vec<f64> = self.values.iter().map(|v| spacing_mm / f64::from(*v)).collect();
+        // The neighbours that come before a node in the order of the grid, and how far they are.
+        let mut before = Vec::new();
+        for (dz, dy, dx) in
+            (-1..=0).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| (z, y, x))))
+        {
+            if (dz, dy, dx) < (0, 0, 0) {
+                let mm = (DVec3::new(f64::from(dx), f64::from(dy), f64::from(dz)) * self.cell_mm).length();
+                before.push(([dx as isize, dy as isize, dz as isize], STEEPEST * mm));
+            }
+        }
+        let mut pass = |forwards: bool| {
+            let all = nx * ny * nz;
+            for k in 0..all {
+                let i = if forwards { k } else { all - 1 - k };
+                let at = [i % nx, i / nx % ny, i / (nx * ny)].map(|v| v as isize);
+                for (d, grown) in &before {
+                    let sign = if forwards { 1 } else { -1 };
+                    let to = [0, 1, 2].map(|k| at[k] + sign * d[k]);
+                    if (0..3).all(|k| (0..self.n[k] as isize).contains(&to[k])) {
+                        let j = (to[2] as usize * ny + to[1] as usize) * nx + to[0] as usize;
+                        far[i] = far[i].min(far[j] + grown);
+                    }
+                }
+            }
+        };
+        // Twice there and back: what comes around a corner of the sweep needs the second time.
+        (0..4).for_each(|k| pass(k % 2 == 0));
+        self.values.iter_mut().zip(far).for_each(|(v, far)| *v = (spacing_mm / far) as f32);
+    }
+}
+
+/// The density of a part, from place to place another one.
+pub struct GradedDensity {
+    /// What is asked for before scale and limits.
+    wanted: DensityMap,
+    /// Whether each node lies in the part.
+    inside: Vec<bool>,
+    range: [f64; 2],
+    spacing_mm: f64,
+    by: DensityBy,
+    /// The mean density that is asked for, where no mass decides.
+    pub mean: f64,
+    /// The means that were asked for, and their maps.
+    made: Mutex<Vec<(f64, Arc<DensityMap>)>>,
+}
+
+impl GradedDensity {
+    /// The density of a part by the stress of its guide, or by the samples of a file.
+    ///
+    /// # Errors
+    /// [`DensityError`] for samples off the part and a stress of zero.
+    pub fn new(
+        settings: &DensitySettings,
+        stack: &LayerStack,
+        guide: Option<&Guide>,
+        samples: Option<DensitySamples>,
+    ) -> Result<Self, DensityError> {
+        let layers = stack.layers();
+        let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(|a, b| a.union(b));
+        let plan = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+        let bottom = layers.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
+        let top = layers.last().map_or(0.0, |l| l.z_top_mm());
+        let (low, high) = (plan.min.extend(bottom), plan.max.extend(top));
+        let size = high - low;
+        let mut cell_mm = NODES_MM;
+        while (0..3).map(|k| 1.0 + size[k] / cell_mm).product::<f64>() > MOST_NODES {
+            cell_mm *= 1.1;
+        }
+        let [min, max] = settings.range;
+        let at_node = |flat: bool, at: &dyn Fn(DVec3) -> f64| DensityMap::new(low, high, cell_mm, flat, at);
+        let (mut wanted, inside) = match (settings.by, guide, samples) {
+            (DensityBy::File, _, Some(mut samples)) => {
+                let (_, to_file, shift) = to_file(&settings.place);
+                let flat = samples.is_plane() && to_file.z_axis.truncate() == DVec2::ZERO;
+                lay(&mut samples, to_file, shift, [low, high])?;
+                let map = at_node(flat, &|p| samples.at(to_file * (p + shift)));
+                let inside = inside(&map, stack);
+                (map, inside)
+            }
+            (DensityBy::Stress, Some(guide), _) => {
+                let card = settings.card.as_ref();
+                let mut map = at_node(guide.is_plate, &|p| taken(guide, card, p));
+                let inside = inside(&map, stack);
+                smooth(&mut map, &inside);
+                let grips = guide.grips(cell_mm);
+                let counts = |i: usize| inside[i] && !grips.iter().any(|on| on.contains(map.node(i)));
+                let mut all: Vec<f32> =
+                    (0..map.values.len()).filter(|&i| counts(i)).map(|i| map.values[i]).collect();
+                if all.is_empty() {
+                    all = map.values.clone();
+                }
+                all.sort_by(f32::total_cmp);
+                let full = f64::from(all[((all.len() - 1) as f64 * FULL_SHARE) as usize]);
+                if full <= 0.0 {
+                    return Err(DensityError::NoStress);
+                }
+                map.values.iter_mut().for_each(|v| *v = (max * f64::from(*v) / full) as f32);
+                (map, inside)
+            }
+            // The job's reader refuses a density by stress without a guide.
+            (DensityBy::File, _, None) | (DensityBy::Stress, None, _) => return Err(DensityError::NoFile),
+        };
+        // A scale changes nothing that is zero.
+        wanted.values.iter_mut().for_each(|v| *v = v.max(1e-6));
+        let (range, spacing_mm, by) = (settings.range, settings.spacing_mm, settings.by);
+        let mut graded =
+            Self { wanted, inside, range, spacing_mm, by, mean: min, made: Mutex::new(Vec::new()) };
+        let map = graded.scaled(1.0);
+        graded.mean = graded.mean_of(&map);
+        graded.made = Mutex::new(vec![(graded.mean, Arc::new(map))]);
+        Ok(graded)
+    }
+
+    /// The least and the greatest density.
+    pub fn range(&self) -> [f64; 2] {
+        self.range
+    }
+
+    /// What it follows.
+    pub fn by(&self) -> DensityBy {
+        self.by
+    }
+
+    /// Whether the density is the same at all heights.
+    pub fn is_upright(&self) -> bool {
+        self.wanted.is_upright()
+    }
+
+    /// The densities whose mean over the part is this; the nearest that the range allows.
+    pub fn of_mean(&self, mean: f64) -> Arc<DensityMap> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, map)) = made.iter().find(|m| m.0 == mean) {
+            return map.clone();
+        }
+        // The mean rises with the scale. Where all of the range is asked for, the ends of the bisection give it.
+        let least = self.wanted.values.iter().fold(f32::INFINITY, |a, b| a.min(*b));
+        let most = self.wanted.values.iter().fold(0.0f32, |a, b| a.max(*b));
+        let (mut low, mut high) =
+            (0.5 * self.range[0] / f64::from(most), 2.0 * self.range[1] / f64::from(least).max(1e-4));
+        let mut map = self.scaled((low * high).sqrt());
+        for _ in 0..24 {
+            let middle = (low * high).sqrt();
+            map = self.scaled(middle);
+            let found = self.mean_of(&map);
+            if (found - mean).abs() < 2e-4 {
+                break;
+            }
+            if found < mean { low = middle } else { high = middle }
+        }
+        let map = Arc::new(map);
+        made.push((mean, map.clone()));
+        map
+    }
+
+    fn scaled(&self, scale: f64) -> DensityMap {
+        let [min, max] = self.range;
+        let mut map = self.wanted.clone();
+        map.values.iter_mut().for_each(|v| *v = (scale * f64::from(*v)).clamp(min, max) as f32);
+        map.limit(self.spacing_mm);
+        map
+    }
+
+    /// The mean density over the part.
+    pub fn mean_of(&self, map: &DensityMap) -> f64 {
+        let all = map.values.iter().zip(&self.inside).filter(|v| *v.1);
+        let (sum, n) = all.fold((0.0, 0.0), |(sum, n), (v, _)| (sum + f64::from(*v), n + 1.0));
+        if n > 0.0 { sum / n } else { self.range[0] }
+    }
+}
+
+/// Places the samples of a file over the part, or refuses them.
+fn lay(
+    samples: &mut DensitySamples,
+    to_file: DMat3,
+    shift: DVec3,
+    part: [DVec3; 2],
+) -> Result<(), DensityError> {
+    let corner = |k: usize| DVec3::new(part[k & 1].x, part[k >> 1 & 1].y, part[k >> 2].z);
+    let corners = (0..8).map(|k| to_file * (corner(k) + shift));
+    let (low, high) = corners.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
+    samples.stretch_over(low.truncate(), high.truncate());
+    let Some(file) = samples.bounds() else { return Ok(()) };
+    let axes = if samples.is_plane() { 2 } else { 3 };
+    if (0..axes).any(|k| file.0[k] > high[k] || file.1[k] < low[k]) {
+        return Err(DensityError::Elsewhere { file: [file.0, file.1], part: [low, high] });
+    }
+    Ok(())
+}
+
+/// The share that the stress at a point takes of the strengths of a dense part: the largest of all cases.
+fn taken(guide: &Guide, card: Option<&StrengthCard>, p: DVec3) -> f64 {
+    let of_case = |stress: [f64; 6]| {
+        let [xx, yy, zz, xy, yz, zx] = stress;
+        let Some(card) = card else { return grainpath_core::tensor::von_mises(&stress) };
+        let [a, b] = plane_principal([xx, yy, xy]).values_mpa;
+        let (along, across) = if a.abs() >= b.abs() { (a, b) } else { (b, a) };
+        card.index([along, across, 0.0]).0.max(card.layer_index([zz, yz, zx]).0)
+    };
+    let all = guide.cases.iter().map(|case| of_case(case.stress.whole(p)));
+    all.filter(|v| v.is_finite()).fold(0.0, f64::max)
+}
+
+/// Which nodes lie in the part; upright maps are asked at half its height.
+fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
+    let layers = stack.layers();
+    let [nx, ny, nz] = map.n;
+    let mut out = vec![false; map.values.len()];
+    for k in 0..nz {
+        let z = if nz > 1 {
+            map.node(k * nx * ny).z
+        } else {
+            layers.get(layers.len() / 2).map_or(0.0, |l| l.z_top_mm())
+        };
+        let above = layers.partition_point(|l| l.z_top_mm() < z - 1e-9).min(layers.len().saturating_sub(1));
+        let Some(region) = layers.get(above).map(|l| l.region()) else { continue };
+        let Some(bounds) = region.bounds() else { continue };
+        let mask = Mask::from_region(Grid::over(bounds, 0.25 * map.cell_mm.x.min(map.cell_mm.y)), region);
+        for i in 0..nx * ny {
+            out[k * nx * ny + i] = mask.contains(map.node(k * nx * ny + i).truncate());
+        }
+    }
+    out
+}
+
+/// Replaces each value by the mean of the nodes in the part around it.
+fn smooth(map: &mut DensityMap, inside: &[bool]) {
+    let [nx, ny, nz] = map.n;
+    let around = |i: usize, n: usize| i.saturating_sub(SMOOTHED)..(i + SMOOTHED + 1).min(n);
+    let before = map.values.clone();
+    for (i, value) in map.values.iter_mut().enumerate() {
+        let (mut sum, mut n) = (0.0, 0.0f32);
+        for z in around(i / (nx * ny), nz) {
+            for y in around(i / nx % ny, ny) {
+                for x in around(i % nx, nx) {
+                    let j = (z * ny + y) * nx + x;
+                    if inside[j] {
+                        sum += before[j];
+                        n += 1.0;
+                    }
+                }
+            }
+        }
+        if n > 0.0 {
+            *value = sum / n;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::Layer;
+
+    fn plate() -> LayerStack {
+        let section = || Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0));
+        let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).expect("a layer");
+        LayerStack::new((0..10).map(layer).collect()).expect("a stack")
+    }
+
+    fn by_file(text: &str, range: [f64; 2]) -> Result<GradedDensity, DensityError> {
+        let samples =
+            grainpath_io::directions::parse_densities(text.as_bytes(), "rho.csv", None).expect("a file");
+        let place = FieldSettings {
+            frame: grainpath_job::choices::FieldFrame::Part,
+            cell_mm: None,
+            origin_mm: None,
+            scale: 1.0,
+            rotate_rad: [0.0; 3],
+            lowered_mm: 0.0,
+            plate_from_part_mm: DVec3::ZERO,
+        };
+        let settings = DensitySettings { range, by: DensityBy::File, spacing_mm: 0.4, card: None, place };
+        GradedDensity::new(&settings, &plate(), None, Some(samples))
+    }
+
+    #[test]
+    fn the_distance_between_lines_grows_no_faster_than_the_limit() {
+        // A step from 1 to 0.1 at x = 20.
+        let graded = by_file(
+            "x,y,density\n0,0,1\n20,0,1\n20.1,0,0.1\n40,0,0.1\n0,20,1\n20,20,1\n20.1,20,0.1\n40,20,0.1\n",
+            [0.1, 1.0],
+        )
+        .expect("on the part");
+        let map = graded.of_mean(graded.mean);
+        let far = |x: f64| 0.4 / map.at(DVec3::new(x, 10.0, 1.0));
+        assert!((far(5.0) - 0.4).abs() < 1e-3 && (far(35.0) - 4.0).abs() < 1e-2);
+        for k in 0..39 {
+            let x = f64::from(k);
+            assert!((far(x + 1.0) - far(x)).abs() < 1.05 * STEEPEST, "{x}: {} {}", far(x), far(x + 1.0));
+        }
+    }
+
+    #[test]
+    fn a_scale_meets_a_mean_within_the_range() {
+        let graded = by_file("x,y,density\n0,0,0.2\n40,0,0.4\n0,20,0.2\n40,20,0.4\n", [0.1, 0.8])
+            .expect("on the part");
+        assert!((graded.mean - 0.3).abs() < 0.01, "{}", graded.mean);
+        for mean in [0.12, 0.25, 0.5, 0.78] {
+            let map = graded.of_mean(mean);
+            assert!((graded.mean_of(&map) - mean).abs() < 1e-3, "{mean}");
+            let [low, high] = map.range_in(Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 20.0) }, 1.0);
+            assert!(low >= 0.1 - 1e-6 && high <= 0.8 + 1e-6);
+        }
+        assert!((graded.mean_of(&graded.of_mean(1.0)) - 0.8).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_file_beside_the_part_is_refused() {
+        let wrong = by_file("x,y,density\n100,0,1\n120,0,1\n100,20,0.5\n", [0.1, 1.0]).map(|_| ());
+        assert!(matches!(wrong, Err(DensityError::Elsewhere { .. })), "{wrong:?}");
+    }
+}
