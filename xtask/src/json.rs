@@ -100,6 +100,8 @@ pub fn check() -> Result<(), String> {
     )?;
     write("bar.toml", BAR)?;
     write("plane.toml", &BAR.replace("\"voxels\"", "\"plane\""))?;
+    let graded = "density = { min = 0.2, max = 0.9, by = \"stress\" }";
+    write("graded.toml", &BAR.replace("density = 1.0", graded).replace("enabled = true", "enabled = false"))?;
     write("texture.toml", TEXTURE)?;
     let told = |line: &str| crate::output(Command::new(&program).args(line.split(' ')).current_dir(&folder));
     for line in [
@@ -115,6 +117,7 @@ pub fn check() -> Result<(), String> {
     let mut printed = BTreeSet::new();
     for line in [
         "run bar.toml --json",
+        "run graded.toml --json",
         "run plate/job.toml --json",
         "run fibre/plate.toml --json",
         "run ct/job.toml --json",
