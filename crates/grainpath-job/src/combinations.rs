@@ -3,6 +3,7 @@
 use crate::choices::{Choice, DensityBy, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::{MaterialSection, Settings};
+use crate::wall_count::WallCount;
 
 /// Checks all settings of a job against each other. The error names the settings that do not fit
 /// together.
@@ -76,6 +77,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     }
     check_lines(s)?;
     check_graded(s)?;
+    check_walls(s)?;
     check_regions(s)
 }
 
@@ -112,6 +114,21 @@ fn check_lines(s: &Settings) -> Result<(), String> {
         return Ok(());
     };
     Err(format!("fill.lines = {} {problem}", f.lines))
+}
+
+/// Checks what a number of walls by the stress needs.
+fn check_walls(s: &Settings) -> Result<(), String> {
+    let problem = match s.process.walls {
+        WallCount::Even(_) => return Ok(()),
+        WallCount::ByStress { .. } if s.guide.kind != GuideKind::Stress => {
+            "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import"
+        }
+        WallCount::ByStress { .. } if !s.regions.is_empty() => {
+            "as a table is not for jobs with [[region]]; give the regions numbers of walls of their own"
+        }
+        WallCount::ByStress { .. } => return Ok(()),
+    };
+    Err(format!("process.walls {problem}"))
 }
 
 /// Checks what a graded density needs.

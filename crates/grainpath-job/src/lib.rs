@@ -42,6 +42,7 @@ mod schema;
 mod settings;
 mod source;
 mod value;
+mod wall_count;
 
 pub use error::{JobError, Location};
 pub use fill_density::{FillDensity, GradedDensity, LEAST_GRADED};
@@ -57,6 +58,7 @@ pub use settings::{
     SupportSection, VolumeSection,
 };
 pub use value::{Check, Pair, Param, Problem, Step, ValueError};
+pub use wall_count::WallCount;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -32,7 +32,7 @@ pub const FORMAT: i64 = 1;
 /// let job = "format = 1\n[process]\nprofile = \"fine\"\nwalls = 4\n";
 /// let sets = ["process.walls=5".to_owned()];
 /// let settings = parse_job(job, "job.toml", &sets, &no_files).unwrap();
-/// assert_eq!(settings.process.walls, 5);
+/// assert_eq!(settings.process.walls.least(), 5);
 /// ```
 pub fn parse_job(
     text: &str,
@@ -362,7 +362,7 @@ mod tests {
         );
         let s = s.expect("a good job");
         assert_eq!(
-            (s.process.layer_height_mm, s.process.walls, s.fill.pattern),
+            (s.process.layer_height_mm, s.process.walls.least(), s.fill.pattern),
             (0.15, 5, crate::choices::Pattern::Gyroid)
         );
     }

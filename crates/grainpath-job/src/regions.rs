@@ -10,7 +10,7 @@
 //! let job = "[[region]]\non = { layers = [[1, 10]] }\nfill = { density = 0.6 }\nprocess = { walls = 4 }\n";
 //! let settings = parse_job(job, "job.toml", &[], &|_| Err("no profiles of its own".into())).unwrap();
 //! let inside = settings.in_region(&settings.regions[0]);
-//! assert_eq!((inside.process.walls, inside.fill.density.even().unwrap().fraction()), (4, 0.6));
+//! assert_eq!((inside.process.walls.least(), inside.fill.density.even().unwrap().fraction()), (4, 0.6));
 //! assert_eq!(inside.fill.pattern, settings.fill.pattern);
 //! ```
 

@@ -15,6 +15,7 @@ use super::layer_angles::LayerAngles;
 use super::loads::{Case, Fixture, Load};
 use super::regions::JobRegion;
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
+use super::wall_count::WallCount;
 use crate::choices::{
     Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder,
     Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
@@ -213,7 +214,7 @@ sections! {
         adaptive_cusp_mm: f64 = 0.1, "mm", Range(0.001, 1.0), "Largest distance between the stair steps of the layers and the surface (cusp height) for adaptive layers.";
         bead_width_mm: f64 = 0.45, "mm", Range(0.05, 10.0), "Full width of a bead.";
         min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "Width of the narrowest single bead that is laid in thin places.";
-        walls: usize = 2, "", Range(0.0, 1000.0), "Number of walls.";
+        walls: WallCount = WallCount::Even(2), "", Range(0.0, 1000.0), "Number of walls; or from `min` to as many as `max` where the stress is highest, as `{ min = 2, max = 6, by = \"stress\" }`.";
         wall_order: WallOrder = WallOrder::InnerFirst, "", Any, "Order in which the walls of a contour are printed.";
         seam: Seam = Seam::Nearest, "", Any, "Where outer walls begin and end.";
         thin_walls: bool = true, "", Any, "Lay one bead of variable width where two walls do not fit.";
@@ -425,7 +426,7 @@ sections! {
 /// use grainpath_job::{Settings, parse_job};
 ///
 /// let mut settings = Settings::default();
-/// assert_eq!(settings.process.walls, 2);
+/// assert_eq!(settings.process.walls.least(), 2);
 /// settings.fill.pattern = Pattern::Gyroid;
 ///
 /// let no_files = |_: &str| Err("no profiles of its own".to_owned());
@@ -504,7 +505,7 @@ impl Settings {
             fill.lines = region.lines.unwrap_or(1);
             fill.skin_angles_deg = None;
         }
-        process.walls = region.walls.unwrap_or(process.walls);
+        process.walls = region.walls.map_or(process.walls, WallCount::Even);
         process.top_layers = region.top_layers.unwrap_or(process.top_layers);
         process.bottom_layers = region.bottom_layers.unwrap_or(process.bottom_layers);
         if !region.guide {

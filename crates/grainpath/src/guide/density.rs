@@ -53,7 +53,7 @@ pub enum DensityError {
     Elsewhere { file: [DVec3; 2], part: [DVec3; 2] },
     #[error("fill.density by = \"file\" is for parts from meshes and outlines")]
     NoFile,
-    #[error("fill.density by = \"stress\": the stress is zero everywhere")]
+    #[error("by = \"stress\": the stress is zero everywhere")]
     NoStress,
 }
 
@@ -218,46 +218,20 @@ impl GradedDensity {
         guide: Option<&Guide>,
         samples: Option<DensitySamples>,
     ) -> Result<Self, DensityError> {
-        let layers = stack.layers();
-        let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(|a, b| a.union(b));
-        let plan = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
-        let bottom = layers.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
-        let top = layers.last().map_or(0.0, |l| l.z_top_mm());
-        let (low, high) = (plan.min.extend(bottom), plan.max.extend(top));
-        let size = high - low;
-        let mut cell_mm = NODES_MM;
-        while (0..3).map(|k| 1.0 + size[k] / cell_mm).product::<f64>() > MOST_NODES {
-            cell_mm *= 1.1;
-        }
+        let grid = Nodes::over(stack);
         let [min, max] = settings.range;
-        let at_node = |flat: bool, at: &dyn Fn(DVec3) -> f64| DensityMap::new(low, high, cell_mm, flat, at);
         let (mut wanted, inside) = match (settings.by, guide, samples) {
             (DensityBy::File, _, Some(mut samples)) => {
                 let (_, to_file, shift) = to_file(&settings.place);
                 let flat = samples.is_plane() && to_file.z_axis.truncate() == DVec2::ZERO;
-                lay(&mut samples, to_file, shift, [low, high])?;
-                let map = at_node(flat, &|p| samples.at(to_file * (p + shift)));
+                lay(&mut samples, to_file, shift, [grid.low, grid.high])?;
+                let map = grid.map(flat, &|p| samples.at(to_file * (p + shift)));
                 let inside = inside(&map, stack);
                 (map, inside)
             }
             (DensityBy::Stress, Some(guide), _) => {
-                let card = settings.card.as_ref();
-                let mut map = at_node(guide.is_plate, &|p| taken(guide, card, p));
-                let inside = inside(&map, stack);
-                smooth(&mut map, &inside);
-                let grips = guide.grips(cell_mm);
-                let counts = |i: usize| inside[i] && !grips.iter().any(|on| on.contains(map.node(i)));
-                let mut all: Vec<f32> =
-                    (0..map.values.len()).filter(|&i| counts(i)).map(|i| map.values[i]).collect();
-                if all.is_empty() {
-                    all = map.values.clone();
-                }
-                all.sort_by(f32::total_cmp);
-                let full = f64::from(all[((all.len() - 1) as f64 * FULL_SHARE) as usize]);
-                if full <= 0.0 {
-                    return Err(DensityError::NoStress);
-                }
-                map.values.iter_mut().for_each(|v| *v = (max * f64::from(*v) / full) as f32);
+                let (mut map, inside) = share_taken(&grid, guide, settings.card.as_ref())?;
+                map.values.iter_mut().for_each(|v| *v *= max as f32);
                 (map, inside)
             }
             // The job's reader refuses a density by stress without a guide.
@@ -329,6 +303,72 @@ impl GradedDensity {
         let (sum, n) = all.fold((0.0, 0.0), |(sum, n), (v, _)| (sum + f64::from(*v), n + 1.0));
         if n > 0.0 { sum / n } else { self.range[0] }
     }
+}
+
+/// The nodes over a part.
+struct Nodes<'a> {
+    stack: &'a LayerStack,
+    low: DVec3,
+    high: DVec3,
+    cell_mm: f64,
+}
+
+impl<'a> Nodes<'a> {
+    fn over(stack: &'a LayerStack) -> Self {
+        let layers = stack.layers();
+        let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(|a, b| a.union(b));
+        let plan = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+        let bottom = layers.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
+        let top = layers.last().map_or(0.0, |l| l.z_top_mm());
+        let (low, high) = (plan.min.extend(bottom), plan.max.extend(top));
+        let size = high - low;
+        let mut cell_mm = NODES_MM;
+        while (0..3).map(|k| 1.0 + size[k] / cell_mm).product::<f64>() > MOST_NODES {
+            cell_mm *= 1.1;
+        }
+        Self { stack, low, high, cell_mm }
+    }
+
+    fn map(&self, flat: bool, at: &dyn Fn(DVec3) -> f64) -> DensityMap {
+        DensityMap::new(self.low, self.high, self.cell_mm, flat, at)
+    }
+}
+
+/// How much of the material's strength the stress takes at each place of a part, smoothed: 1 where it takes as much as in the
+/// most stressed 2 % of the part.
+///
+/// # Errors
+/// [`DensityError::NoStress`] where the stress is zero.
+pub fn stress_share(
+    stack: &LayerStack,
+    guide: &Guide,
+    card: Option<&StrengthCard>,
+) -> Result<DensityMap, DensityError> {
+    share_taken(&Nodes::over(stack), guide, card).map(|(map, _)| map)
+}
+
+/// The same, and which nodes lie in the part.
+fn share_taken(
+    nodes: &Nodes<'_>,
+    guide: &Guide,
+    card: Option<&StrengthCard>,
+) -> Result<(DensityMap, Vec<bool>), DensityError> {
+    let mut map = nodes.map(guide.is_plate, &|p| taken(guide, card, p));
+    let inside = inside(&map, nodes.stack);
+    smooth(&mut map, &inside);
+    let grips = guide.grips(nodes.cell_mm);
+    let counts = |i: usize| inside[i] && !grips.iter().any(|on| on.contains(map.node(i)));
+    let mut all: Vec<f32> = (0..map.values.len()).filter(|&i| counts(i)).map(|i| map.values[i]).collect();
+    if all.is_empty() {
+        all = map.values.clone();
+    }
+    all.sort_by(f32::total_cmp);
+    let full = f64::from(all[((all.len() - 1) as f64 * FULL_SHARE) as usize]);
+    if full <= 0.0 {
+        return Err(DensityError::NoStress);
+    }
+    map.values.iter_mut().for_each(|v| *v = (f64::from(*v) / full) as f32);
+    Ok((map, inside))
 }
 
 /// Places the samples of a file over the part, or refuses them.

@@ -8,6 +8,7 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{Bounds2, DVec2, DVec3, Density};
 use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::card::StrengthCard;
 use grainpath_gcode::{
     Cooling, Corner, FibreTool, Flavour, KLIPPER_ARC_SEGMENT_MM, KLIPPER_MIN_CRUISE_RATIO, Limits, Machine,
     Material, Retraction, Speeds, WriteConfig,
@@ -442,7 +443,7 @@ pub fn steps(s: &Settings) -> StepSettings {
     let height_mm = p.layer_height_mm;
     StepSettings {
         walls: WallSettings {
-            n_walls: p.walls,
+            n_walls: p.walls.least(),
             bead_width_mm: p.bead_width_mm,
             height_mm,
             thin_walls: p.thin_walls,
@@ -450,6 +451,7 @@ pub fn steps(s: &Settings) -> StepSettings {
             min_bead_width_mm: p.min_bead_width_mm,
             fill_overlap: f.overlap,
         },
+        most_walls: p.walls.most(),
         skins: SkinSettings {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,
@@ -483,6 +485,11 @@ const BASELINE_MIN_DENSITY: f64 = 0.15;
 /// Stands for a density that is not known yet: neither hollow nor dense.
 const GRADED: f64 = 0.5;
 
+/// The strengths that a share of them taken by the stress is told for; `None` for a material without a card.
+pub(crate) fn nominal_card(s: &Settings) -> Option<StrengthCard> {
+    strength(s).told_cards().ok().map(|[_, nominal, _]| nominal)
+}
+
 /// What a graded density is made with.
 pub(crate) fn graded_density(
     s: &Settings,
@@ -500,7 +507,7 @@ pub(crate) fn graded_density(
         range: [graded.min, graded.max],
         by: graded.by,
         spacing_mm: bead_spacing_mm(s.process.bead_width_mm, s.process.layer_height_mm),
-        card: strength(s).told_cards().ok().map(|[_, nominal, _]| nominal),
+        card: nominal_card(s),
         place,
     })
 }

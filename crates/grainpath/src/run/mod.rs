@@ -26,7 +26,7 @@ use grainpath_io::directions::{DensitySamples, DirectionSamples};
 use grainpath_io::fe::StressField;
 
 use crate::error::Error;
-use crate::guide::density::GradedDensity;
+use crate::guide::density::{GradedDensity, stress_share};
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, Guide, GuidedPart, StressSettings};
@@ -39,8 +39,8 @@ use crate::order::{LayerPaths, order_stack};
 use crate::region::{RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
-use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
+use grainpath_job::{Settings, WallCount};
 pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{
@@ -385,6 +385,9 @@ fn plan_stack(
     let graded = config::graded_density(settings, lowered_mm, plate_from_part_mm)
         .map(|s| GradedDensity::new(&s, &stack, guide.as_ref(), source.densities))
         .transpose()?;
+    let share = |guide: &Guide| stress_share(&stack, guide, config::nominal_card(settings).as_ref());
+    let graded_walls = matches!(settings.process.walls, WallCount::ByStress { .. });
+    let stress_share = guide.as_ref().filter(|_| graded_walls).map(share).transpose()?;
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
         Some(wanted) => {
             let wanted = SupportSettings { painted, ..wanted };
@@ -408,6 +411,7 @@ fn plan_stack(
         .with_guide(guide.as_ref(), grain.as_ref())
         .with_field(field.as_ref())
         .with_density(graded.as_ref())
+        .with_stress_share(stress_share.as_ref())
         .with_fibre(fibre.as_ref())
         .with_regions(areas.as_ref());
     let mut laid = None;

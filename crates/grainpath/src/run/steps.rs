@@ -27,8 +27,8 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::Mask;
 use grainpath_core::{
-    BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Role, SpeedClass,
-    Toolpath, UniformField, Warning,
+    BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role,
+    SpeedClass, Toolpath, UniformField, Warning,
 };
 use grainpath_job::choices::{BeadEnds, Pattern};
 use rayon::prelude::*;
@@ -36,17 +36,18 @@ use rayon::prelude::*;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::{Continuous, FillContext, Note, SideBySide};
 use crate::guide::Guide;
-use crate::guide::density::GradedDensity;
+use crate::guide::density::{DensityMap, GradedDensity};
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::region::RegionAreas;
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
+use crate::wall::WallSettings;
 use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
 use crate::wall::divided::{Share, lay_divided};
+use crate::wall::graded::lay_graded;
 use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
-use crate::wall::{WallSettings, lay_walls};
 
 /// Closed walls shorter than this are printed at the speed of small walls, mm.
 const SMALL_WALL_MM: f64 = 30.0;
@@ -72,6 +73,8 @@ pub struct LayerWalls {
 pub struct StepSettings {
     /// Walls; the height is replaced by that of each layer.
     pub walls: WallSettings,
+    /// Number of walls where the stress is highest; that of `walls` where all places have the same.
+    pub most_walls: usize,
     /// Skins.
     pub skins: SkinSettings,
     /// Infill.
@@ -197,6 +200,8 @@ pub struct Steps<'a> {
     field: Option<&'a FieldGuide>,
     /// The density, where it is graded.
     pub(super) graded: Option<&'a GradedDensity>,
+    /// How far the stress exhausts the material, where the number of walls follows it.
+    stress_share: Option<&'a DensityMap>,
     /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
     /// Constant field for patterns that follow directions, where no guide gives one.
@@ -230,6 +235,7 @@ impl<'a> Steps<'a> {
             grain: None,
             field: None,
             graded: None,
+            stress_share: None,
             fibre: None,
             uniform: UniformField { axis_rad: settings.infill.field_axis_rad },
             areas: None,
@@ -260,6 +266,12 @@ impl<'a> Steps<'a> {
     #[must_use]
     pub fn with_density(self, graded: Option<&'a GradedDensity>) -> Self {
         Self { graded, ..self }
+    }
+
+    /// Lays more walls where the stress takes more of the material's strength.
+    #[must_use]
+    pub fn with_stress_share(self, stress_share: Option<&'a DensityMap>) -> Self {
+        Self { stress_share, ..self }
     }
 
     /// Lays infill with continuous fibre.
@@ -317,10 +329,11 @@ impl<'a> Steps<'a> {
             let mut islands = Vec::with_capacity(layer.region().polygons.len());
             let mut fill = Vec::new();
             let shares = self.shares(first + k);
+            let more = self.more_walls(first + k);
             let mut regions = vec![Vec::new(); shares.len().saturating_sub(1)];
             for (i, polygon) in layer.region().polygons.iter().enumerate() {
                 let walls = match shares.split_first() {
-                    None => lay_walls(polygon, &settings),
+                    None => lay_graded(polygon, &settings, &more),
                     Some((&rest, shares)) => {
                         let divided = lay_divided(polygon, &settings, rest, shares);
                         for (all, own) in regions.iter_mut().zip(divided.regions) {
@@ -345,6 +358,29 @@ impl<'a> Steps<'a> {
         let all: Vec<Result<_, Interrupted>> =
             self.stack.layers()[window].par_iter().enumerate().with_min_len(2).map(lay).collect();
         all.into_iter().collect()
+    }
+
+    /// Where a layer gets one wall more than the least number, two more and so on; each area lies in the one before.
+    fn more_walls(&self, layer_idx: usize) -> Vec<Region> {
+        let (least, most) = (self.settings.walls.n_walls, self.settings.most_walls);
+        let Some(share) = self.stress_share.filter(|_| most > least) else { return Vec::new() };
+        let Some(bounds) = self.stack.layers()[layer_idx].region().bounds() else { return Vec::new() };
+        let n = (most - least) as f64;
+        // Narrower places would be shorter than a wall is worth starting and ending.
+        let narrowest = self.settings.walls.bead_width_mm;
+        let area = |k: usize| {
+            let there = share.at_least((k as f64 + 0.5) / n, bounds, self.z_mid_mm(layer_idx));
+            there.opened(narrowest).closed(narrowest)
+        };
+        let mut all: Vec<Region> = Vec::new();
+        for k in 0..most - least {
+            let here = area(k);
+            if here.is_empty() {
+                break;
+            }
+            all.push(all.last().map_or_else(|| here.clone(), |outer| outer.intersection(&here)));
+        }
+        all
     }
 
     /// What the rest of the part and each region ask of the walls of a layer; empty where no region meets it.

@@ -77,7 +77,7 @@ pub fn lay_divided(
 }
 
 /// The walls and single beads of all zones.
-fn cut_walls(
+pub(super) fn cut_walls(
     shares: &[(Share<'_>, Region)],
     laid: &BTreeMap<usize, Walls>,
     settings: &WallSettings,

@@ -15,6 +15,7 @@
 
 pub mod adhesion;
 pub mod divided;
+pub mod graded;
 pub mod skin;
 
 use grainpath_core::math::{atan2, cross, tan};

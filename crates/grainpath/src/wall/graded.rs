@@ -1,0 +1,111 @@
+//! More walls where the stress is high.
+//!
+//! The least number of walls runs all around. Each wall beyond it is laid only in the places that ask for it, and ends half
+//! a strip before their border; these places lie within those of the wall outside it. Infill has the area that the walls of
+//! each place leave, so that it meets both the walls and their ends:
+//!
+//! ```text
+//!     =======================   wall 1, everywhere
+//!     =======================   wall 2, everywhere
+//!     ||||| ----------- |||||   wall 3, where the stress asks for it; infill beside its ends
+//!     ||||| ||||||||||| |||||   infill
+//! ```
+//!
+//! Units: mm. Cost: the walls once for each number of them that meets the polygon, and three booleans for each.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{Polygon, Region};
+
+use super::divided::{Share, cut_walls};
+use super::{MIN_GAP_MM2, WallSettings, Walls, lay_walls};
+
+/// Lays the walls of a polygon: those of the settings everywhere, and one more in each of the areas `more`, each of which
+/// lies within the one before.
+pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -> Walls {
+    let section = Region::from(polygon.clone());
+    let zones: Vec<Region> = more
+        .iter()
+        .map(|area| section.intersection(area))
+        .take_while(|zone| zone.area_mm2() > MIN_GAP_MM2)
+        .collect();
+    let least = settings.n_walls;
+    let lay = |n_walls: usize| lay_walls(polygon, &WallSettings { n_walls, ..*settings });
+    if zones.is_empty() {
+        return lay(least);
+    }
+    let laid: BTreeMap<usize, Walls> = (least..=least + zones.len()).map(|n| (n, lay(n))).collect();
+    // Where each number of walls is the right one.
+    let outer = || std::iter::once(&section).chain(&zones);
+    let own: Vec<Region> = outer()
+        .enumerate()
+        .map(|(k, zone)| zones.get(k).map_or_else(|| zone.clone(), |inner| zone.difference(inner)))
+        .collect();
+    let shares: Vec<(Share<'_>, Region)> = own
+        .iter()
+        .enumerate()
+        .map(|(k, zone)| (Share { area: zone, n_walls: least + k, inset_mm: 0.0 }, zone.clone()))
+        .collect();
+    let mut walls = cut_walls(&shares, &laid, settings);
+    let area = |n: usize| laid.get(&n).map(|w| w.fill.clone()).unwrap_or_default();
+    let fill = zones.iter().enumerate().fold(area(least), |fill, (k, zone)| {
+        let strip = area(least + k).difference(&area(least + k + 1));
+        fill.difference(&strip.intersection(zone))
+    });
+    walls.fill =
+        Region { polygons: fill.polygons.into_iter().filter(|p| p.area_mm2() > MIN_GAP_MM2).collect() };
+    walls
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::DVec2;
+    use grainpath_core::units::bead_spacing_mm;
+
+    const SETTINGS: WallSettings = WallSettings {
+        n_walls: 2,
+        bead_width_mm: 0.45,
+        height_mm: 0.2,
+        thin_walls: true,
+        gap_fill: true,
+        min_bead_width_mm: 0.2,
+        fill_overlap: 0.0,
+    };
+
+    fn plate() -> Polygon {
+        Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0)).polygons.remove(0)
+    }
+
+    fn middle(half_mm: f64) -> Region {
+        Region::rectangle(DVec2::new(20.0 - half_mm, -5.0), DVec2::new(20.0 + half_mm, 25.0))
+    }
+
+    #[test]
+    fn walls_are_added_where_they_are_asked_for() {
+        let s = bead_spacing_mm(0.45, 0.2);
+        let walls = lay_graded(&plate(), &SETTINGS, &[middle(10.0), middle(5.0)]);
+        assert_eq!(walls.loops.len(), 2, "two all around");
+        // The third on both sides over 20 mm, the fourth over 10 mm, each without half a strip at its ends.
+        let mut lengths: Vec<f64> = walls.singles.iter().map(|p| p.length_mm()).collect();
+        lengths.sort_by(f64::total_cmp);
+        let expected = [10.0 - s, 10.0 - s, 20.0 - s, 20.0 - s];
+        assert_eq!(lengths.len(), 4, "{lengths:?}");
+        assert!(lengths.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-2), "{lengths:?}");
+        // Infill loses their strips.
+        let without = lay_walls(&plate(), &SETTINGS).fill.area_mm2();
+        let lost = without - walls.fill.area_mm2();
+        assert!((lost - 2.0 * s * 30.0).abs() < 0.05, "{lost}");
+    }
+
+    #[test]
+    fn without_places_or_with_all_of_the_part_the_walls_close() {
+        assert_eq!(lay_graded(&plate(), &SETTINGS, &[]), lay_walls(&plate(), &SETTINGS));
+        let far = Region::rectangle(DVec2::splat(200.0), DVec2::splat(210.0));
+        assert_eq!(lay_graded(&plate(), &SETTINGS, &[far]), lay_walls(&plate(), &SETTINGS));
+        let all = lay_graded(&plate(), &SETTINGS, &[middle(50.0)]);
+        let three = lay_walls(&plate(), &WallSettings { n_walls: 3, ..SETTINGS });
+        assert_eq!((all.loops.len(), all.singles.len()), (3, 0));
+        assert!((all.fill.area_mm2() - three.fill.area_mm2()).abs() < 1e-3);
+    }
+}
