@@ -71,6 +71,36 @@ const JOBS: &[Job] = &[
     ("prusa-hop", PLATE, &["printer.profile=prusa-mk3s", "process.profile=strong", "printer.z_hop_mm=0.3"]),
     ("thumbnails", PLATE, &["printer.thumbnails_px=[[32, 32], [64, 48]]", "fill.density=0"]),
     ("mass", PLATE, &["fill.mass_g=18", "fill.pattern=aligned"]),
+    // More material where the stress is high.
+    (
+        "graded-stress",
+        "stress-lines/bending.toml",
+        &[
+            "fill.pattern=grid",
+            "process.layer_height_mm=0.4",
+            "fill.density={ min = 0.1, max = 1, by = \"stress\" }",
+        ],
+    ),
+    (
+        "graded-streamlines",
+        "stress-lines/bending.toml",
+        &[
+            "fill.pattern=streamlines",
+            "process.layer_height_mm=0.4",
+            "fill.density={ min = 0.15, max = 0.9, by = \"stress\" }",
+        ],
+    ),
+    (
+        "walls-by-stress",
+        "stress-lines/bending.toml",
+        &[
+            "fill.pattern=gyroid",
+            "fill.density=0.15",
+            "process.layer_height_mm=0.4",
+            "process.walls={ min = 2, max = 6, by = \"stress\" }",
+        ],
+    ),
+    ("spiral", PLATE, &["fill.pattern=concentric", "fill.spiral=true"]),
     // Shapes and their files.
     ("outline-svg", "comb.toml", &[]),
     ("outline-svg-single-beads", "comb.toml", &["process.walls=1", "process.min_bead_width_mm=0.3"]),

@@ -482,7 +482,7 @@ fn region(s: &Settings, region: &JobRegion) -> RegionSettings {
 /// above.
 const BASELINE_MIN_DENSITY: f64 = 0.15;
 
-/// Stands for a density that is not known yet: neither hollow nor dense.
+/// Stands for a density that is not known yet. Source: chosen; any number between hollow and dense gives the same run.
 const GRADED: f64 = 0.5;
 
 /// The strengths that a share of them taken by the stress is told for; `None` for a material without a card.
