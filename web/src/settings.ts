@@ -38,6 +38,8 @@ export function typed(row: Schema, text: string): string | null {
     // TOML wants a digit on both sides of the point.
     return word.replace(/^([+-]?)\./, "$10.").replace(/\.$/, ".0");
   }
+  // The planner tells what is wrong in a table.
+  if (types.includes("object") && /^\{.*\}$/.test(word)) return word;
   if (types.includes("boolean")) return ["true", "false"].includes(word) ? word : null;
   return types.includes("string") ? JSON.stringify(word) : null;
 }

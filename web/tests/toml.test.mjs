@@ -73,6 +73,8 @@ test("what is typed becomes TOML or is refused", () => {
   assert.deepEqual(["grid", "gird"].map((t) => typed({ type: "string", enum: ["grid"] }, t)), ['"grid"', null]);
   assert.equal(typed({ type: "array", items: { type: "number" } }, "[0, 90]"), "[0, 90]");
   assert.equal(typed({ type: "string" }, 'a "b"'), '"a \\"b\\""');
+  const table = '{ min = 0.1, max = 1, by = "stress" }';
+  assert.deepEqual([table, "{ min"].map((t) => typed({ type: ["number", "object"] }, t)), [table, null]);
   assert.equal(typed({ type: ["number", "string"] }, "none"), '"none"');
 });
 
