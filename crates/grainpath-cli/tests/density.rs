@@ -1,4 +1,4 @@
-//! Density that follows the stress of a job, or a file: as laid, for a mass, and what is refused.
+//! Density and walls that follow the stress of a job, or a file: as laid, for a mass, and what is refused.
 
 mod support;
 
@@ -39,7 +39,6 @@ fn a_bent_plate_gets_its_material_where_it_is_bent_most() {
     assert!(number("mean_error") < 0.03 && number("worst_error") < 0.1, "{graded}");
     assert!((number("laid") - number("asked")).abs() < 0.02, "{graded}");
     assert!(dir.join("pictures/density.png").is_file());
-    // Twice as much near the fixture as near the load.
     let uniform = run(&dir, &["fill.density=0.15"]);
     assert!(uniform["graded"].is_null());
     assert!(report["mass_g"].as_f64() > uniform["mass_g"].as_f64());
@@ -85,5 +84,35 @@ fn a_file_of_densities_is_laid_or_refused_in_one_line() {
         let out = grainpath(&dir, &words);
         let text = String::from_utf8_lossy(&out.stderr).into_owned();
         assert!(out.status.code() == Some(code) && text.contains(message), "{sets:?}: {text}");
+    }
+}
+
+#[test]
+fn walls_are_added_where_the_plate_is_bent_most() {
+    let dir = plate("walls by stress");
+    let told = |walls: &str| {
+        let report = run(&dir, &["fill.density=0.15", walls]);
+        let reserve = report["reserve"]["first_failure"][1].as_f64().unwrap_or_default();
+        (report["mass_g"].as_f64().unwrap_or_default(), reserve)
+    };
+    let [few, graded, many] = ["2", "{ min = 2, max = 6, by = \"stress\" }", "6"]
+        .map(|walls| told(&format!("process.walls={walls}")));
+    assert!(few.0 < graded.0 && graded.0 < many.0, "grams: {few:?} {graded:?} {many:?}");
+    // What a gram gains is more where the stress is high than all around.
+    let gain = |more: (f64, f64)| (more.1 - few.1) / (more.0 - few.0);
+    assert!(graded.1 > few.1 && gain(graded) > gain(many), "reserve: {few:?} {graded:?} {many:?}");
+    let walls = "process.walls={ min = 2, max = 6, by = \"stress\" }";
+    for (sets, message) in [
+        (vec!["guide.kind=none", "fill.density=0.2", walls], "process.walls by = \"stress\" needs a stress"),
+        (
+            vec!["process.walls={ min = 4, max = 2, by = \"stress\" }"],
+            "process.walls should be min up to max, is min = 4 above max = 2",
+        ),
+    ] {
+        let mut words = vec!["run", "job.toml"];
+        sets.iter().for_each(|set| words.extend(["--set", set]));
+        let out = grainpath(&dir, &words);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.code() == Some(2) && text.contains(message), "{sets:?}: {text}");
     }
 }
