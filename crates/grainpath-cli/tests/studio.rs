@@ -181,17 +181,19 @@ fn the_studio_gives_the_bytes_and_the_load_of_the_command_line() {
     assert_eq!(result["report"]["strength"]["curve"], theirs["strength"]["curve"]);
     // What broke lies in the bar, between its ends.
     let (_, bytes) = studio.ask("GET", &format!("/v1/jobs/{}/damage", state["id"]), "", &studio.token);
-    let cells: Vec<[f32; 4]> = bytes
-        .chunks(16)
-        .map(|c| [0, 4, 8, 12].map(|k| f32::from_le_bytes([c[k], c[k + 1], c[k + 2], c[k + 3]])))
-        .collect();
+    let number = |c: &[u8], k: usize| f32::from_le_bytes([c[k], c[k + 1], c[k + 2], c[k + 3]]);
+    let cells: Vec<[f32; 5]> =
+        bytes.chunks_exact(20).map(|c| [0, 4, 8, 12, 16].map(|k| number(c, k))).collect();
+    assert_eq!((bytes.len() % 20, object!(cells.len())), (0, result["damage"]["cells"].clone()));
+    let n_states = result["damage"]["states"].as_array().map_or(0, Vec::len) as f32;
     assert!(cells.len() > 5, "{}", cells.len());
-    for [x, y, z, lost] in cells {
+    for [x, y, z, lost, state] in cells {
         assert!(
             (100.0..140.0).contains(&x) && (50.0..58.1).contains(&y) && (0.0..1.0).contains(&z),
             "{x} {y} {z}"
         );
         assert!((0.3..=1.0).contains(&lost), "{lost}");
+        assert!((0.0..n_states).contains(&state), "{state} of {n_states}");
     }
 }
 
