@@ -381,7 +381,7 @@ mod tests {
             ("[proces]\nwalls = 2\n", "job.toml:1: unknown section [proces]; did you mean [process]?"),
             (
                 "[process]\nwalls = \"two\"\n",
-                "job.toml:2: process.walls should be a whole number from 0, is \"two\"",
+                "job.toml:2: process.walls should be a whole number from 0, or { min = 2, max = 6, by = \"stress\" }, is \"two\"",
             ),
             (
                 "[fill]\npattern = \"grit\"\n",

@@ -51,7 +51,7 @@ impl WallCount {
 }
 
 /// What a number of walls may be, for errors.
-const EXPECTED: &str = "a whole number, or { min = 2, max = 6, by = \"stress\" }";
+const EXPECTED: &str = "a whole number from 0, or { min = 2, max = 6, by = \"stress\" }";
 
 impl SettingValue for WallCount {
     const KIND: &'static str = "integer|object";
