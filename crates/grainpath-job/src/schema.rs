@@ -12,9 +12,9 @@ use super::value::{Check, Param, SettingValue};
 ///
 /// ```
 /// let schema = grainpath_job::json_schema();
-/// let walls = &schema["properties"]["process"]["properties"]["walls"];
-/// assert_eq!(walls["type"], "integer");
-/// assert_eq!(walls["default"], 2);
+/// let loops = &schema["properties"]["process"]["properties"]["skirt_loops"];
+/// assert_eq!(loops["type"], "integer");
+/// assert_eq!(loops["default"], 1);
 /// ```
 pub fn json_schema() -> Value {
     let mut sections = Map::new();

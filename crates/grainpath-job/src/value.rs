@@ -31,9 +31,9 @@ pub enum Check {
 /// use grainpath_job::{Check, Settings};
 ///
 /// let rows = Settings::params();
-/// let walls = rows.iter().find(|p| p.section == "process" && p.key == "walls").unwrap();
-/// assert_eq!((walls.kind, walls.default.as_str()), ("integer", "2"));
-/// assert_eq!(walls.check, Check::Range(0.0, 1000.0));
+/// let walls = rows.iter().find(|p| p.section == "support" && p.key == "walls").unwrap();
+/// assert_eq!((walls.kind, walls.default.as_str()), ("integer", "1"));
+/// assert_eq!(walls.check, Check::Range(1.0, 100.0));
 ///
 /// let seam = rows.iter().find(|p| p.key == "seam").unwrap();
 /// assert!(seam.words.iter().any(|w| w.name == "rear"));
