@@ -19,7 +19,7 @@ use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
-use grainpath_job::choices::{DensityBy, GuideKind};
+use grainpath_job::choices::GuideKind;
 use grainpath_job::regions::RegionPlace;
 use grainpath_job::{Settings, parse_job};
 
@@ -112,8 +112,8 @@ pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claim
     for (what, file) in photos.chain(images).chain(others).filter(|(_, f)| !f.is_empty()) {
         claims.read(what, &base.join(file));
     }
-    for graded in settings.fill.density.graded().into_iter().filter(|g| g.by == DensityBy::File) {
-        claims.read("of fill.density", &base.join(&graded.file));
+    if let Some((file, _)) = settings.fill.density.file() {
+        claims.read("of fill.density", &base.join(file));
     }
     for region in &settings.regions {
         if let RegionPlace::Mesh(file) = &region.on {
@@ -351,12 +351,9 @@ pub(crate) fn read_directions(settings: &Settings, base: &Path) -> Result<Option
 
 /// The file of `fill.density`.
 pub(crate) fn read_densities(settings: &Settings, base: &Path) -> Result<Option<DensitySamples>, Failure> {
-    let Some(graded) = settings.fill.density.graded().filter(|g| g.by == DensityBy::File) else {
-        return Ok(None);
-    };
-    let path = base.join(&graded.file).display().to_string();
-    let bytes = files::read(Path::new(&path))?;
-    let array = Some(graded.array.as_str()).filter(|a| !a.is_empty());
+    let Some((file, array)) = settings.fill.density.file() else { return Ok(None) };
+    let path = base.join(file);
+    let (bytes, path) = (files::read(&path)?, path.display().to_string());
     let read = parse_densities(&bytes, &path, array);
     Ok(Some(read.map_err(|source| grainpath::Error::Densities { path, source })?))
 }

@@ -116,13 +116,15 @@ fn check_lines(s: &Settings) -> Result<(), String> {
     Err(format!("fill.lines = {} {problem}", f.lines))
 }
 
+/// What settings that follow the stress lack without one.
+const NEEDS_STRESS: &str =
+    "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import";
+
 /// Checks what a number of walls by the stress needs.
 fn check_walls(s: &Settings) -> Result<(), String> {
     let problem = match s.process.walls {
         WallCount::Even(_) => return Ok(()),
-        WallCount::ByStress { .. } if s.guide.kind != GuideKind::Stress => {
-            "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import"
-        }
+        WallCount::ByStress { .. } if s.guide.kind != GuideKind::Stress => NEEDS_STRESS,
         WallCount::ByStress { .. } if !s.regions.is_empty() => {
             "as a table is not for jobs with [[region]]; give the regions numbers of walls of their own"
         }
@@ -143,9 +145,7 @@ fn check_graded(s: &Settings) -> Result<(), String> {
                 s.fill.pattern.name()
             ));
         }
-        (_, DensityBy::Stress) if s.guide.kind != GuideKind::Stress => {
-            "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import"
-        }
+        (_, DensityBy::Stress) if s.guide.kind != GuideKind::Stress => NEEDS_STRESS,
         (_, DensityBy::File) if !of_mesh => "by = \"file\" is for parts from meshes and outlines",
         _ if s.fill.lines > 1 => "as a table is not for fill.lines above 1",
         _ if s.fibre.enabled => "as a table is not for fibre.enabled = true",

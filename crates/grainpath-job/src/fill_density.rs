@@ -69,6 +69,12 @@ impl FillDensity {
         }
     }
 
+    /// The file that it follows, and the name of the array or column in it where one is named.
+    pub fn file(&self) -> Option<(&str, Option<&str>)> {
+        let graded = self.graded().filter(|g| g.by == DensityBy::File)?;
+        Some((&graded.file, Some(graded.array.as_str()).filter(|name| !name.is_empty())))
+    }
+
     /// Whether beads lie side by side everywhere.
     pub fn is_dense(&self) -> bool {
         self.even().is_some_and(Density::is_dense)

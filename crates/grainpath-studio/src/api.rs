@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::answers::{Problem, accepts_gzip, binary, fault, packed, refused};
-use crate::engine::{Finished, JobText};
+use crate::engine::{CaseValues, Finished, JobText, StressSurface};
 use crate::gate::check;
 use crate::openapi::{self, Route};
 use crate::refusal::{Refusal, plain};
@@ -612,18 +612,27 @@ async fn stressed(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap
     made(&headers, move || result.finished.stress.as_ref().map(surface::stressed).ok_or_else(none)).await
 }
 
-async fn case(
-    State(studio): Shared,
-    Path((id, number)): Path<(u64, usize)>,
-    headers: HeaderMap,
+/// What is told of a load case, as bytes.
+async fn case_bytes(
+    studio: &Studio,
+    (id, number): (u64, usize),
+    headers: &HeaderMap,
+    bytes: impl FnOnce(&StressSurface, &CaseValues) -> Vec<u8> + Send + 'static,
 ) -> Answer<Response> {
-    let result = done(&studio, id)?;
-    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
-    made(&headers, move || {
-        let found = result.finished.stress.as_ref().and_then(|s| s.cases.get(number));
-        found.map(surface::case).ok_or_else(none)
+    let result = done(studio, id)?;
+    made(headers, move || {
+        let stress = result.finished.stress.as_ref();
+        let found = stress.and_then(|stress| Some((stress, stress.cases.get(number)?)));
+        let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
+        found.map(|(stress, case)| bytes(stress, case)).ok_or_else(none)
     })
     .await
+}
+
+type CasePath = Path<(u64, usize)>;
+
+async fn case(State(studio): Shared, Path(of): CasePath, headers: HeaderMap) -> Answer<Response> {
+    case_bytes(&studio, of, &headers, |_, case| surface::case(case)).await
 }
 
 #[derive(Deserialize)]
@@ -642,33 +651,19 @@ enum Axis {
 
 async fn section_bytes(
     State(studio): Shared,
-    Path((id, number)): Path<(u64, usize)>,
+    Path(of): CasePath,
     query: Result<Query<Plane>, QueryRejection>,
     headers: HeaderMap,
 ) -> Answer<Response> {
     let Query(Plane { axis, at }) = query?;
-    let result = done(&studio, id)?;
-    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
-    made(&headers, move || {
-        let stress = result.finished.stress.as_ref().ok_or_else(none)?;
-        let case = stress.cases.get(number).ok_or_else(none)?;
-        Ok(surface::section(&section::cut(&stress.volume, &case.inside, axis as usize, at)))
-    })
-    .await
+    let cut = move |stress: &StressSurface, case: &CaseValues| {
+        surface::section(&section::cut(&stress.volume, &case.inside, axis as usize, at))
+    };
+    case_bytes(&studio, of, &headers, cut).await
 }
 
-async fn lines(
-    State(studio): Shared,
-    Path((id, number)): Path<(u64, usize)>,
-    headers: HeaderMap,
-) -> Answer<Response> {
-    let result = done(&studio, id)?;
-    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
-    made(&headers, move || {
-        let found = result.finished.stress.as_ref().and_then(|s| s.cases.get(number));
-        found.map(|case| surface::lines(&case.lines)).ok_or_else(none)
-    })
-    .await
+async fn lines(State(studio): Shared, Path(of): CasePath, headers: HeaderMap) -> Answer<Response> {
+    case_bytes(&studio, of, &headers, |_, case| surface::lines(&case.lines)).await
 }
 
 async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {

@@ -13,7 +13,7 @@ use grainpath_io::directions::{DensitySamples, DirectionSamples, parse_densities
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
-use grainpath_job::choices::{DensityBy, GuideKind};
+use grainpath_job::choices::GuideKind;
 use grainpath_job::parse_job;
 use grainpath_job::regions::RegionPlace;
 
@@ -162,13 +162,9 @@ impl Inputs {
     }
 
     fn densities(&self, settings: &Settings) -> Result<Option<DensitySamples>, String> {
-        let Some(graded) = settings.fill.density.graded().filter(|g| g.by == DensityBy::File) else {
-            return Ok(None);
-        };
-        let path = &graded.file;
-        let array = Some(graded.array.as_str()).filter(|a| !a.is_empty());
+        let Some((path, array)) = settings.fill.density.file() else { return Ok(None) };
         let read = parse_densities(self.file(path)?, path, array);
-        read.map(Some).map_err(|source| Error::Densities { path: path.clone(), source }.to_string())
+        read.map(Some).map_err(|source| Error::Densities { path: path.to_owned(), source }.to_string())
     }
 
     fn stress(&self, settings: &Settings) -> Result<Option<StressField>, String> {

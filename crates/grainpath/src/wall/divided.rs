@@ -70,15 +70,16 @@ pub fn lay_divided(
         let n_walls = share.n_walls;
         laid.entry(n_walls).or_insert_with(|| lay_walls(polygon, &WallSettings { n_walls, ..*settings }));
     }
-    let mut walls = cut_walls(&shares, &laid, settings);
+    let numbers: Vec<(usize, &Region)> = shares.iter().map(|(share, zone)| (share.n_walls, zone)).collect();
+    let mut walls = cut_walls(&numbers, &laid, settings);
     let mut fills = areas(&shares, &laid, settings);
     walls.fill = fills.pop().unwrap_or_default();
     DividedWalls { rest: walls, regions: fills }
 }
 
-/// The walls and single beads of all zones.
+/// The walls and single beads of all zones, each with its number of walls.
 pub(super) fn cut_walls(
-    shares: &[(Share<'_>, Region)],
+    zones: &[(usize, &Region)],
     laid: &BTreeMap<usize, Walls>,
     settings: &WallSettings,
 ) -> Walls {
@@ -93,7 +94,7 @@ pub(super) fn cut_walls(
         return walls;
     }
     let zone = |has: &dyn Fn(usize) -> bool| {
-        let mine = shares.iter().filter(|(share, _)| has(share.n_walls));
+        let mine = zones.iter().filter(|(n_walls, _)| has(*n_walls));
         mine.fold(Region::default(), |zone, (_, own)| zone.union(own))
     };
     let s = bead_spacing_mm(settings.bead_width_mm, settings.height_mm);

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::{Polygon, Region};
 
-use super::divided::{Share, cut_walls};
+use super::divided::cut_walls;
 use super::{MIN_GAP_MM2, WallSettings, Walls, lay_walls};
 
 /// Lays the walls of a polygon: those of the settings everywhere, and one more in each of the areas `more`, each of which
@@ -35,22 +35,16 @@ pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -
         return lay(least);
     }
     let laid: BTreeMap<usize, Walls> = (least..=least + zones.len()).map(|n| (n, lay(n))).collect();
-    // Where each number of walls is the right one.
-    let outer = || std::iter::once(&section).chain(&zones);
-    let own: Vec<Region> = outer()
-        .enumerate()
-        .map(|(k, zone)| zones.get(k).map_or_else(|| zone.clone(), |inner| zone.difference(inner)))
-        .collect();
-    let shares: Vec<(Share<'_>, Region)> = own
-        .iter()
-        .enumerate()
-        .map(|(k, zone)| (Share { area: zone, n_walls: least + k, inset_mm: 0.0 }, zone.clone()))
-        .collect();
-    let mut walls = cut_walls(&shares, &laid, settings);
-    let area = |n: usize| laid.get(&n).map(|w| w.fill.clone()).unwrap_or_default();
-    let fill = zones.iter().enumerate().fold(area(least), |fill, (k, zone)| {
-        let strip = area(least + k).difference(&area(least + k + 1));
-        fill.difference(&strip.intersection(zone))
+    // Each zone without the next one: where its number of walls is the right one.
+    let outer = std::iter::once(&section).chain(&zones);
+    let own =
+        |(k, zone): (usize, &Region)| zones.get(k).map_or_else(|| zone.clone(), |next| zone.difference(next));
+    let own: Vec<Region> = outer.enumerate().map(own).collect();
+    let numbers: Vec<(usize, &Region)> = (least..).zip(&own).collect();
+    let mut walls = cut_walls(&numbers, &laid, settings);
+    let areas: Vec<&Region> = laid.values().map(|walls| &walls.fill).collect();
+    let fill = areas.windows(2).zip(&zones).fold(areas[0].clone(), |fill, (area, zone)| {
+        fill.difference(&area[0].difference(area[1]).intersection(zone))
     });
     walls.fill =
         Region { polygons: fill.polygons.into_iter().filter(|p| p.area_mm2() > MIN_GAP_MM2).collect() };
