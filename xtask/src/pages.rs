@@ -53,10 +53,13 @@ pub fn check() -> Result<(), String> {
     Err(wrong.join("\n       "))
 }
 
-/// Notes the date, the commit, the number of checks and the minutes of a complete nightly run.
-pub fn note_nightly(commit: &str, checks: usize, minutes: u64) -> Result<(), String> {
+/// Notes the date, the commit, the number of checks that passed, the minutes and the checks that failed of a complete
+/// nightly run.
+pub fn note_nightly(commit: &str, passed: usize, failed: &[&str], minutes: u64) -> Result<(), String> {
     let date = crate::output(Command::new("date").args(["-u", "+%F"]))?;
-    let row = format!("| {} | {commit} | {checks} | {minutes} |\n", date.trim());
+    let all = passed + failed.len();
+    let failed = if failed.is_empty() { "none".to_owned() } else { failed.join("; ") };
+    let row = format!("| {} | {commit} | {passed} of {all} | {minutes} | {failed} |\n", date.trim());
     let page = read(NIGHTLY)?;
     fs::write(crate::root().join(NIGHTLY), page + &row).map_err(|e| format!("{NIGHTLY}: {e}"))
 }

@@ -377,11 +377,11 @@ fn kills(program: &Path, folder: &Path) -> Result<Vec<String>, String> {
     Ok(wrong)
 }
 
-/// Writes onto a file system of 64 KiB, which is too small for the output; `None` where none can be mounted.
+/// Writes onto a file system of 4 KiB, one page, which is too small for any output; `None` where none can be mounted.
 fn full_disk(program: &Path, folder: &Path) -> Result<Option<Vec<String>>, String> {
     make(folder)?;
     let mounted = Command::new("mount")
-        .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
+        .args(["-t", "tmpfs", "-o", "size=4k", "tmpfs"])
         .arg(folder)
         .stderr(Stdio::null())
         .status()
