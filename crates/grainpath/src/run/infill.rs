@@ -272,7 +272,7 @@ impl Steps<'_> {
                 (Some(grain), None) => self.along_grain(grain, context, region, out),
                 (None, None) => asked.pattern.fill(context, region, out),
             }
-            // Of a graded density rings lie at other distances from place to place.
+            // Rings are joined at one distance; those of a graded density lie at many.
             if self.settings.infill.spiral && asked.graded.is_none() {
                 let mut rings = out.split_off(first);
                 join_rings(&mut rings, context.spacing_mm() / context.density.fraction());

@@ -149,8 +149,8 @@ impl Slopes {
         Self { settings, step_mm, steepest }
     }
 
-    /// The height of the layer that begins at `bottom_mm` above one of `before_mm`: as thick as the
-    /// slopes in it allow, in steps of 0.01 mm, and at most half as much again as the layer before.
+    /// The thickness of the layer that begins at `bottom_mm`, where the layer before is `before_mm` thick: as thick
+    /// as the slopes in it allow, in steps of 0.01 mm, and at most 1.5 times the layer before.
     fn height_at(&self, bottom_mm: f64, before_mm: f64) -> f64 {
         let s = &self.settings;
         // From layer to layer the height grows by at most half. The bound is on growth alone: a
