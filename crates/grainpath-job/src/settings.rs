@@ -350,6 +350,7 @@ sections! {
         base_height_mm: f64 = 1.0, "mm", Range(0.0, 100.0), "Height over which a trunk widens to its foot.";
         z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Vertical gap between support and part, rounded up to whole layers. A larger gap makes support easier to remove and the surface rougher.";
         xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Horizontal gap between branches and the part's walls.";
+        interface_lines: bool = true, "", Any, "Lay single interface beads from contact to contact below flat and nearly flat overhangs, so that beads of the part run over air for at most max_unsupported_mm. Contacts there stand 0.6 max_unsupported_mm apart.";
         interface_layers: usize = 0, "", Range(0.0, 100.0), "Number of dense layers below each contact. They make the surface smoother and the support harder to remove.";
         interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of the dense layers below a contact.";
         load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "Load of one contact on its branch, safety factor included. Branches are thick enough not to buckle under it (Euler).";

@@ -7,7 +7,7 @@ use tiny_skia::{Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Tr
 
 use crate::layer::encode_png;
 use grainpath::support::Support;
-use grainpath::support::overhang::Reason;
+use grainpath::support::contact::Reason;
 use grainpath::support::tree::Kind;
 
 /// A picture of a step.

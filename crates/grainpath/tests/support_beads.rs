@@ -75,7 +75,31 @@ fn on_air_mm(layers: &[LayerPlan]) -> (f64, f64) {
     (air_mm, all_mm)
 }
 
+/// The longest stretch of a bead of the part that lies further than 0.75 of its width from every bead within 0.65 mm
+/// below, mm.
+fn longest_free_mm(layers: &[LayerPlan]) -> f64 {
+    let mut longest_mm: f64 = 0.0;
+    for k in 1..layers.len() {
+        let near = |l: &&LayerPlan| l.z_top_mm > layers[k].z_top_mm - 0.65;
+        let below = Points::new(layers[..k].iter().filter(near), |role| is_support(role) || role.is_part());
+        for path in layers[k].paths.iter().map(|p| &p.path).filter(|p| p.role.is_part()) {
+            let mut run_mm = 0.0;
+            for i in 0..path.n_segments() {
+                let (a, b, w) = path.segment(i);
+                let n = (a.distance(b) / 0.1).ceil().max(1.0) as usize;
+                for j in 0..n {
+                    let held = below.near(a.lerp(b, (j as f64 + 0.5) / n as f64), 0.75 * w);
+                    run_mm = if held { 0.0 } else { run_mm + a.distance(b) / n as f64 };
+                    longest_mm = longest_mm.max(run_mm);
+                }
+            }
+        }
+    }
+    longest_mm
+}
+
 struct Outcome {
+    free_mm: f64,
     air_mm: f64,
     support_mm: f64,
     floating: usize,
@@ -104,6 +128,7 @@ fn printed(mesh: &TriMesh, sets: &[&str]) -> Outcome {
     let (air_mm, support_mm) = on_air_mm(&planned.plan.layers);
     let support = planned.support.expect("trees");
     Outcome {
+        free_mm: longest_free_mm(&planned.plan.layers),
         air_mm,
         support_mm,
         floating: support.cut.floating,
@@ -215,6 +240,27 @@ fn beads_below_random_parts_lie_on_beads() {
         assert_eq!(o.floating, 0, "seed {seed}");
         assert!(o.air_mm < 0.05, "seed {seed}: {} of {} mm on air", o.air_mm, o.support_mm);
     }
+}
+
+#[test]
+fn no_bead_of_a_flat_overhang_runs_further_than_asked_over_air() {
+    let table = table();
+    let turned = |deg: f64| {
+        let (c, s) = (cos(deg.to_radians()), sin(deg.to_radians()));
+        let mut mesh = table.clone();
+        mesh.vertices.iter_mut().for_each(|p| *p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z));
+        mesh
+    };
+    for deg in [0.0, 15.0, 45.0] {
+        let o = printed(&turned(deg), QUICK);
+        assert!(o.free_mm > 3.0 && o.free_mm <= 10.0, "{deg} degrees: {} mm", o.free_mm);
+        assert!(o.air_mm < 0.05 && o.floating == 0, "{deg} degrees: {} mm of support on air", o.air_mm);
+    }
+    let o = printed(&table, &[QUICK, &["support.max_unsupported_mm=6"]].concat());
+    assert!(o.free_mm <= 6.0, "{} mm", o.free_mm);
+    // Contacts alone leave the skin between two rows of them on air.
+    let o = printed(&table, &[QUICK, &["support.interface_lines=false"]].concat());
+    assert!(o.free_mm > 20.0, "{} mm", o.free_mm);
 }
 
 #[test]

@@ -251,7 +251,7 @@ fn what_is_painted_overrides_angles_and_boxes() {
         support.overhangs
     };
     let found = held(PaintedSupports { enforcers: patch([5.0, 5.0], 12.0), ..PaintedSupports::default() });
-    assert!(found.contacts.len() > 2);
+    assert!(found.contacts.len() > 1);
     let inside = |p: DVec3| p.x > 4.99 && p.y > 4.99 && p.x + p.y < 22.01;
     assert!(found.samples.iter().all(|s| inside(s.at)), "{:?}", found.samples);
     // A painted patch smaller than the spacing of samples is not missed.

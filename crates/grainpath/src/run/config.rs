@@ -275,6 +275,7 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         base_height_mm: u.base_height_mm,
         z_gap_mm: u.z_gap_mm,
         xy_gap_mm: u.xy_gap_mm,
+        interface_lines: u.interface_lines,
         interface_layers: u.interface_layers,
         interface_radius_mm: u.interface_radius_mm,
         load_per_contact_n: u.load_per_contact_n,

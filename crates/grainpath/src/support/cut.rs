@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::SupportSettings;
 use super::clearance::Clearance;
-use super::overhang::Contact;
+use super::contact::Contact;
 use super::tree::{Forest, Kind};
 use crate::order::Island;
 
@@ -273,7 +273,7 @@ fn square(at: DVec2, half_mm: f64) -> Contour {
 }
 
 /// Takes away, from the plate upwards, every piece that stands neither on the plate, nor on support, nor on the part.
-fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &SupportSettings) {
+pub(super) fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &SupportSettings) {
     let rests = |k: usize| -> Vec<(bool, Vec<u32>)> {
         let region = &out.layers[k].region;
         let below = &out.layers[k - 1].region;

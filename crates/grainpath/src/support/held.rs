@@ -17,11 +17,11 @@
 //! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever its sections are;
 //! sparse fill inside branches (`support.density` above 0) bridges from wall to wall and is not asked.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use grainpath_core::buckets::PointGrid2;
-use grainpath_core::math::direction;
-use grainpath_core::poly::{LineClipper, simplify_contour, simplify_line};
+use grainpath_core::math::{direction, tan};
+use grainpath_core::poly::{FillRule, LineClipper, simplify_contour, simplify_line};
 use grainpath_core::segment;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, Density, LayerStack, Region, Role, Toolpath};
@@ -29,8 +29,9 @@ use rayon::prelude::*;
 
 use super::SupportSettings;
 use super::beads::{self, BeadSettings};
-use super::cut::{Heights, Layers, SupportLayer, TOUCH_MM, within};
-use super::overhang::Contact;
+use super::cut::{self, Heights, Layers, SupportLayer, TOUCH_MM, within};
+use super::interface::{self, END_MM, WALK};
+use super::overhang::Overhangs;
 use super::tree::{Forest, Kind};
 use crate::order::Island;
 
@@ -44,11 +45,16 @@ pub const REACH: f64 = 0.86;
 ///
 /// Source: at 0.89 that check finds beads on air, for its points lie up to 0.3 mm apart.
 const LEAVE: f64 = 0.87;
-/// How far a bead is moved towards its neighbours from the one it is to hold, in widths: less than [`REACH`], for
-/// corners of the line are cut by [`SMOOTH_MM`] and moved points spread.
+/// An added bead comes this near to its neighbour, in widths: the wall of an upright trunk then holds it from the layer
+/// below, and no further bead is added under it.
 ///
-/// Source: [`REACH`] less the 0.05 mm by which points a step apart may part on their way, in beads 0.45 mm wide.
-const WALK: f64 = 0.75;
+/// Source: [`REACH`] less the 0.01 mm of [`SMOOTH_MM`]; the two beads overlap by a fifteenth of a width at 0.2 mm.
+const CLOSE: f64 = 0.84;
+/// It comes nearer to a branch that leans away from it, but at least this far from its bead, in widths: two beads half over
+/// each other, once, where a bead beside the branch would be needed in every layer down to the plate.
+///
+/// Source: [`CLOSE`] less the lean of a branch at 40 degrees in a layer of 0.2 mm (0.37 of a bead 0.45 mm wide).
+const CLOSEST: f64 = 0.45;
 /// Beads are looked at every so many millimetres.
 ///
 /// Source: at [`REACH`] of a bead 0.45 mm wide the error of a distance is then 0.003 mm (Pythagoras with half a step).
@@ -76,10 +82,11 @@ const PART_REACH: f64 = REACH - 0.5;
 pub fn stand(
     out: &mut Layers,
     forest: &Forest,
-    contacts: &[Contact],
+    overhangs: &Overhangs,
     stack: &LayerStack,
     settings: &SupportSettings,
 ) {
+    let contacts = &overhangs.contacts;
     let heights = &Heights::new(stack);
     let lay = |k: usize, layer: &SupportLayer| lay(layer, k, stack, &settings.beads);
     let islands: Vec<Vec<Island>> =
@@ -88,9 +95,30 @@ pub fn stand(
         layer.islands = Some(islands);
     }
     let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let interface = interface::lay(&overhangs.lines, heights, out.layers.len(), settings);
+    for (k, beads) in interface.into_iter().enumerate().rev().filter(|(_, beads)| !beads.is_empty()) {
+        add_interface(&mut out.layers[k], k, beads, &mut part);
+        part.forget_above(k);
+    }
+    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let mut arches = BTreeSet::new();
+    // The beads of each layer before any are added, found once: what is below one layer's beads is beside the next one's.
+    let mut before = out.layers.iter().rev().nth(1).and_then(|layer| Beads::new(layer.islands()));
     for k in (1..out.layers.len()).rev() {
         let (low, high) = out.layers.split_at_mut(k);
-        hold(&high[0], &mut low[k - 1], k, &mut part, settings, heights);
+        let Some((lower, deeper)) = low.split_last_mut() else { break };
+        let deeper = deeper.last().and_then(|layer| Beads::new(layer.islands()));
+        arches = hold(
+            &high[0],
+            lower,
+            [before.as_ref(), deeper.as_ref()],
+            &arches,
+            k,
+            &mut part,
+            settings,
+            heights,
+        );
+        before = deeper;
         part.forget_above(k);
     }
     let mut part = Part::new(stack, heights, settings.z_gap_mm);
@@ -101,6 +129,8 @@ pub fn stand(
         part.forget_below(k);
     }
     out.left_out_mm = left_out_mm;
+    // The pieces of the solid below which beads were left out or added are asked anew.
+    cut::settle(out, stack, heights, settings);
     // A tip is about a bead wide, so its bead lies within a bead of the contact.
     let reach_mm = settings.contact_radius_mm + settings.beads.bead_width_mm;
     let bare = |&i: &u32| {
@@ -149,7 +179,8 @@ pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSet
         let below = Beads::new(layers[k - 1].islands());
         let air_mm = paths(layers[k].islands()).map(|path| {
             let samples = samples(path);
-            let free = samples.iter().filter(|s| !held(s, &below, &mut part, k, LEAVE + 1e-6)).count();
+            let free =
+                samples.iter().filter(|s| !held(s, below.as_ref(), &mut part, k, LEAVE + 1e-6)).count();
             free as f64 / samples.len().max(1) as f64 * path.length_mm()
         });
         air_mm.filter(|&mm| mm > 0.0).fold((0, 0.0), |(n, sum), mm| (n + 1, sum + mm))
@@ -201,13 +232,27 @@ impl Beads {
         let bounds = Bounds2::around_points(points())?.grown(1.0);
         let mut beads = Self(PointGrid2::new(bounds, 1.0));
         for (i, island) in islands.iter().enumerate() {
-            paths(std::slice::from_ref(island)).for_each(|path| beads.add(path, i as u32));
+            for path in paths(std::slice::from_ref(island)) {
+                beads.add(path, i as u32, is_line(path));
+            }
         }
         Some(beads)
     }
 
-    fn add(&mut self, path: &Toolpath, island: u32) {
-        samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
+    /// Adds the points of a bead; `trimmed` without the ends that hold nothing beyond them.
+    fn add(&mut self, path: &Toolpath, island: u32, trimmed: bool) {
+        if !trimmed {
+            samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
+            return;
+        }
+        let end_mm = END_MM.min(0.25 * path.length_mm());
+        let ends = [path.segment(0), path.segment(path.n_segments() - 1)];
+        let [first, last] = ends.map(|(a, b, _)| (a, b));
+        for (end, inwards) in [(first.0, first.1 - first.0), (last.1, last.0 - last.1)] {
+            self.0.insert(end + inwards.normalize_or_zero() * end_mm, island);
+        }
+        let carries = |s: &Sample| [first.0, last.1].iter().all(|end| end.distance(s.at) >= end_mm);
+        samples(path).into_iter().filter(carries).for_each(|s| self.0.insert(s.at, island));
     }
 
     /// The nearest bead: where, how far, in which island.
@@ -266,9 +311,9 @@ impl<'a> Part<'a> {
     }
 }
 
-fn held(s: &Sample, below: &Option<Beads>, part: &mut Part<'_>, k: usize, reach: f64) -> bool {
+fn held(s: &Sample, below: Option<&Beads>, part: &mut Part<'_>, k: usize, reach: f64) -> bool {
     let on_bead = |b: &Beads| b.0.within(s.at, reach * s.width_mm).next().is_some();
-    below.as_ref().is_some_and(on_bead) || part.holds(k, s.at, (PART_REACH + reach - REACH) * s.width_mm)
+    below.is_some_and(on_bead) || part.holds(k, s.at, (PART_REACH + reach - REACH) * s.width_mm)
 }
 
 /// The stretches of a path whose samples are `wanted`; whether one is the whole closed path.
@@ -292,39 +337,96 @@ fn stretches(samples: &[Sample], closed: bool, wanted: &[bool]) -> Vec<(Vec<Samp
     out
 }
 
-/// Adds beads to the layer below `upper` until it is held.
+/// The union of many regions at once.
+fn all_of(regions: &[Region]) -> Region {
+    let contours = regions.iter().flat_map(|r| &r.polygons).flat_map(|p| p.contours());
+    Region::from_contours(contours, FillRule::NonZero)
+}
+
+/// Adds interface beads to a layer wherever the part leaves room for them.
+fn add_interface(layer: &mut SupportLayer, k: usize, beads: Vec<Toolpath>, part: &mut Part<'_>) {
+    let Some(islands) = &mut layer.islands else { return };
+    let mut around = Vec::new();
+    for bead in beads {
+        let samples = samples(&bead);
+        let room: Vec<bool> = samples.iter().map(|s| part.leaves_room(k, s.at, s.width_mm)).collect();
+        if !room.contains(&true) {
+            continue;
+        }
+        for (stretch, _) in stretches(&samples, false, &room) {
+            let points: Vec<DVec2> = stretch.iter().map(|s| s.at).collect();
+            let points = simplify_line(&points, 0.1 * SMOOTH_MM);
+            if points.len() < 2 {
+                continue;
+            }
+            let path = Toolpath { points, ..bead.clone() };
+            if path.length_mm() >= SHORT_MM {
+                around.push(Region::around_line(&path.points, false, 0.5 * samples[0].width_mm));
+                islands.push(Island { fills: vec![path], ..Island::default() });
+            }
+        }
+    }
+    let around = all_of(&around);
+    layer.region = layer.region.union(&around);
+    layer.interface = layer.interface.union(&around);
+}
+
+/// Whether a bead is an interface line, and no wall or fill of a pad.
+fn is_line(path: &Toolpath) -> bool {
+    !path.closed && path.role == Role::SupportInterface
+}
+
+/// Names of the beads of a layer that carry interface lines: their first points, bit by bit.
+type Arches = BTreeSet<[u64; 2]>;
+
+fn name(path: &Toolpath) -> [u64; 2] {
+    path.points.first().map_or([0; 2], |p| p.to_array().map(f64::to_bits))
+}
+
+/// Adds beads to the layer below `upper` until it is held; the names of those that carry interface lines. The two sides of
+/// an arch walk to what was there `before`: towards each other they would only grow. `deeper` are the beads below `lower`.
 fn hold(
     upper: &SupportLayer,
     lower: &mut SupportLayer,
+    [before, deeper]: [Option<&Beads>; 2],
+    arches: &Arches,
     k: usize,
     part: &mut Part<'_>,
     settings: &SupportSettings,
     heights: &Heights,
-) {
-    let mut below = Beads::new(lower.islands());
-    if below.is_none() {
-        return;
-    }
-    let w = settings.beads.bead_width_mm;
-    let added = Added {
-        width_mm: w,
-        spacing_mm: bead_spacing_mm(w, heights.height_mm(k - 1)),
-        far_mm: settings.base_radius_mm + FAR_MM,
+) -> Arches {
+    let mut next = Arches::new();
+    let (Some(before), Some(mut below)) = (before, Beads::new(lower.islands())) else {
+        return next;
     };
+    let w = settings.beads.bead_width_mm;
+    let height_mm = heights.height_mm(k - 1);
+    let spacing_mm = bead_spacing_mm(w, height_mm);
+    let close_mm = spacing_mm.min(CLOSE * w);
+    let lean_mm = height_mm * tan(settings.branch_angle_rad);
+    let far_mm = settings.base_radius_mm + FAR_MM;
+    let usual = Added { width_mm: w, close_mm: [spacing_mm; 2], end_mm: 0.0, far_mm, deeper };
+    let leaning_mm = (close_mm - lean_mm).max(CLOSEST * w);
+    let below_lines = Added { close_mm: [close_mm, leaning_mm], end_mm: END_MM, ..usual };
+    let mut around = Vec::new();
     for path in paths(upper.islands()) {
         let samples = samples(path);
-        let free: Vec<bool> = samples.iter().map(|s| !held(s, &below, part, k, REACH)).collect();
+        let free: Vec<bool> = samples.iter().map(|s| !held(s, Some(&below), part, k, REACH)).collect();
         if !free.contains(&true) {
             continue;
         }
+        let is_arch = is_line(path) || arches.contains(&name(path));
+        let added = if is_arch { &below_lines } else { &usual };
         for (stretch, closed) in stretches(&samples, path.closed, &free) {
-            let Some(beads) = &mut below else { return };
-            for (points, closed, island) in carriers(&stretch, closed, k, beads, part, &added) {
+            let neighbours = if is_arch { before } else { &below };
+            for (points, closed, island) in carriers(&stretch, closed, k, neighbours, part, added) {
                 let path = Toolpath::new(points, w, Role::Support, closed);
-                beads.add(&path, island);
+                if is_arch {
+                    next.insert(name(&path));
+                }
+                below.add(&path, island, is_arch && !closed);
                 if path.points.iter().any(|&p| !lower.region.contains(p)) {
-                    let around = Region::around_line(&path.points, closed, 0.5 * w);
-                    lower.region = lower.region.union(&around);
+                    around.push(Region::around_line(&path.points, closed, 0.5 * w));
                 }
                 if let Some(islands) = &mut lower.islands {
                     islands[island as usize].fills.push(path);
@@ -332,15 +434,38 @@ fn hold(
             }
         }
     }
+    if !around.is_empty() {
+        lower.region = lower.region.union(&all_of(&around));
+    }
+    next
 }
 
 /// How beads are added.
-struct Added {
+#[derive(Clone, Copy)]
+struct Added<'a> {
     width_mm: f64,
-    /// Distance of the centrelines of beads that touch.
-    spacing_mm: f64,
+    /// Least distance of an added bead's centreline from the nearest bead of its layer: beside an upright branch, and
+    /// beside one that leans away from it.
+    close_mm: [f64; 2],
+    /// How far its ends go on beyond what they are to hold.
+    end_mm: f64,
     /// Largest distance of an added bead from the nearest bead of its layer, mm.
     far_mm: f64,
+    /// The beads of the layer below that of the added ones.
+    deeper: Option<&'a Beads>,
+}
+
+impl Added<'_> {
+    /// How far a bead at `p` walks towards its neighbour `far_mm` away. Beside a branch that leans away it comes
+    /// nearer, if a bead of the next layer then holds it: else it would follow the branch down to the plate.
+    fn walk_mm(&self, p: DVec2, towards: DVec2, far_mm: f64, width_mm: f64) -> f64 {
+        let [upright, leaning] = self.close_mm.map(|close| (WALK * width_mm).min(far_mm - close).max(0.0));
+        let held = |walk_mm: f64| {
+            let at = p + towards * walk_mm;
+            self.deeper.is_some_and(|beads| beads.0.within(at, REACH * self.width_mm).next().is_some())
+        };
+        if !held(upright) && held(leaning) { leaning } else { upright }
+    }
 }
 
 /// Lines in layer `k - 1` that hold a stretch of a bead in layer `k`, whether each is closed, and the island it
@@ -351,24 +476,24 @@ fn carriers(
     k: usize,
     beads: &Beads,
     part: &mut Part<'_>,
-    added: &Added,
+    added: &Added<'_>,
 ) -> Vec<(Vec<DVec2>, bool, u32)> {
     let w = added.width_mm;
-    let mut lines: Vec<(Vec<DVec2>, u32)> = Vec::new();
+    let mut lines: Vec<(Vec<DVec2>, u32, DVec2)> = Vec::new();
     let mut broken = true;
     for s in stretch {
         let found = beads.nearest(s.at).filter(|n| n.1 < added.far_mm).and_then(|(q, far_mm, island)| {
             let towards = (q - s.at).normalize_or_zero();
-            let walk_mm = (WALK * s.width_mm).min(far_mm - added.spacing_mm).max(0.0);
+            let walk_mm = added.walk_mm(s.at, towards, far_mm, s.width_mm);
             let tries = [1.0, 0.5, 0.0].map(|share| s.at + towards * share * walk_mm);
             let around = (0..8).map(|i| {
                 let way = direction(f64::from(i) * std::f64::consts::FRAC_PI_4);
                 s.at + way * WALK * s.width_mm
             });
             let mut places = tries.into_iter().chain(around);
-            places.find(|&p| part.leaves_room(k - 1, p, w)).map(|p| (p, island))
+            places.find(|&p| part.leaves_room(k - 1, p, w)).map(|p| (p, island, towards))
         });
-        let Some((p, island)) = found else {
+        let Some((p, island, towards)) = found else {
             broken = true;
             continue;
         };
@@ -379,13 +504,13 @@ fn carriers(
                 && (1..steps).all(|i| part.leaves_room(k - 1, l.lerp(p, i as f64 / steps as f64), w))
         };
         match lines.last_mut() {
-            Some((line, _)) if !broken && line.last().is_some_and(|&l| joins(l)) => line.push(p),
-            _ => lines.push((vec![p], island)),
+            Some((line, ..)) if !broken && line.last().is_some_and(|&l| joins(l)) => line.push(p),
+            _ => lines.push((vec![p], island, towards)),
         }
         broken = false;
     }
     let whole = closed && lines.len() == 1 && lines[0].0.len() == stretch.len();
-    let finish = |(mut line, island): (Vec<DVec2>, u32)| {
+    let finish = |(mut line, island, towards): (Vec<DVec2>, u32, DVec2)| {
         let ends_meet = line[0].distance(line[line.len() - 1]) < w;
         let closed = whole && ends_meet && line.len() > 3;
         if closed {
@@ -393,7 +518,8 @@ fn carriers(
         } else {
             // A line that cannot be lengthened would not stick.
             let mut has_room = |p: DVec2| part.leaves_room(k - 1, p, w);
-            line = lengthened(simplify_line(&line, SMOOTH_MM), &mut has_room)?;
+            line = with_longer_ends(simplify_line(&line, SMOOTH_MM), added.end_mm, &mut has_room);
+            line = lengthened(line, towards, &mut has_room)?;
         }
         let enough = if closed { line.len() >= 3 } else { line.len() >= 2 };
         enough.then_some((line, closed, island))
@@ -401,15 +527,40 @@ fn carriers(
     lines.into_iter().filter_map(finish).collect()
 }
 
+/// A line with both ends moved outwards by what an end does not hold, where there is room.
+fn with_longer_ends(
+    mut line: Vec<DVec2>,
+    end_mm: f64,
+    has_room: &mut dyn FnMut(DVec2) -> bool,
+) -> Vec<DVec2> {
+    if end_mm == 0.0 {
+        return line;
+    }
+    for _ in 0..2 {
+        if let [.., before, last] = line[..] {
+            let further = last + (last - before).normalize_or_zero() * end_mm;
+            if has_room(further) {
+                line.push(further);
+            }
+        }
+        line.reverse();
+    }
+    line
+}
+
 /// A line made as long as the shortest bead, about its middle or to one side where the part leaves no room for that;
-/// `None` where there is no room at all.
-fn lengthened(line: Vec<DVec2>, has_room: &mut dyn FnMut(DVec2) -> bool) -> Option<Vec<DVec2>> {
+/// `None` where there is no room at all. A single point becomes a line in the direction `towards` its neighbour.
+fn lengthened(
+    line: Vec<DVec2>,
+    towards: DVec2,
+    has_room: &mut dyn FnMut(DVec2) -> bool,
+) -> Option<Vec<DVec2>> {
     let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
     let (&first, &last) = (line.first()?, line.last()?);
     if length >= SHORT_MM {
         return Some(line);
     }
-    let along = (last - first).normalize_or(DVec2::X);
+    let along = (last - first).normalize_or(towards);
     let middle = 0.5 * (first + last);
     let ends = [0.5, 0.25, 0.75]
         .map(|share| [middle - along * share * SHORT_MM, middle + along * (1.0 - share) * SHORT_MM]);
@@ -425,7 +576,7 @@ fn leave_out(upper: &mut SupportLayer, lower: &SupportLayer, k: usize, part: &mu
         let mut open: Vec<Toolpath> = Vec::new();
         let mut keep = |path: &Toolpath| -> bool {
             let samples = samples(path);
-            let on: Vec<bool> = samples.iter().map(|s| held(s, &below, part, k, LEAVE)).collect();
+            let on: Vec<bool> = samples.iter().map(|s| held(s, below.as_ref(), part, k, LEAVE)).collect();
             if !on.contains(&false) {
                 return true;
             }

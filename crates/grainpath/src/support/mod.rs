@@ -1,13 +1,16 @@
 //! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
-//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]), what holds
-//! each of those up ([`held`]) and the same as one closed surface ([`solid`], [`poisson`]).
+//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]), interface below
+//! flat overhangs ([`interface`]), what holds each of those up ([`held`]) and the same as one closed surface ([`solid`],
+//! [`poisson`]).
 
 pub mod bending;
 pub mod baseline;
 pub mod beads;
 pub mod clearance;
+pub mod contact;
 pub mod cut;
 pub mod held;
+pub mod interface;
 pub mod overhang;
 pub mod poisson;
 pub mod solid;
@@ -22,8 +25,9 @@ use grainpath_job::choices::SupportSurface;
 use beads::BeadSettings;
 use bending::Bending;
 use clearance::Clearance;
+use contact::Contact;
 use cut::{Layers, SupportLayer};
-use overhang::{Contact, MidAir, Overhangs};
+use overhang::{MidAir, Overhangs};
 use tree::Forest;
 
 /// A box, lowest and highest corner, mm.
@@ -71,6 +75,8 @@ pub struct SupportSettings {
     pub z_gap_mm: f64,
     /// Free distance in plan between branches and part.
     pub xy_gap_mm: f64,
+    /// Whether interface beads run from contact to contact below flat overhangs.
+    pub interface_lines: bool,
     /// Dense layers below a contact.
     pub interface_layers: usize,
     /// Their radius.
@@ -125,6 +131,7 @@ impl Default for SupportSettings {
             base_height_mm: 1.0,
             z_gap_mm: 0.2,
             xy_gap_mm: 0.4,
+            interface_lines: true,
             interface_layers: 0,
             interface_radius_mm: 1.2,
             load_per_contact_n: 1.0,
@@ -280,7 +287,7 @@ pub fn plan(
     diagnostics.check()?;
     diagnostics.advance(1);
     let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
-    held::stand(&mut cut, &forest, &overhangs.contacts, stack, settings);
+    held::stand(&mut cut, &forest, &overhangs, stack, settings);
     diagnostics.advance(1);
     let bending = bending::tip_bending(&forest, settings);
     let mut support = Support { overhangs, forest, cut, bending, ..Support::default() };

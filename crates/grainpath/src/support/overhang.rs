@@ -25,42 +25,8 @@ use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
-use super::SupportSettings;
-
-/// A point of an overhang, on the part's surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Its position, mm.
-    pub at: DVec3,
-    /// The surface's outward normal there.
-    pub normal: DVec3,
-    /// Area of overhang it stands for, in plan, mm2.
-    pub area_mm2: f64,
-}
-
-/// The kind of overhang that a contact holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reason {
-    /// Facets that lean by more than the critical angle.
-    Facets,
-    /// An edge that leans by more than it between facets that do not.
-    Edge,
-    /// The part begins here in mid-air.
-    Lowest,
-}
-
-/// A point at which the support touches the part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Its position on the part, mm.
-    pub at: DVec3,
-    /// The surface's outward normal there, unit length.
-    pub normal: DVec3,
-    /// Area of the overhang that it holds, in plan, mm2.
-    pub area_mm2: f64,
-    /// The kind of overhang that it holds.
-    pub reason: Reason,
-}
+use super::contact::{Contact, Grid, Reason, Sample};
+use super::{SupportSettings, interface};
 
 /// A piece of a layer with nothing below it.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +52,8 @@ pub struct Overhangs {
     pub mid_air: Vec<MidAir>,
     /// The contacts.
     pub contacts: Vec<Contact>,
+    /// Lines on the surface of flat overhangs, below which interface beads are laid.
+    pub lines: Vec<Vec<DVec3>>,
 }
 
 /// Finds overhangs and places contacts.
@@ -147,7 +115,16 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     let mut kept: Vec<u32> = samples.iter().filter(|s| s.1 == Reason::Facets).map(|s| s.0).collect();
     kept.dedup();
     out.regions = kept.len();
-    out.contacts = place(&samples, settings);
+    let grids = grids(&samples, stack, settings);
+    out.contacts = place(&samples, &grids, settings);
+    if settings.interface_lines {
+        let flat = samples
+            .iter()
+            .filter(|(_, reason, s)| *reason == Reason::Facets && interface::is_flat(s, stack, settings));
+        let flat: Vec<(u32, DVec3)> = flat.map(|(g, _, s)| (*g, s.at)).collect();
+        out.lines = interface::lines(&flat, &grids, settings);
+        interface::lengthen_tips(&mut out.contacts, &out.lines, stack, settings);
+    }
     out.samples = samples.into_iter().map(|s| s.2).collect();
     out.mid_air = mid_air(stack, |p| settings.blocked(p));
     hold_mid_air(&mut out, stack, settings);
@@ -377,18 +354,38 @@ fn outside_only(samples: &[(u32, Reason, Sample)], stack: &LayerStack) -> Vec<bo
     keep
 }
 
+/// The grid of each connected overhang. Its cells are L/2 wide, and wider where interface lines run below most of it.
+fn grids(
+    samples: &[(u32, Reason, Sample)],
+    stack: &LayerStack,
+    settings: &SupportSettings,
+) -> BTreeMap<u32, Grid> {
+    let mut groups: BTreeMap<u32, (DVec3, usize, usize)> = BTreeMap::new();
+    for (g, reason, s) in samples {
+        let (low, all, flat) = groups.entry(*g).or_insert((s.at, 0, 0));
+        *low = low.min(s.at);
+        *all += 1;
+        *flat += usize::from(*reason == Reason::Facets && interface::is_flat(s, stack, settings));
+    }
+    let grid = |(low, all, flat): (DVec3, usize, usize)| {
+        let has_lines = settings.interface_lines && 2 * flat > all;
+        let cell_mm = if has_lines { interface::spacing_mm(settings) } else { settings.spacing_mm() };
+        Grid { low, cell_mm }
+    };
+    groups.into_iter().map(|(g, group)| (g, grid(group))).collect()
+}
+
 /// Contacts: the sample nearest to the middle of each grid cell of each region; those whose samples others hold as
 /// well are dropped, and what is then still too far from any gets its own.
-fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<Contact> {
+fn place(
+    samples: &[(u32, Reason, Sample)],
+    grids: &BTreeMap<u32, Grid>,
+    settings: &SupportSettings,
+) -> Vec<Contact> {
     let d = settings.spacing_mm();
     let mut cells: BTreeMap<(u32, i64, i64, i64), Vec<usize>> = BTreeMap::new();
-    let mut corners: BTreeMap<u32, DVec3> = BTreeMap::new();
-    for (g, _, s) in samples {
-        let low = corners.entry(*g).or_insert(s.at);
-        *low = low.min(s.at);
-    }
     for (i, (g, _, s)) in samples.iter().enumerate() {
-        let c = ((s.at - corners[g]) / d).floor();
+        let c = ((s.at - grids[g].low) / grids[g].cell_mm + 1e-9).floor();
         cells.entry((*g, c.x as i64, c.y as i64, c.z as i64 / 2)).or_default().push(i);
     }
     let chosen = cells.into_values().map(|members| {
@@ -425,7 +422,7 @@ fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<C
     kept.sort_unstable();
     let contact = |i: usize| {
         let (_, reason, s) = samples[i];
-        Contact { at: s.at, normal: s.normal, area_mm2: 0.0, reason }
+        Contact { at: s.at, normal: s.normal, area_mm2: 0.0, reason, tip_mm: 0.0 }
     };
     let mut contacts: Vec<Contact> = kept.iter().map(|&i| contact(i)).collect();
     let mut index = PointGrid3::new(d);
@@ -527,5 +524,5 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
 }
 
 fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
-    Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest }
+    Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest, tip_mm: 0.0 }
 }

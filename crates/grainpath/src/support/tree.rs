@@ -25,7 +25,7 @@ use grainpath_core::{Bounds2, DVec2, DVec3};
 
 use super::SupportSettings;
 use super::clearance::Clearance;
-use super::overhang::Contact;
+use super::contact::Contact;
 
 /// The kind of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -246,7 +246,8 @@ impl Grower<'_> {
         }
         let keep = self.s.branch_radius_mm + self.s.xy_gap_mm;
         let mut clear = None;
-        for t in [1.0, 0.6, 1.5, 2.0, 2.8, 4.0].map(|k| k * self.s.tip_length_mm) {
+        let usual_mm = self.s.tip_length_mm.max(contact.tip_mm);
+        for t in [1.0, 0.6, 1.5, 2.0, 2.8, 4.0].map(|k| k * usual_mm) {
             for way in self.tip_directions(contact.normal) {
                 let end = top + way * t;
                 if end.z < STUMP_MM.min(0.5 * top.z) || self.clearance.distance_mm(end) < keep {

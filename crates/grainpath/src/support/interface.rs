@@ -1,0 +1,278 @@
+//! Interface below flat overhangs: single beads from contact to contact, so that no bead of the part runs far over air.
+//!
+//! A contact holds a point. Contacts L/2 apart leave room for beads of the part that touch none of them: the skin of a
+//! table's underside runs between two rows of contacts from one edge to the other. So where the beads of a layer lie
+//! beyond those of the layer below (the overhang leans by more than [`flat_rad`]), interface beads are laid along the rows
+//! of contacts, in x and in y. They are 0.6 L apart, so a bead of the part meets one of them every 0.6 L, or every 0.85 L
+//! where it runs at 45 degrees to both. This is ours; the paper on trees (`Shen2016`) has points only.
+//!
+//! 1. [`lines`] finds rows of samples of the overhang, on the lines of the grid that contacts are placed on, and those
+//!    along its rim, where beads of the part turn back. Samples that are neighbours on the surface are joined to lines in
+//!    space.
+//! 2. [`lay`] cuts each line by layers and lays the beads, wherever the part leaves room for them.
+//! 3. What holds these beads up is not decided here: [`super::held`] adds beads below them that walk to the nearest
+//!    branch, layer by layer, so that each becomes a thin wall with an arch below.
+//!
+//! Lengths are mm. Cost: linear in the samples. Limits: an overhang that is narrower than 0.3 L in plan has a contact
+//! but no lines; samples that painted enforcers add between the points of the grid are no part of a line.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::buckets::PointGrid3;
+use grainpath_core::math::{atan2, sin};
+use grainpath_core::poly::simplify_line;
+use grainpath_core::{DVec2, DVec3, LayerStack, Role, Toolpath};
+use rayon::prelude::*;
+
+use super::SupportSettings;
+use super::contact::{Contact, Grid, Sample};
+use super::cut::Heights;
+
+/// The outline of a layer may lie this many bead widths beyond the one below before its wall has nothing under it.
+///
+/// Source: the outside check of supports calls a bead free where every bead below is more than 0.75 of its width away.
+const FREE_STEP_BEADS: f64 = 0.75;
+/// Neighbouring samples belong to one surface where it climbs by at most this much on the way, as a share of the way.
+///
+/// Source: derived. A flat overhang leans by 60 degrees or more, so it climbs by 0.58 at most.
+const CLIMB: f64 = 0.6;
+/// The shortest line, as a share of L. Source: derived. Around an overhang as long and as wide a bead runs for 1.2 L, and
+/// the contact in its middle lies below one of its sides.
+const SHORTEST_SHARE: f64 = 0.3;
+/// Distance of the lines along a rim from it, as a share of L. Source: derived. Beads of the part that turn back at the rim
+/// run over air for little more than twice this.
+const SET_BACK_SHARE: f64 = 0.1;
+/// The narrowest overhang that has lines along its rim, as a share of L. Source: derived. Twice [`SET_BACK_SHARE`] and the
+/// least distance between two lines, 0.2 L; across what is narrower a bead goes and returns within 0.8 L.
+const RIM_SHARE: f64 = 0.4;
+/// Corners of lines are cut by at most this share of a bead. Source: derived. The steps of the samples' grid go, and a
+/// bead of the part still meets the line within a bead.
+const SMOOTH_SHARE: f64 = 0.5;
+/// The beads of a line that climbs lie this many bead widths over each other at their ends.
+///
+/// Source: less than the reach of `held`, so that each holds the beginning of the next.
+const OVERLAP_BEADS: f64 = 0.8;
+
+/// How far a bead is moved towards its neighbours from the one it is to hold, in widths: less than the reach of `held`, for
+/// corners of the line are cut by its smoothing and moved points spread.
+///
+/// Source: the reach of `held` less the 0.05 mm by which points a step apart may part on their way, in beads 0.45 mm wide.
+pub(super) const WALK: f64 = 0.75;
+/// The last piece of a bead holds nothing that goes on beyond its end, mm: there the upper bead leans on a round end.
+///
+/// Source: the outside check takes points up to 0.15 mm from the end, so 0.86 of a bead 0.45 mm wide and this stay within
+/// its 0.95 and those.
+pub(super) const END_MM: f64 = 0.11;
+
+/// The least lean from the vertical, radians, at which walls of a part hang over those below: a layer `height_mm`
+/// thick then steps outwards by three quarters of a bead.
+pub fn flat_rad(height_mm: f64, settings: &SupportSettings) -> f64 {
+    atan2(FREE_STEP_BEADS * settings.beads.bead_width_mm, height_mm).max(settings.critical_angle_rad)
+}
+
+/// Whether interface lines run below a sample.
+pub fn is_flat(sample: &Sample, stack: &LayerStack, settings: &SupportSettings) -> bool {
+    -sample.normal.z > sin(flat_rad(usual_height_mm(stack, settings), settings))
+}
+
+/// Distance of the contacts below interface lines, and of the lines: the furthest at which no point of the overhang is
+/// further than 0.43 L from a contact, and no bead across the lines runs over air for more than 0.85 L.
+pub fn spacing_mm(settings: &SupportSettings) -> f64 {
+    0.6 * settings.max_unsupported_mm
+}
+
+/// Lines on the undersides of flat overhangs. `flat` are their samples with the names of their grids; samples lie at
+/// multiples of [`SupportSettings::sample_mm`] in plan.
+pub fn lines(
+    flat: &[(u32, DVec3)],
+    grids: &BTreeMap<u32, Grid>,
+    settings: &SupportSettings,
+) -> Vec<Vec<DVec3>> {
+    let mut groups: BTreeMap<u32, Vec<DVec3>> = BTreeMap::new();
+    flat.iter().for_each(|(g, p)| groups.entry(*g).or_default().push(*p));
+    let groups: Vec<(Grid, Vec<DVec3>)> = groups.into_iter().map(|(g, points)| (grids[&g], points)).collect();
+    let swap = |p: DVec3| DVec3::new(p.y, p.x, p.z);
+    let of_group = |(grid, points): &(Grid, Vec<DVec3>)| {
+        let mut lines = rows(points, *grid, settings);
+        let turned: Vec<DVec3> = points.iter().copied().map(swap).collect();
+        let across = rows(&turned, Grid { low: swap(grid.low), ..*grid }, settings);
+        lines.extend(across.into_iter().map(|line| line.into_iter().map(swap).collect()));
+        lines
+    };
+    let lines: Vec<Vec<Vec<DVec3>>> = groups.par_iter().map(of_group).collect();
+    lines.into_iter().flatten().collect()
+}
+
+/// Lengthens the tips that carry lines to the height of the arches below them. A tip of a flat overhang is upright, so
+/// both sides of an arch reach it; the branch below it leans, and one side would follow it far down.
+pub fn lengthen_tips(
+    contacts: &mut [Contact],
+    lines: &[Vec<DVec3>],
+    stack: &LayerStack,
+    settings: &SupportSettings,
+) {
+    let reach_mm = 0.5 * spacing_mm(settings);
+    let step_mm = (WALK * settings.beads.bead_width_mm - END_MM).max(0.05);
+    let arch_mm = reach_mm / step_mm * usual_height_mm(stack, settings);
+    let mut index = PointGrid3::new(reach_mm);
+    lines.iter().flatten().for_each(|&p| index.insert(p, ()));
+    for contact in contacts.iter_mut().filter(|c| index.nearest_within(c.at, reach_mm).is_some()) {
+        contact.tip_mm = arch_mm;
+    }
+}
+
+/// The height of most layers.
+fn usual_height_mm(stack: &LayerStack, settings: &SupportSettings) -> f64 {
+    let layers = stack.layers();
+    layers.get(layers.len() / 2).map_or(settings.first_layer_mm, |l| l.height_mm())
+}
+
+/// Lines in x through the rows of points that lie nearest to the middles of the grid's cells, and lines along the parts of
+/// the rim that run more in y than in x.
+fn rows(points: &[DVec3], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
+    let (pitch_mm, cell_mm) = (settings.sample_mm(), grid.cell_mm);
+    let index = |v: f64| (v / pitch_mm).round() as i64;
+    // The row of samples in the middle of the cell that holds a place; the first sample of a cell lies on its border. Of
+    // two it is the lower one, as for contacts.
+    let middle_row = |v: f64, low: f64| {
+        let cell = ((v - low) / cell_mm + 1e-9).floor();
+        index(low + (cell + 0.5) * cell_mm - 0.5 * pitch_mm - 1e-9)
+    };
+    let mut surface = Surface { heights: BTreeMap::new(), climb_mm: CLIMB * pitch_mm };
+    for p in points {
+        let (i, j) = (index(p.x), index(p.y));
+        if (DVec2::new(i as f64, j as f64) * pitch_mm).distance(p.truncate()) <= 1e-6 {
+            surface.heights.entry((i, j)).or_default().push(p.z);
+        }
+    }
+    surface.heights.values_mut().for_each(|z| z.sort_by(f64::total_cmp));
+    let at = |i: i64, j: i64, z: f64| DVec3::new(i as f64 * pitch_mm, j as f64 * pitch_mm, z);
+    let mut out = Vec::new();
+    let stretches = surface.stretches();
+    for (&j, stretches) in
+        stretches.iter().filter(|(j, _)| **j == middle_row(**j as f64 * pitch_mm, grid.low.y))
+    {
+        let shortest = SHORTEST_SHARE * settings.max_unsupported_mm / pitch_mm;
+        for line in stretches.iter().filter(|line| line.len() as f64 >= shortest) {
+            let (first, last) = (line[0], line[line.len() - 1]);
+            // The overhang ends up to a pitch beyond its last sample.
+            let mut points = vec![at(first.0 - 1, j, first.1)];
+            points.extend(line.iter().map(|&(i, z)| at(i, j, z)));
+            points.push(at(last.0 + 1, j, last.1));
+            out.push(points);
+        }
+    }
+    let rim = surface.rim(&stretches, settings);
+    out.extend(rim.into_iter().map(|line| line.into_iter().map(|(i, j, z)| at(i, j, z)).collect()));
+    out
+}
+
+/// The samples of an overhang by their place on the grid; surfaces may lie above each other.
+struct Surface {
+    heights: BTreeMap<(i64, i64), Vec<f64>>,
+    /// Neighbours on one surface differ by at most this.
+    climb_mm: f64,
+}
+
+/// Neighbouring samples of a row on one surface: place in the row, and height.
+type Stretch = Vec<(i64, f64)>;
+
+impl Surface {
+    /// The stretches of each row; surfaces above each other each continue their own.
+    fn stretches(&self) -> BTreeMap<i64, Vec<Stretch>> {
+        let mut rows: BTreeMap<i64, Vec<Stretch>> = BTreeMap::new();
+        for (&(i, j), heights) in &self.heights {
+            let stretches = rows.entry(j).or_default();
+            for &z in heights {
+                let follows = |stretch: &&mut Stretch| {
+                    stretch.last().is_some_and(|&(h, y)| h + 1 == i && (z - y).abs() <= self.climb_mm)
+                };
+                match stretches.iter_mut().find(follows) {
+                    Some(stretch) => stretch.push((i, z)),
+                    None => stretches.push(vec![(i, z)]),
+                }
+            }
+        }
+        rows
+    }
+
+    /// Lines along the rim, a little inside it, where the rim runs at less than 45 degrees to y: the samples near both
+    /// ends of each row, joined from row to row.
+    fn rim(
+        &self,
+        rows: &BTreeMap<i64, Vec<Stretch>>,
+        settings: &SupportSettings,
+    ) -> Vec<Vec<(i64, i64, f64)>> {
+        let pitch_mm = settings.sample_mm();
+        let samples = |share: f64| (share * settings.max_unsupported_mm / pitch_mm).round() as usize;
+        let (set_back, widest) = (samples(SET_BACK_SHARE), samples(RIM_SHARE));
+        let mut out: Vec<Vec<(i64, i64, f64)>> = Vec::new();
+        for side in [false, true] {
+            let mut lines: Vec<Vec<(i64, i64, f64)>> = Vec::new();
+            for (&j, stretches) in rows {
+                for stretch in stretches.iter().filter(|stretch| stretch.len() >= widest) {
+                    let (i, z) = if side { stretch[stretch.len() - 1 - set_back] } else { stretch[set_back] };
+                    let follows = |line: &&mut Vec<(i64, i64, f64)>| {
+                        line.last().is_some_and(|&(h, g, y)| {
+                            g + 1 == j && (h - i).abs() <= 1 && (z - y).abs() <= 2.0 * self.climb_mm
+                        })
+                    };
+                    match lines.iter_mut().find(follows) {
+                        Some(line) => line.push((i, j, z)),
+                        None => lines.push(vec![(i, j, z)]),
+                    }
+                }
+            }
+            out.extend(lines);
+        }
+        out.retain(|line| line.len() >= samples(SHORTEST_SHARE));
+        out
+    }
+}
+
+/// The interface beads of every layer below the lines.
+pub fn lay(
+    lines: &[Vec<DVec3>],
+    heights: &Heights,
+    n_layers: usize,
+    settings: &SupportSettings,
+) -> Vec<Vec<Toolpath>> {
+    let width_mm = settings.beads.bead_width_mm;
+    let overlap_mm = OVERLAP_BEADS * width_mm;
+    let step_mm = 0.1 * width_mm;
+    let mut out: Vec<Vec<Toolpath>> = vec![Vec::new(); n_layers];
+    for line in lines {
+        let mut pieces: Vec<(usize, Vec<DVec2>)> = Vec::new();
+        for pair in line.windows(2) {
+            let n = ((pair[0].distance(pair[1]) / step_mm).ceil() as usize).max(1);
+            for p in (0..=n).map(|i| pair[0].lerp(pair[1], i as f64 / n as f64)) {
+                let end = heights.end_below(p.z, settings.z_gap_mm);
+                match pieces.last_mut() {
+                    Some((e, points)) if *e == end => points.push(p.truncate()),
+                    _ => pieces.push((end, vec![p.truncate()])),
+                }
+            }
+        }
+        let n_pieces = pieces.len();
+        for (i, (end, mut points)) in pieces.into_iter().enumerate() {
+            if end == 0 {
+                continue;
+            }
+            let n = points.len();
+            let (first, last) = (points[0], points[n - 1]);
+            let start = (points[1.min(n - 1)] - first).normalize_or_zero();
+            let end_way = (last - points[n.saturating_sub(2)]).normalize_or_zero();
+            if i > 0 {
+                points.insert(0, first - start * overlap_mm);
+            }
+            if i + 1 < n_pieces {
+                points.push(last + end_way * overlap_mm);
+            }
+            let points = simplify_line(&points, SMOOTH_SHARE * width_mm);
+            if points.len() > 1 {
+                out[end - 1].push(Toolpath::new(points, width_mm, Role::SupportInterface, false));
+            }
+        }
+    }
+    out
+}
