@@ -161,7 +161,7 @@ const ROWS: &[Row] = &[
     row("fill.field.stripes.THINNINGS", &[0.0, 1.0, 2.0, 3.0, 5.0], STRIPES),
     row("fill.field.seed_lines.SEED_SPACING", &[3.0, 5.0, 8.0, 12.0, 20.0], SEED_LINES),
     row("fill.field.seed_lines.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], SEED_LINES),
-    row("fill.field.seed_lines.MAX_OFFSETS", &[10.0, 50.0, 500.0, 2000.0, 5000.0], SEED_LINES),
+    row("fill.field.seed_lines.KEPT_FREE", &[0.7, 0.75, 0.8, 0.9, 0.98], SEED_LINES),
     row("fill.field.streamlines.END_SHARE", &[0.3, 0.45, 0.55, 0.7, 0.85], STREAMLINES),
     row("fill.field.streamlines.SHORTEST_SHARE", &[0.5, 1.0, 1.5, 2.5, 4.0], STREAMLINES),
     support("support.clearance.CELL_MM", &[0.2, 0.3, 0.4, 0.6, 1.0], TREES),

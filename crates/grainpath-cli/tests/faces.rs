@@ -85,6 +85,38 @@ fn loads_on_faces_turn_with_the_part() {
 }
 
 #[test]
+fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
+    let dir = folder("faces-turned-box");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    for (analysis, tolerance) in [("plane", 0.05), ("solid", 0.1)] {
+        let mut unturned = None;
+        for turn_deg in [0.0, 15.0, 37.0, 45.0, 90.0] {
+            let job = format!(
+                "[shape]\nmesh = \"bar.stl\"\nrotate_deg = [0, 0, {turn_deg}]\n\
+                 [guide]\nkind = \"stress\"\nframe = \"part\"\nanalysis = \"{analysis}\"\nelement_mm = 1\n\
+                 [[guide.fixture]]\non = {{ box_mm = [[0, 0, 0], [10, 8, 2]] }}\nfix = \"xyz\"\n\
+                 [[guide.load]]\non = {{ box_mm = [[30, 0, 0], [40, 8, 2]] }}\nforce_n = [50, 0, 0]\n"
+            );
+            std::fs::write(dir.join("job.toml"), job).expect("a job");
+            let seen = json(&grainpath(&dir, &["run", "job.toml", "--check", "--json"]));
+            assert_eq!(seen["ok"].as_bool(), Some(true), "{analysis}, {turn_deg}: {seen}");
+            let number = |v: &serde_json::Value| v.as_f64().expect("a number");
+            let found = [
+                number(&seen["stress"]["loads"][0]["area_mm2"]),
+                number(&seen["stress"]["max_displacement_mm"]),
+            ];
+            let first = *unturned.get_or_insert(found);
+            for (value, wanted) in found.iter().zip(first) {
+                assert!(
+                    (value / wanted - 1.0).abs() < tolerance,
+                    "{analysis}, {turn_deg}: {found:?}, {first:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn names_that_mean_nothing_are_refused() {
     let dir = folder("faces-refused");
     std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");

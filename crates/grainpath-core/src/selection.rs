@@ -104,12 +104,15 @@ impl PartialEq for Facets {
 /// than meshing and rounding move a point, less than the next surface is away.
 const ON_TRIANGLE_MM: f64 = 0.02;
 
+/// Coordinates typed in a job select the faces that lie on them, although nodes of a section lie up to this far beside its
+/// true outline, mm. Source: derived. Ten times the grid that outlines are rounded to ([`GRID_MM`](crate::poly::GRID_MM)),
+/// and a micrometre, the last digit of G-code.
+const ROUNDED_MM: f64 = 1e-3;
+
 impl Selection {
     /// Whether a point of the part is selected.
     pub fn contains(&self, p: DVec3) -> bool {
-        // A nanometre of tolerance: coordinates typed in a job select the faces that lie on them,
-        // whatever the rounding.
-        let hair = 1e-6;
+        let hair = ROUNDED_MM;
         match self {
             Self::Box { low, high } => (*low - hair).cmple(p).all() && p.cmple(*high + hair).all(),
             Self::TurnedBox { centre, half, axes } => {

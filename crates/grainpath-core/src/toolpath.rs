@@ -36,11 +36,13 @@ pub enum Role {
     Support,
     /// The layers of the support that touch the part.
     SupportInterface,
+    /// A line of dense fill whose offsets the rest of the fill is.
+    SeedLine,
 }
 
 impl Role {
     /// Every role.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::OuterWall,
         Self::InnerWall,
         Self::ThinWall,
@@ -54,6 +56,7 @@ impl Role {
         Self::Brim,
         Self::Support,
         Self::SupportInterface,
+        Self::SeedLine,
     ];
 
     /// The name after `;TYPE:` in G-code, as PrusaSlicer writes it.
@@ -72,6 +75,7 @@ impl Role {
             Self::Brim => "Brim",
             Self::Support => "Support material",
             Self::SupportInterface => "Support material interface",
+            Self::SeedLine => "Seed line",
         }
     }
 

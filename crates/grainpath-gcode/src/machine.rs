@@ -79,7 +79,7 @@ impl Speeds {
             Role::InnerWall => self.inner_wall,
             Role::ThinWall => self.outer_wall,
             Role::GapFill => self.gap_fill,
-            Role::SolidFill => self.solid,
+            Role::SolidFill | Role::SeedLine => self.solid,
             Role::TopSkin => self.top,
             Role::SparseFill => self.sparse,
             Role::Fibre => self.fibre,

@@ -478,6 +478,8 @@ fn role_named(name: &str) -> Role {
         Role::OuterWall
     } else if has("inner") || has("perimeter") || has("wall") {
         Role::InnerWall
+    } else if has("seed") {
+        Role::SeedLine
     } else if has("top") {
         Role::TopSkin
     } else if has("solid") || has("skin") || has("bottom") {

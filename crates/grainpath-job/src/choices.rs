@@ -244,7 +244,7 @@ choices! {
         Aligned = "aligned", "parallel lines, the same direction in all layers.";
         Stripes = "stripes", "dense beads along the guide's directions, at even spacing.";
         Streamlines = "streamlines", "evenly spaced streamlines of the guide's directions.";
-        SeedLines = "seed-lines", "a seed line along the guide and its offsets, region by region, as published.";
+        SeedLines = "seed-lines", "seed lines along the guide and their offsets, all of one width, as published.";
         Continuous = "continuous", "one unbroken path for each island and layer.";
     }
     /// What a graded density follows (`fill.density.by`).

@@ -16,7 +16,7 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
         return Ok(());
     }
     let line = |name: &str, text: String| format!("{name:<22} {text}\n");
-    let mib = |key: &str| match value[key].as_f64() {
+    let memory = |key: &str| match value[key].as_f64() {
         Some(mib) => format!("{:.1} GiB", mib / 1024.0),
         None => "not told by this system".to_owned(),
     };
@@ -39,8 +39,8 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
         ),
     );
     text += &line("cores in use", format!("{} (--threads sets fewer)", value["threads"]));
-    text += &line("memory", mib("memory_mib"));
-    text += &line("memory free", mib("memory_free_mib"));
+    text += &line("memory", memory("memory_mib"));
+    text += &line("memory free", memory("memory_free_mib"));
     text += &line(
         "memory limit",
         match value["memory_limit_mib"].as_f64() {

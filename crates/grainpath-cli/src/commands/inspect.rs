@@ -59,7 +59,7 @@ pub fn inspect_file(file: &Path, size: Option<Vec<usize>>, sample: &str) -> Resu
 
 fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     // Scans first: they can be larger than the memory, and all other kinds are read whole.
-    if raw.is_some() || scan::is(&args.file)? {
+    if raw.is_some() || scan::is_scan(&args.file)? {
         return scan::inspect(args, raw);
     }
     // Otherwise the option would be ignored without a word.

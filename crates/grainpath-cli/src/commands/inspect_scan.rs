@@ -13,13 +13,13 @@ use crate::args::Inspect;
 use crate::inputs::open_scan;
 use crate::{Failure, outputs};
 
-/// Bars of the picture of a histogram, and its width in pixels. Source: derived: three pixels a bar.
+/// Bars of the picture of a histogram. Source: chosen; one bar for each grey value of 8 bits.
 const HISTOGRAM_BINS: usize = 256;
-/// See [`HISTOGRAM_BINS`]. Source: derived, as there.
+/// Width of that picture, pixels. Source: derived; three pixels to a bar, and a margin for the axis.
 const IMAGE_PX: u32 = 900;
 
 /// Whether a path is a scan: a folder, or a file with the ending of a volume format.
-pub(super) fn is(path: &Path) -> Result<bool, Failure> {
+pub(super) fn is_scan(path: &Path) -> Result<bool, Failure> {
     if path.is_dir() {
         return Ok(true);
     }
@@ -34,7 +34,8 @@ pub(super) fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
     let &[x, y, z] = size.as_slice() else {
         return Err(Failure::usage("--size should be columns,rows,slices"));
     };
-    let sample = SampleType::from_name(&args.sample).unwrap_or(SampleType::U8);
+    let sample = SampleType::from_name(&args.sample)
+        .ok_or_else(|| Failure::usage(format!("--sample {} is no type of voxels", args.sample)))?;
     Ok(Some(RawHeader { size: [x, y, z], sample, big_endian: false, offset_bytes: 0 }))
 }
 

@@ -50,7 +50,7 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
         let assumed = "a photograph of a whole board: dense stripes along its grain, no skins over them";
         return Ok((job, Some(assumed)));
     }
-    if model != Path::new("-") && inspect_scan::is(model)? {
+    if model != Path::new("-") && inspect_scan::is_scan(model)? {
         let assumed =
             "a scan: the part is what is brighter than Otsu's threshold, with spacing and unit of its header";
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));

@@ -453,7 +453,7 @@ fn equal_and_missing_faces_are_refused_with_candidates() {
     part.mesh.vertices.extend_from_within(..);
     let copy: Vec<[u32; 3]> = part.mesh.triangles.iter().map(|t| t.map(|v| v + n)).collect();
     part.mesh.triangles.extend(copy);
-    // The weld would join them, and edges of four faces join nothing.
+    // Welding joins the vertices of both copies. Every edge then has four triangles, and no face grows over such an edge.
     let faces = Faces::segment(&part.mesh);
     let error = faces.find(&faces.name(0)).expect_err("equal faces");
     assert!(matches!(error, FaceError::Doubtful { .. }), "{error}");

@@ -34,6 +34,20 @@ pub fn signed_area_mm2(contour: &[DVec2]) -> f64 {
     contour[1..].windows(2).map(|w| cross(w[0] - origin, w[1] - origin)).sum::<f64>() * 0.5
 }
 
+/// The centre of the area that a contour encloses; its first point where it encloses none.
+pub fn centroid(contour: &[DVec2]) -> DVec2 {
+    let Some(&first) = contour.first() else { return DVec2::ZERO };
+    let (mut area, mut moment) = (0.0, DVec2::ZERO);
+    for (a, b) in edges(contour) {
+        // Triangles with the first point, so that coordinates far from the origin cost no digits.
+        let (a, b) = (a - first, b - first);
+        let twice = cross(a, b);
+        area += twice;
+        moment += twice / 3.0 * (a + b);
+    }
+    if area.abs() < f64::MIN_POSITIVE { first } else { first + moment / area }
+}
+
 /// Length of a closed line, mm.
 pub fn perimeter_mm(contour: &[DVec2]) -> f64 {
     edges(contour).map(|(a, b)| a.distance(b)).sum()

@@ -140,6 +140,8 @@ lines = \"out/{name}-lines.svg\"
 pub(super) fn files() -> Vec<ExampleFile> {
     let stress =
         "kind = \"stress\"\nfollow = \"max-abs\"         # max-abs | tension | compression | alternate";
+    let first_principal =
+        "kind = \"stress\"\nfollow = \"tension\"         # the paper's: the greatest principal stress";
     let plain = |deg: &str| {
         format!(
             "kind = \"stress\"               # solved for the report; the fill keeps its angle\n# angle {deg}"
@@ -166,11 +168,12 @@ pub(super) fn files() -> Vec<ExampleFile> {
             1,
             loads,
         ));
+        // The paper traces the lines of the greatest principal stress alone.
         files.push(job(
             &format!("{about}: the paper's fill."),
             &format!("{part}-seed-lines"),
             part,
-            stress,
+            first_principal,
             seeds,
             1,
             loads,

@@ -47,6 +47,7 @@ pub fn of_role(role: Role) -> Rgb {
         Role::ThinWall => [214, 60, 60],
         Role::GapFill => [240, 240, 245],
         Role::SolidFill => [150, 84, 204],
+        Role::SeedLine => [84, 30, 140],
         Role::TopSkin => [228, 64, 92],
         Role::SparseFill => [178, 74, 60],
         Role::Fibre => [70, 200, 190],

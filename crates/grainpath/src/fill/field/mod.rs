@@ -11,15 +11,13 @@
 //!    a turn there;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
 //! 4. [`stripes`] moves the lines to the middle of the space they have, takes crowded ones out,
-//!    joins ends along the
-//!    border and puts single beads into what is left open;
+//!    joins ends along the border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!
 //! Sparse fill is the same with lines farther apart, down to a density of [`LEAST_STRIPES`]. Below
 //! it, and where a field asks for distances of its own, [`streamlines`] places evenly spaced
 //! streamlines (`Jobard1997`); [`seed_lines`] is the published principal stress line method, kept
-//! for comparison. Lengths are in mm, phases in
-//! radians; the sign of the axis carries no meaning.
+//! for comparison. Lengths are in mm, phases in radians; the sign of the axis carries no meaning.
 
 mod levels;
 pub(super) mod phase;

@@ -1,31 +1,44 @@
-//! Dense fill from seed lines and their offsets: the principal stress line method as published.
+//! Dense fill of one bead width from seed lines and their offsets: the principal stress line method.
 //!
 //! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the
-//! field are chosen that come nowhere nearer to each other than a bead. They part the infill
-//! region; each part is filled with offsets of the seed line at its lower left, one bead apart,
-//! until it is full.
+//! field are chosen, the seed lines, that come nowhere nearer to each other than a bead. They part
+//! the infill region, and what lies between is filled with their offsets, one bead apart.
 //!
 //! ```text
 //!    seed 2  ___________________
-//!            - - - - - - - - - -     offsets of seed 1, a bead apart
-//!            - - - - - - - - - -
+//!            - - - - - - - - - -     offset of seed 2
+//!            - - - - - - - - - -     offset of seed 1, a bead apart
 //!    seed 1  ___________________
 //! ```
 //!
-//! Bead width is constant, so wherever neighbouring seeds diverge a wedge stays open, and offsets
-//! drift from the field the farther they lie from their seed. [`Stripes`](super::Stripes) have
-//! neither fault; this fill is kept so that the paper can be reproduced. Cost: an offset is a
-//! polygon offset of its part, so it grows with the number of offsets times their length.
+//! The paper offsets the seed at the lower left of each part until the part is full, so a part that
+//! is turned on the plate is filled in another way, and where seeds diverge the offsets leave the
+//! field by as much as the seeds do. Three things are ours:
+//!
+//! 1. the first seed passes through the middle of the widest place, which turns with the part
+//!    ([`widest_place`]);
+//! 2. offsets grow from all seeds at once, a bead each round, and an offset ends where it leaves the
+//!    field by more than [`FARTHEST_RAD`];
+//! 3. what is then still open is filled with more seeds, streamlines one bead apart
+//!    (`Jobard1997`), so that every field is filled, point defects included.
+//!
+//! All beads have one width, so wherever the field diverges wedges narrower than a bead stay open;
+//! [`Stripes`](super::Stripes) has none. Lengths are in mm. Cost: each bead takes one polygon offset
+//! and one difference from the free area, so it grows with the number of beads times their vertices.
+//! Degenerate cases: a field without an axis anywhere in the region lays nothing; a region narrower
+//! than a bead has no area for centrelines and is never passed here.
 
-use grainpath_core::poly::{Join, LineClipper, simplify_line};
-use grainpath_core::{DVec2, Polygon, Region, Toolpath};
-
-use super::axis_of;
-use super::stripes::{WideBead, ended};
-use super::widths::{Line, Neighbours};
-use crate::fill::{FillContext, Infill};
+use grainpath_core::math::cos;
+use grainpath_core::poly::{Join, LineClipper, centroid, simplify_contour, simplify_line};
+use grainpath_core::polyline;
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
 use grainpath_core::tuned::Tuned;
+use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
+
+use super::axis_of;
+use super::stripes::{WideBead, ended, push_inside};
+use super::widths::{Line, Neighbours};
+use crate::fill::{FillContext, Infill};
 
 /// Seed lines and offsets.
 pub struct SeedLines;
@@ -36,111 +49,238 @@ static SEED_SPACING: Tuned<f64> = Tuned::new("fill.field.seed_lines.SEED_SPACING
 /// Pieces shorter than this are dropped, in beads.
 /// Measured: row `fill.field.seed_lines.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
-/// Largest number of offsets of a seed line.
-/// Measured: row `fill.field.seed_lines.MAX_OFFSETS` of `cargo xtask bench constants`.
-static MAX_OFFSETS: Tuned<usize> = Tuned::new("fill.field.seed_lines.MAX_OFFSETS", 2000);
+/// An offset ends where it leaves the field by more than this. Source: chosen; plans whose mean
+/// angle is larger are warned of (`guide-far`).
+const FARTHEST_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// How far ends on the border are drawn out before a line is offset, in beads. Source: derived. An
+/// offset by one bead reaches a border that the line meets at 27 degrees or more.
+const DRAWN_OUT: f64 = 2.0;
+/// Share of the spacing that a laid line keeps free of centrelines on either side: where lines of two
+/// seeds meet, a last bead is laid if there is room for twice this.
+/// Measured: row `fill.field.seed_lines.KEPT_FREE` of `cargo xtask bench constants`.
+static KEPT_FREE: Tuned<f64> = Tuned::new("fill.field.seed_lines.KEPT_FREE", 0.8);
+/// Accuracy of lines, mm. Source: derived. A hundredth of a usual bead.
+const TOLERANCE_MM: f64 = 0.005;
 
 impl Infill for SeedLines {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-        let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
+        let Some(field) = context.field else { return };
         let step = context.spacing_mm() / context.density.fraction();
         let infill_region = Region::from(infill_region.clone());
-        let inside = LineClipper::new(&infill_region);
-        let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
-        let separation = |_: DVec2| SEED_SPACING.value() * step;
-        let seeding = Seeding {
-            separation_mm: &separation,
-            // A seed line may run on until it is one bead away from another one.
-            end_share: 1.0 / SEED_SPACING.value(),
-            shortest_mm: SHORTEST.value() * step,
-            whole: true,
-        };
-        let settings = LineSettings {
-            tolerance_mm: 0.005,
-            step_mm: step,
-            // A field without an end could circle for ever: twenty times the sum of both sides is
-            // far more than any line of the region.
-            longest_mm: 20.0 * bounds.size().element_sum(),
-        };
-        let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
+        let axis = |p: DVec2| axis_of(field, context, p);
+        let mut free =
+            FreeArea { infill_region: &infill_region, free: infill_region.clone(), step, axis: &axis };
+        let mut seeds = free.seeds();
+        let mut offsets = free.grown_from(&seeds);
+        let more = free.streamlines();
+        offsets.extend(free.grown_from(&more));
+        seeds.extend(more);
         let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
-        let mut offsets = Vec::new();
-        for region in parted(&infill_region, &seeds, step).polygons {
-            offsets.extend(fill_region(&Region::from(region), &seeds, step));
-        }
-        let bead = |l: &TracedLine| {
-            let points = simplify_line(&l.points, 0.005);
+        let bead = |l: &Line| {
+            let points = simplify_line(&l.points, TOLERANCE_MM);
             WideBead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
         };
-        let line = |l: &TracedLine| Line { points: l.points.clone(), closed: l.closed };
         // Seed lines are joined first, then the offsets between them. Each joint is refused where
         // it would cross a line laid before.
-        let mut others: Vec<Line> = seeds.iter().chain(&offsets).map(line).collect();
+        let mut others: Vec<Line> = seeds.iter().chain(&offsets).cloned().collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
             let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
             let paths =
                 ended(lines.iter().map(bead).collect(), &infill_region, &neighbours, &border, context);
             others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
+            // Skins and bridges keep their role: the speed and the fan depend on it.
+            let role = match context.role {
+                Role::SolidFill | Role::SparseFill if rank == 0 => Role::SeedLine,
+                role => role,
+            };
             out.extend(paths.into_iter().map(|bead| {
-                let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);
+                let path = Toolpath::new(bead.points, context.bead_width_mm, role, bead.closed);
                 Toolpath { rank, ..path }
             }));
         }
     }
 }
 
-/// The area within `r_mm` of a line.
-fn around(line: &TracedLine, r_mm: f64) -> Region {
-    Region::around_line(&simplify_line(&line.points, 0.005), line.closed, r_mm)
+/// What is still open while lines are laid.
+struct FreeArea<'a> {
+    /// Where centrelines may lie at all.
+    infill_region: &'a Region,
+    /// Where further centrelines may lie: at least a bead from every line that is laid.
+    free: Region,
+    /// Distance of neighbouring lines, mm.
+    step: f64,
+    /// The field's axis at a point.
+    axis: &'a dyn Fn(DVec2) -> DVec2,
 }
 
-/// The area for the centrelines of offsets: the infill region less one bead around each seed line.
-fn parted(infill_region: &Region, seeds: &[TracedLine], step: f64) -> Region {
-    // The band is a little narrower than a bead, so that the first offset, one bead away, lies
-    // inside the part and not on its border.
-    let taken = seeds.iter().fold(Region::default(), |sum, l| sum.union(&around(l, 0.98 * step)));
-    infill_region.difference(&taken)
-}
+impl FreeArea<'_> {
+    /// Streamlines far apart, the first one through the middle of the widest place.
+    fn seeds(&mut self) -> Vec<Line> {
+        let spacing = SEED_SPACING.value();
+        // A seed line may run on until it is one bead away from another one.
+        let lines = self.traced(&[widest_place(self.infill_region, self.step)], spacing, 1.0 / spacing, true);
+        lines.iter().for_each(|line| self.take(line));
+        lines
+    }
 
-/// Offsets in one region, from the seed line that borders it lowest and leftmost, until it is full.
-fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLine> {
-    // A little wider than the band that was cut away, so that a seed touches the parts beside it.
-    let touching = |l: &&TracedLine| !around(l, 1.02 * step).intersection(region).is_empty();
-    let place = |l: &TracedLine| {
-        let least = |a: DVec2, b: DVec2| if (a.y + a.x) <= (b.y + b.x) { a } else { b };
-        l.points.iter().copied().reduce(least).unwrap_or(DVec2::ZERO)
-    };
-    let first = seeds.iter().filter(touching).min_by(|a, b| {
-        let (a, b) = (place(a), place(b));
-        (a.y + a.x).total_cmp(&(b.y + b.x))
-    });
-    let clipper = LineClipper::new(region);
-    let mut out = Vec::new();
-    let Some(seed) = first else {
-        return out;
-    };
-    let mut rest = region.clone();
-    for k in 1..=MAX_OFFSETS.value() {
-        let distance = k as f64 * step;
-        let band = around(seed, distance);
-        for contour in band.contours() {
-            // A contour is a ring, a clipped line is open: the first point is repeated so that the
-            // last edge is clipped too.
-            let mut ring = contour.clone();
-            ring.extend(contour.first().copied());
-            for piece in clipper.clip(&ring) {
-                let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                if length > SHORTEST.value() * step {
-                    out.push(TracedLine { points: piece.points, closed: false });
+    /// Streamlines one bead apart in all that is left.
+    fn streamlines(&mut self) -> Vec<Line> {
+        // Along the borders of what is left: there a line lies beside its neighbour.
+        let inwards = 0.02 * self.step;
+        let starts: Vec<DVec2> = self
+            .free
+            .offset(-inwards, Join::Miter(2.0))
+            .contours()
+            .flat_map(|c| polyline::resampled(c, true, self.step))
+            .collect();
+        let lines = self.traced(&starts, 1.0, KEPT_FREE.value(), false);
+        lines.iter().for_each(|line| self.take(line));
+        lines
+    }
+
+    /// Streamlines of the free area, `beads` apart.
+    fn traced(&self, starts: &[DVec2], beads: f64, end_share: f64, whole: bool) -> Vec<Line> {
+        let Some(bounds) = self.free.bounds() else { return Vec::new() };
+        let inside = LineClipper::new(&self.free);
+        let axis = |p: DVec2| inside.contains(p).then(|| (self.axis)(p));
+        let seeding = Seeding {
+            separation_mm: &|_| beads * self.step,
+            end_share,
+            shortest_mm: SHORTEST.value() * self.step,
+            whole,
+        };
+        let settings = LineSettings {
+            tolerance_mm: TOLERANCE_MM,
+            step_mm: self.step,
+            // A field without an end could circle for ever: twenty times the sum of both sides is
+            // far more than any line of the region.
+            longest_mm: 20.0 * bounds.size().element_sum(),
+        };
+        let line = |l: TracedLine| Line { points: l.points, closed: l.closed };
+        evenly_spaced(starts, bounds, &axis, &seeding, &settings).into_iter().map(line).collect()
+    }
+
+    /// Offsets of lines, a bead each round, until no round finds room for another.
+    fn grown_from(&mut self, lines: &[Line]) -> Vec<Line> {
+        let mut out = Vec::new();
+        let mut front = lines.to_vec();
+        while !front.is_empty() {
+            let mut next = Vec::new();
+            for line in &front {
+                let offsets = self.offsets(line);
+                // The next line of the round has to keep clear of these.
+                offsets.iter().for_each(|line| self.take(line));
+                next.extend(offsets);
+            }
+            out.extend(next.iter().cloned());
+            front = next;
+        }
+        out
+    }
+
+    /// What is free of the offset of a line by one bead, to both sides, as far as it follows the field.
+    fn offsets(&self, line: &Line) -> Vec<Line> {
+        let around = Region::around_line(&self.drawn_out(line), line.closed, self.step);
+        let clipper = LineClipper::new(&self.free);
+        let mut pieces = Vec::new();
+        for contour in around.contours() {
+            push_inside(&clipper, contour.clone(), true, self.step, &mut pieces);
+        }
+        pieces.into_iter().flat_map(|piece| self.along_field(piece)).collect()
+    }
+
+    /// The points of a line, drawn out straight where it ends on the border of the infill region.
+    fn drawn_out(&self, line: &Line) -> Vec<DVec2> {
+        if line.closed {
+            return simplify_contour(&line.points, TOLERANCE_MM);
+        }
+        let mut points = simplify_line(&line.points, TOLERANCE_MM);
+        if points.len() < 2 {
+            return points;
+        }
+        for _ in 0..2 {
+            let n = points.len();
+            let along = (points[n - 1] - points[n - 2]).normalize_or(DVec2::ZERO);
+            // A hair that is longer than the rounding of clipping and tracing.
+            if !self.infill_region.contains(points[n - 1] + 0.05 * self.step * along) {
+                points.push(points[n - 1] + DRAWN_OUT * self.step * along);
+            }
+            points.reverse();
+        }
+        points
+    }
+
+    /// The stretches of a line that follow the field, unless they are too short.
+    fn along_field(&self, line: Line) -> Vec<Line> {
+        let least = cos(FARTHEST_RAD);
+        let follows = |a: DVec2, b: DVec2| {
+            (b - a).try_normalize().is_none_or(|along| (self.axis)(0.5 * (a + b)).dot(along).abs() >= least)
+        };
+        let mut points = line.points;
+        if line.closed {
+            points.extend(points.first().copied());
+        }
+        let good: Vec<bool> = points.windows(2).map(|w| follows(w[0], w[1])).collect();
+        if good.iter().all(|g| *g) {
+            if line.closed {
+                points.pop();
+            }
+            return vec![Line { points, closed: line.closed }];
+        }
+        if line.closed {
+            // The ring is opened where it leaves the field.
+            let bad = good.iter().position(|g| !g).unwrap_or(0);
+            points.pop();
+            points.rotate_left(bad);
+            points.extend(points.first().copied());
+        }
+        let mut out = Vec::new();
+        let mut stretch: Vec<DVec2> = Vec::new();
+        for w in points.windows(2) {
+            if follows(w[0], w[1]) {
+                if stretch.is_empty() {
+                    stretch.push(w[0]);
                 }
+                stretch.push(w[1]);
+            } else {
+                out.push(std::mem::take(&mut stretch));
             }
         }
-        // What is filled grows by half a bead beyond the offset's centreline, the other half of its
-        // strip.
-        rest = rest.difference(&around(seed, distance + 0.5 * step));
-        if rest.is_empty() {
-            break;
+        out.push(stretch);
+        out.retain(|points| polyline::length_mm(points, false) > SHORTEST.value() * self.step);
+        out.into_iter().map(|points| Line { points, closed: false }).collect()
+    }
+
+    /// Keeps further centrelines a bead away from a line.
+    fn take(&mut self, line: &Line) {
+        let points = self.drawn_out(line);
+        let taken = Region::around_line(&points, line.closed, KEPT_FREE.value() * self.step);
+        self.free = self.free.difference(&taken);
+    }
+}
+
+/// The middle of the widest place of a region: of what is left when the region is shrunk until, to a
+/// tenth of a step, nothing is. It turns with the region.
+fn widest_place(region: &Region, step: f64) -> DVec2 {
+    let Some(bounds) = region.bounds() else { return DVec2::ZERO };
+    let (mut low, mut high) = (0.0, 0.5 * bounds.size().min_element());
+    let mut left = region.clone();
+    while high - low > 0.1 * step {
+        let middle = 0.5 * (low + high);
+        let shrunk = region.offset(-middle, Join::Round);
+        if shrunk.is_empty() {
+            high = middle;
+        } else {
+            (low, left) = (middle, shrunk);
         }
     }
-    out
+    let Some(largest) = left.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2())) else {
+        return bounds.centre();
+    };
+    let middle = centroid(&largest.outer);
+    if largest.contains(middle) {
+        return middle;
+    }
+    let nearest = |a: &DVec2, b: &DVec2| a.distance_squared(middle).total_cmp(&b.distance_squared(middle));
+    largest.outer.iter().copied().min_by(nearest).unwrap_or(middle)
 }

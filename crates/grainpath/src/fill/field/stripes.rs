@@ -195,7 +195,7 @@ impl NearBorder {
 }
 
 /// Adds what lies inside of a line, unless it is too short.
-fn push_inside(
+pub(super) fn push_inside(
     clipper: &LineClipper,
     points: Vec<DVec2>,
     closed: bool,
