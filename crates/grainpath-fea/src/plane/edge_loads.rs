@@ -8,19 +8,38 @@ use grainpath_core::DVec2;
 use super::plane_mesh::PlaneMesh;
 use super::quadratic_triangle as element;
 
+/// A side of the border, or the stretch of it that carries a load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadedSide {
+    /// Both ends and the middle node.
+    pub nodes: [u32; 3],
+    /// Where the load begins, as a share of the side. From 0 to 1.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+}
+
+impl From<[u32; 3]> for LoadedSide {
+    fn from(nodes: [u32; 3]) -> Self {
+        Self { nodes, from: 0.0, to: 1.0 }
+    }
+}
+
 /// Forces at the nodes from a traction in MPa on sides of the border. `traction` gets the point and
 /// the outward unit normal.
-pub fn traction_n(
+pub fn traction_n<S: Copy + Into<LoadedSide>>(
     mesh: &PlaneMesh,
-    sides: &[[u32; 3]],
+    sides: &[S],
     thickness_mm: f64,
     traction: &dyn Fn(DVec2, DVec2) -> DVec2,
 ) -> Vec<DVec2> {
     let mut forces = vec![DVec2::ZERO; mesh.nodes.len()];
     for side in sides {
+        let LoadedSide { nodes: side, from, to } = (*side).into();
         let [a, b, m] = side.map(|i| mesh.nodes[i as usize]);
         // Three points integrate a quadratic traction times a quadratic shape function exactly.
         for (xi, weight) in element::GAUSS_3 {
+            let (xi, weight) = (from + to - 1.0 + (to - from) * xi, (to - from) * weight);
             let shape = [0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi];
             let slope = [xi - 0.5, xi + 0.5, -2.0 * xi];
             // Sides may be curved: point and normal follow the quadratic.

@@ -9,7 +9,7 @@ mod plane_stress;
 mod plane_system;
 mod quadratic_triangle;
 
-pub use edge_loads::{body_force_n, traction_n};
+pub use edge_loads::{LoadedSide, body_force_n, traction_n};
 pub use plane_loads::Plate;
 pub use plane_mesh::{PlaneMesh, mesh_region};
 pub(crate) use plane_problem::loose;

@@ -77,10 +77,6 @@ impl PlaneMesh {
         (piece, number.len())
     }
 
-    /// Length of the border's sides, mm.
-    pub fn border_length_mm(&self, sides: &[[u32; 3]]) -> f64 {
-        sides.iter().map(|&[a, b, _]| self.nodes[a as usize].distance(self.nodes[b as usize])).sum()
-    }
 }
 
 /// The mesh of a region with sides of at most `longest_mm`, finer around small holes.

@@ -14,7 +14,6 @@
 //! one. A plate that can move freely is an error.
 
 use grainpath_core::diagnostics::CancelFlag;
-use grainpath_core::tuned::Tuned;
 
 use super::elements::PlateElements;
 use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
@@ -60,11 +59,11 @@ struct Front {
 }
 
 /// Halving ends at this number of nodes, which are eliminated in one front: the bookkeeping of smaller fronts costs more
-/// than they save. Measured: row `fea.strength.fronts.LEAF` of `cargo xtask bench constants`.
-static LEAF: Tuned<usize> = Tuned::new("fea.strength.fronts.LEAF", 24);
+/// than they save. Source: chosen; it changes speed and the order of additions alone.
+const LEAF: usize = 24;
 /// Two halves with at most this number of fronts together are done by one thread, since a second one would cost more than
-/// it saves. Measured: row `fea.strength.fronts.MANY` of `cargo xtask bench constants`.
-static MANY: Tuned<usize> = Tuned::new("fea.strength.fronts.MANY", 64);
+/// it saves. Source: chosen; it changes speed alone.
+const MANY: usize = 64;
 
 impl Fronts {
     /// Orders the nodes and allocates the fronts; nothing is factored yet. `added` are stiffnesses between the unknowns
@@ -270,7 +269,7 @@ fn back(fronts: &mut [Front], above: &[f64]) {
     }
     last.found.clear();
     last.found.extend_from_slice(&part[..2 * last.own]);
-    let many = before.len() > MANY.value();
+    let many = before.len() > MANY;
     let (first, second) = before.split_at_mut(last.halves[0]);
     if many {
         rayon::join(|| back(first, &part), || back(second, &part));
@@ -292,7 +291,7 @@ fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
     };
     let spans = [span(0), span(1)];
     let axis = usize::from(spans[1].1 - spans[1].0 > spans[0].1 - spans[0].0);
-    if nodes.len() <= LEAF.value() || spans[axis].0 == spans[axis].1 {
+    if nodes.len() <= LEAF || spans[axis].0 == spans[axis].1 {
         fronts.push(Front { nodes: nodes.to_vec(), ..Front::default() });
         return;
     }

@@ -68,8 +68,8 @@ struct Ribbon {
 }
 
 /// A bead counts as this wide at most, mm: more volume on its length is a blob, laid while hardly moving, and stands higher
-/// instead. Measured: row `fea.strength.laminate.WIDEST` of `cargo xtask bench constants`.
-static WIDEST: Tuned<f64> = Tuned::new("fea.strength.laminate.WIDEST", 10.0);
+/// instead. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a margin of 2.5.
+const WIDEST: f64 = 10.0;
 /// Two pieces become one where the point between them lies at most this far from their common line, in widths of the
 /// bead. Measured: row `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
 static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
@@ -85,7 +85,7 @@ fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
 }
 
 fn width(b: &BeadPiece, height_mm: f64) -> f64 {
-    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST.value())
+    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST)
 }
 
 /// A path without wiggles that are finer than the bead. A piece too short for the turns at its ends is merged with that

@@ -36,8 +36,8 @@ impl Default for SolidSettings {
 /// Triangles for each square of a cell's side that the surface covers. Measured: 6.3 for the support of the specimen
 /// `hanging-ball` and 7.4 for that of `dental-tray`, with cells of 0.25 mm.
 const TRIANGLES_PER_FACE: f64 = 7.4;
-/// Planes worked on at once. Measured: row `support.solid.BATCH` of `cargo xtask bench constants`.
-static BATCH: Tuned<usize> = Tuned::new("support.solid.BATCH", 16);
+/// Planes worked on at once. Source: chosen; it changes speed and memory alone.
+const BATCH: usize = 16;
 /// Crossings keep this share of an edge's length from its ends, so that no triangle is without area. Measured: row
 /// `support.solid.EDGE_SHARE` of `cargo xtask bench constants`.
 static EDGE_SHARE: Tuned<f64> = Tuned::new("support.solid.EDGE_SHARE", 0.04);
@@ -66,7 +66,7 @@ pub fn solid(
     let grid = PlaneGrid::over(bounds, settings.cell_mm.max(affordable));
     let mut mesher = Mesher::new(grid);
     let mut below: Option<Plane> = None;
-    for batch in planes.chunks(BATCH.value()) {
+    for batch in planes.chunks(BATCH) {
         diagnostics.check()?;
         let fields: Vec<Plane> =
             batch.par_iter().map(|&(z, k)| grid.plane(z, k.map(|k| regions[k]))).collect();

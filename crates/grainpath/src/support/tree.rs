@@ -190,9 +190,9 @@ struct Meeting {
     at: DVec3,
 }
 
-/// Candidates tried at most before a node goes on alone. Measured: row `support.tree.TRIES` of `cargo xtask bench
-/// constants`.
-static TRIES: Tuned<usize> = Tuned::new("support.tree.TRIES", 24);
+/// Candidates tried at most before a node goes on alone, so that crowded parts end in time. Source: chosen. For both
+/// specimens of `grainpath specimen` a single one gives the same trees.
+const TRIES: usize = 24;
 /// Length of branch that a foot counts as when joints are weighed, mm. Measured: row `support.tree.FOOT_MM` of `cargo xtask bench constants`.
 static FOOT_MM: Tuned<f64> = Tuned::new("support.tree.FOOT_MM", 8.0);
 /// The shortest piece of trunk left below a joint, mm.
@@ -312,7 +312,7 @@ impl Grower<'_> {
     fn meet(&mut self, name: u32, plate: bool) -> bool {
         let mut meetings = self.meetings(name, plate);
         meetings.sort_by(|a, b| b.gain_mm.total_cmp(&a.gain_mm).then(a.with.cmp(&b.with)));
-        for m in meetings.iter().take(TRIES.value()) {
+        for m in meetings.iter().take(TRIES) {
             if self.can_meet(name, m, plate) {
                 self.join(name, m, plate);
                 return true;
@@ -335,7 +335,7 @@ impl Grower<'_> {
         for ring in 0..self.index.cells().n_rings() {
             let nearest = self.index.cells().ring_distance_mm(ring);
             let bound = alone + FOOT_MM.value() - cost * nearest;
-            if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES.value() && bound < best) {
+            if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES && bound < best) {
                 break;
             }
             for (_, other) in self.index.ring(p.truncate(), ring) {

@@ -34,8 +34,8 @@ static ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.finish.ROUNDS", 2);
 /// Measured: row `fill.continuous.finish.CORNER` of `cargo xtask bench constants`.
 static CORNER: Tuned<f64> = Tuned::new("fill.continuous.finish.CORNER", 0.64);
 /// Neighbours are looked for up to this distance first, in beads: nearly all lie nearer.
-/// Measured: row `fill.continuous.finish.NEAR` of `cargo xtask bench constants`.
-static NEAR: Tuned<f64> = Tuned::new("fill.continuous.finish.NEAR", 1.2);
+/// Source: chosen; it changes speed alone, for [`FAR`] finds the same neighbours.
+const NEAR: f64 = 1.2;
 /// Neighbours are looked for up to this distance where none lies nearer, in beads.
 /// Measured: row `fill.continuous.finish.FAR` of `cargo xtask bench constants`.
 static FAR: Tuned<f64> = Tuned::new("fill.continuous.finish.FAR", 2.6);
@@ -51,9 +51,9 @@ static AT_CORNERS: Tuned<f64> = Tuned::new("fill.continuous.finish.AT_CORNERS", 
 /// A bead is moved where the free space on its two sides differs by more than this, in beads.
 /// Measured: row `fill.continuous.finish.UNEVEN` of `cargo xtask bench constants`.
 static UNEVEN: Tuned<f64> = Tuned::new("fill.continuous.finish.UNEVEN", 0.08);
-/// A line that lies this far outside its infill region counts as inside, mm.
-/// Measured: row `fill.continuous.finish.ON_EDGE_MM` of `cargo xtask bench constants`.
-static ON_EDGE_MM: Tuned<f64> = Tuned::new("fill.continuous.finish.ON_EDGE_MM", 0.002);
+/// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
+/// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
+const ON_EDGE_MM: f64 = 0.002;
 /// A loop of a line over itself up to this length is cut off, in beads.
 /// Measured: row `fill.continuous.finish.SMALL_LOOP` of `cargo xtask bench constants`.
 static SMALL_LOOP: Tuned<f64> = Tuned::new("fill.continuous.finish.SMALL_LOOP", 5.0);
@@ -126,7 +126,7 @@ pub(super) fn lay(
         .map(|points| Line { points: dense_at_corners(&points, spacing), closed: true })
         .collect();
     let inside = LineClipper::new(&Region::from(infill_region.clone()));
-    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS.value() * spacing);
+    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS * spacing);
     let first = neighbours(&laid);
     let mut sides = spaces_beside(&laid, &first, spacing, None);
     let mut lines = Vec::new();
@@ -143,8 +143,7 @@ pub(super) fn lay(
     }
     drop(first);
     // A point exactly on the region's edge counts as inside.
-    let grown =
-        LineClipper::new(&Region::from(infill_region.clone()).offset(ON_EDGE_MM.value(), Join::Miter(2.0)));
+    let grown = LineClipper::new(&Region::from(infill_region.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
     let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
         let changed = cut_small_loops(&mut lines, spacing);
         let settled = neighbours(&lines);
@@ -243,7 +242,7 @@ fn spaces_beside(
             }
             *last = None;
             let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = sees(NEAR.value()).or_else(|| sees(FAR.value())) else { return Space::Open };
+            let Some(hit) = sees(NEAR).or_else(|| sees(FAR.value())) else { return Space::Open };
             let Some(other) = hit.line else { return Space::Border(hit.distance_mm) };
             *last = Some((other, hit.segment));
             if hit.distance_mm > GAP.value() * spacing_mm {
@@ -385,7 +384,7 @@ fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
 fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     let mut changed = false;
     for _ in 0..8 {
-        let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS.value() * spacing_mm).crossings();
+        let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings();
         let mut done: Vec<usize> = Vec::new();
         for [(l, i), (m, j)] in pairs {
             // Cutting a loop renumbers the segments of its line, so each line is cut once a round.

@@ -31,8 +31,8 @@ use super::super::field::widths::{Line, Neighbours};
 /// constants`.
 pub(super) static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
 /// Side of the squares of the grid that segments are sorted into, in beads.
-/// Measured: row `fill.continuous.rings.SEEN_BEADS` of `cargo xtask bench constants`.
-pub(super) static SEEN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.rings.SEEN_BEADS", 2.0);
+/// Source: chosen; it changes speed alone.
+pub(super) const SEEN_BEADS: f64 = 2.0;
 
 /// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -189,7 +189,7 @@ impl Rings {
             all
         };
         let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
-        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS.value() * spacing_mm);
+        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS * spacing_mm);
         let infill_region = LineClipper::new(&Region::from(infill_region.clone()));
         Self { lines, arcs, neighbours, infill_region, spacing_mm }
     }

@@ -7,7 +7,6 @@
 //! bucket, and compares sides exactly.
 
 use grainpath_core::poly::{Join, LineClipper};
-use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
 
 use super::super::field::widths::{Line, Neighbours};
@@ -65,8 +64,8 @@ impl Note {
 }
 
 /// Paths may lie this far outside their infill region, mm: coordinates are rounded and points thinned.
-/// Measured: row `fill.continuous.verify.SLACK_MM` of `cargo xtask bench constants`.
-static SLACK_MM: Tuned<f64> = Tuned::new("fill.continuous.verify.SLACK_MM", 0.01);
+/// Source: derived. Twice the distance by which thinning moves a line.
+const SLACK_MM: f64 = 0.01;
 
 /// Checks the paths of a region: rings apart from the first one, crossings, and points outside.
 pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
@@ -76,15 +75,12 @@ pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64
     }
     let lines: Vec<Line> =
         paths.iter().map(|p| Line { points: p.points.clone(), closed: p.closed }).collect();
-    for [(line, segment), _] in Neighbours::new(&lines, &Region::default(), SEEN_BEADS.value() * spacing_mm)
-        .crossings()
-        .into_iter()
-        .take(3)
+    for [(line, segment), _] in
+        Neighbours::new(&lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings().into_iter().take(3)
     {
         notes.push(Note { at_mm: lines[line].points[segment], what: Problem::Crossing });
     }
-    let inside =
-        LineClipper::new(&Region::from(infill_region.clone()).offset(SLACK_MM.value(), Join::Miter(2.0)));
+    let inside = LineClipper::new(&Region::from(infill_region.clone()).offset(SLACK_MM, Join::Miter(2.0)));
     let leaves = |l: &Line| {
         let out = l.points.first().is_some_and(|&p| !inside.contains(p));
         let crossing = || (0..l.n_segments()).map(|s| l.segment(s)).find(|s| inside.meets(s.0, s.1));
