@@ -76,7 +76,6 @@ impl PlaneMesh {
             .collect();
         (piece, number.len())
     }
-
 }
 
 /// The mesh of a region with sides of at most `longest_mm`, finer around small holes.

@@ -19,7 +19,7 @@
 //!    ([`widest_place`]);
 //! 2. offsets grow from all seeds at once, a bead each round, and an offset ends where it leaves the
 //!    field by more than [`FARTHEST_RAD`];
-//! 3. what is then still open is filled with more seeds, streamlines one bead apart
+//! 3. what is then still open gets seeds and offsets again, and at last streamlines one bead apart
 //!    (`Jobard1997`), so that every field is filled, point defects included.
 //!
 //! All beads have one width, so wherever the field diverges wedges narrower than a bead stay open;
@@ -52,6 +52,9 @@ static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
 /// An offset ends where it leaves the field by more than this. Source: chosen; plans whose mean
 /// angle is larger are warned of (`guide-far`).
 const FARTHEST_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// How often seeds far apart are laid into what is still open. Source: chosen. What two rounds leave
+/// open on a radial disk is narrower than two seeds far apart.
+const SEED_ROUNDS: usize = 2;
 /// How far ends on the border are drawn out before a line is offset, in beads. Source: derived. An
 /// offset by one bead reaches a border that the line meets at 27 degrees or more.
 const DRAWN_OUT: f64 = 2.0;
@@ -70,11 +73,15 @@ impl Infill for SeedLines {
         let axis = |p: DVec2| axis_of(field, context, p);
         let mut free =
             FreeArea { infill_region: &infill_region, free: infill_region.clone(), step, axis: &axis };
-        let mut seeds = free.seeds();
-        let mut offsets = free.grown_from(&seeds);
-        let more = free.streamlines();
+        let (mut seeds, mut offsets) = (Vec::new(), Vec::new());
+        let mut more = free.seeds(true);
+        for round in 0..=SEED_ROUNDS {
+            offsets.extend(free.grown_from(&more));
+            seeds.append(&mut more);
+            more = if round < SEED_ROUNDS { free.seeds(false) } else { free.streamlines() };
+        }
         offsets.extend(free.grown_from(&more));
-        seeds.extend(more);
+        seeds.append(&mut more);
         let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
         let bead = |l: &Line| {
             let points = simplify_line(&l.points, TOLERANCE_MM);
@@ -105,7 +112,7 @@ impl Infill for SeedLines {
 struct FreeArea<'a> {
     /// Where centrelines may lie at all.
     infill_region: &'a Region,
-    /// Where further centrelines may lie: at least a bead from every line that is laid.
+    /// Where further centrelines may lie: at least [`KEPT_FREE`] of the spacing from every line that is laid.
     free: Region,
     /// Distance of neighbouring lines, mm.
     step: f64,
@@ -114,11 +121,12 @@ struct FreeArea<'a> {
 }
 
 impl FreeArea<'_> {
-    /// Streamlines far apart, the first one through the middle of the widest place.
-    fn seeds(&mut self) -> Vec<Line> {
+    /// Streamlines far apart, the first one through the middle of the widest place; with `whole` only
+    /// those that run from border to border.
+    fn seeds(&mut self, whole: bool) -> Vec<Line> {
         let spacing = SEED_SPACING.value();
         // A seed line may run on until it is one bead away from another one.
-        let lines = self.traced(&[widest_place(self.infill_region, self.step)], spacing, 1.0 / spacing, true);
+        let lines = self.traced(&[widest_place(&self.free, self.step)], spacing, 1.0 / spacing, whole);
         lines.iter().for_each(|line| self.take(line));
         lines
     }
