@@ -156,3 +156,89 @@ fn a_reserve_is_told_in_words_or_the_reason_why_not() {
     let page = fs::read_to_string(dir.join("two.html")).expect("a page");
     assert!(page.contains("first failure, case double"), "the page tells every case");
 }
+
+/// A square plate that is pulled along x and, at another time, along y, turned by an angle. `single` is the weight of the pull
+/// along y and of that along x where all layers follow the weighted sum.
+fn crossed(deg: f64, single: Option<[f64; 2]>) -> String {
+    let side = |at: [f64; 3], normal: [f64; 3]| {
+        format!("{{ plane = {{ point_mm = {at:?}, normal = {normal:?}, tolerance_mm = 0.01 }} }}")
+    };
+    let (left, below) = (side([0.0; 3], [1.0, 0.0, 0.0]), side([0.0; 3], [0.0, 1.0, 0.0]));
+    let (right, above) = (side([20.0, 0.0, 0.0], [1.0, 0.0, 0.0]), side([0.0, 20.0, 0.0], [0.0, 1.0, 0.0]));
+    let [of_x, of_y] = single.unwrap_or([1.0; 2]);
+    let mix = if single.is_some() { "weights" } else { "reserve" };
+    format!(
+        "[shape]\noutline = \"square.svg\"\nthickness_mm = 0.8\nrotate_deg = [0, 0, {deg}]\n[material]\nprofile = \"pa-cf\"\n\
+         [process]\nwalls = 1\n[guide]\nkind = \"stress\"\nframe = \"part\"\nelement_mm = 1.5\ncase_mix = \"{mix}\"\n\
+         [[guide.fixture]]\non = {left}\nfix = \"normal\"\n[[guide.fixture]]\non = {below}\nfix = \"normal\"\n\
+         [[guide.case]]\nname = \"pull-x\"\nweight = {of_x}\nload = [{{ on = {right}, force_n = [300, 0, 0] }}]\n\
+         [[guide.case]]\nname = \"pull-y\"\nweight = {of_y}\nload = [{{ on = {above}, force_n = [0, 300, 0] }}]\n\
+         [fill]\npattern = \"stripes\"\ndensity = 1.0\n[strength]\ncell_mm = 0.45\ncheck = false\ncorners = false\n"
+    )
+}
+
+/// The jobs of a crossed pair of cases: the mix, and all layers along x and along y.
+fn write_crossed(dir: &Path, deg: f64) {
+    let square = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20mm\" height=\"20mm\" viewBox=\"0 0 20 20\"><path d=\"M0 0H20V20H0Z\"/></svg>\n";
+    fs::write(dir.join("square.svg"), square).expect("written");
+    for (name, single) in [("mix", None), ("x", Some([1.0, 1e-6])), ("y", Some([1e-6, 1.0]))] {
+        fs::write(dir.join(format!("{name}.toml")), crossed(deg, single)).expect("written");
+    }
+}
+
+#[test]
+fn layers_in_turn_serve_a_crossed_pair_of_cases() {
+    for deg in [0.0, 37.0] {
+        let dir = folder(&format!("crossed cases {deg}"));
+        write_crossed(&dir, deg);
+        let [mix, x, y] = ["mix", "x", "y"].map(|name| {
+            let out = grainpath(&dir, &["run", &format!("{name}.toml"), "--json"]);
+            let report = json(&out);
+            assert!(out.status.success(), "{report}");
+            (number(&report["reserve"]["first_failure"][1]), report)
+        });
+        assert!(mix.0 >= 1.25 * x.0.max(y.0), "{deg}: {} {} {}", mix.0, x.0, y.0);
+        let served = &mix.1["stress"]["served"];
+        assert_eq!(served[0]["case"], "pull-x", "{served}");
+        assert_eq!(
+            (&served[0]["layers"], &served[1]["layers"]),
+            (&Value::from(vec![1, 3]), &Value::from(vec![2, 4]))
+        );
+        assert!(x.1["stress"]["served"].is_null());
+        let told = grainpath(&dir, &["run", "mix.toml", "--set", "output.report=mix.html"]);
+        let text = String::from_utf8_lossy(&told.stdout).into_owned();
+        assert!(text.contains("directions of case pull-y: layers 2, 4"), "{text}");
+        let page = fs::read_to_string(dir.join("mix.html")).expect("a page");
+        assert!(page.contains("directions of case pull-x"), "the page tells the layers of each case");
+    }
+}
+
+#[test]
+fn the_strength_test_confirms_layers_in_turn() {
+    for deg in [0.0, 37.0] {
+        let dir = folder(&format!("crossed cases broken {deg}"));
+        write_crossed(&dir, deg);
+        let [mix, x, y] = ["mix", "x", "y"].map(|name| {
+            let out = grainpath(&dir, &["strength", &format!("{name}.toml"), "--json"]);
+            let report = json(&out);
+            assert!(out.status.success(), "{report}");
+            let cases = report["strength"]["cases"].as_array().expect("both cases");
+            cases.iter().map(|case| number(&case["factor"])).fold(f64::INFINITY, f64::min)
+        });
+        eprintln!("{deg} degrees: in turn {mix:.2}, along x {x:.2}, along y {y:.2} times the load");
+        assert!(mix >= 1.25 * x.max(y), "{deg}: {mix} {x} {y}");
+    }
+}
+
+#[test]
+fn cases_without_strengths_are_summed_and_said_to_be() {
+    let dir = folder("crossed cases without strengths");
+    write_crossed(&dir, 0.0);
+    let plain = crossed(0.0, None).replace("profile = \"pa-cf\"", "profile = \"bare.toml\"");
+    fs::write(dir.join("bare.toml"), "name = \"bare\"\n").expect("written");
+    fs::write(dir.join("plain.toml"), plain).expect("written");
+    let report = json(&grainpath(&dir, &["run", "plain.toml", "--json"]));
+    let warnings = report["warnings"].as_array().unwrap_or_else(|| panic!("{report}"));
+    assert!(warnings.iter().any(|w| w["id"] == "cases-by-weight"), "{report}");
+    assert!(report["stress"]["served"].is_null(), "{report}");
+}

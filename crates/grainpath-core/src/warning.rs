@@ -172,6 +172,9 @@ warning_ids! {
     GuideTwoDirections = "guide-two-directions",
         "In most of the part tension and compression of about equal amount cross, so that no single direction carries the load.",
         "set guide.follow = \"alternate\": layers then follow tension and compression in turn";
+    CasesByWeight = "cases-by-weight",
+        "The strengths of the material are not known, so directions for several load cases are their weighted sum.",
+        "give the material a card with strengths, or set guide.case_mix = \"weights\"";
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
         "check the numbered corners in the picture of the photograph, or give corners_px";

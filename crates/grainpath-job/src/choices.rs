@@ -190,6 +190,11 @@ choices! {
         Compression = "compression", "the largest compression.";
         Alternate = "alternate", "both, in turn from layer to layer.";
     }
+    /// How layers serve several load cases (`guide.case_mix`).
+    enum CaseMix {
+        Reserve = "reserve", "layers follow the cases in turn, in the mix whose least reserve over all cases is largest; weights decide between equal mixes.";
+        Weights = "weights", "all layers follow one sum of the cases, each times its weight.";
+    }
     /// Model of the stress analysis (`guide.analysis`).
     enum Analysis {
         Auto = "auto", "`plane` where the part has one section and is loaded in its plane, else `solid`.";

@@ -97,7 +97,7 @@ pub struct Load {
 pub struct Case {
     /// Name in reports.
     pub name: String,
-    /// Weight where the directions of several cases are combined.
+    /// Weight of the case where directions are one sum of the cases, and where several mixes of them are equally good.
     pub weight: f64,
     /// Loads of the case.
     pub loads: Vec<Load>,

@@ -17,9 +17,9 @@ use super::regions::JobRegion;
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use super::wall_count::WallCount;
 use crate::choices::{
-    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder,
-    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
-    FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
+    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree,
+    ComponentOrder, Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns,
+    Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
     Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
     SupportSurface, Threshold, WallOrder,
 };
@@ -263,6 +263,7 @@ sections! {
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
         load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole) or torque_nmm (about the axis of the place); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
+        case_mix: CaseMix = CaseMix::Reserve, "", Any, "How layers serve several load cases, for patterns that follow the guide.";
         import: String = String::new(), "", Any, "File of a stress result to use instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD or CSV, in the coordinates of the mesh file.";
         import_array: Option<String> = None, "", Any, "Name of the stress array in the imported file; unset: found by the usual names.";
         import_order: Option<ComponentOrder> = None, "", Any, "Order of the stress components in the imported file; unset: by their names, else vtk.";

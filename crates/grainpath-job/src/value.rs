@@ -9,7 +9,7 @@ use serde_json::json;
 use toml::Value;
 
 use crate::choices::{
-    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice,
+    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree, Choice,
     ComponentOrder, Contours, CurveJoin, Denoise, DensityBy, Elasticity, FibreStart, FibreToolKind,
     FibreTurns, Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode,
     GuideKind, Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
@@ -279,6 +279,7 @@ choice_values!(
     Bend,
     BoardCorners,
     ByteOrder,
+    CaseMix,
     CellTree,
     ComponentOrder,
     Contours,

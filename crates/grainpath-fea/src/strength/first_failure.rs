@@ -94,18 +94,13 @@ pub fn first_failure_of_plate<const N: usize>(
             return worst;
         }
         let Some(stress) = stress(cell) else { return worst };
-        let mut mean: PlaneStiffness = [[0.0; 3]; 3];
-        for ply in plies {
-            let c = rotated_plane(&own[usize::from(ply.material)], ply.angle_rad);
-            let share = ply.thickness_mm / thickness_mm;
-            (0..9).for_each(|k| mean[k / 3][k % 3] += share * c[k / 3][k % 3]);
-        }
+        let mean = mean_stiffness_of_plies(
+            plies.iter().map(|p| (&own[usize::from(p.material)], p.angle_rad, p.thickness_mm / thickness_mm)),
+        );
         let mean = strain(&mean, stress);
         for ply in plies {
-            let along = plane_strain_along(mean, ply.angle_rad);
             let material = usize::from(ply.material);
-            let stress: [f64; 3] =
-                std::array::from_fn(|i| own[material][i].iter().zip(along).map(|(c, e)| c * e).sum());
+            let stress = stress_of_ply(&own[material], mean, ply.angle_rad);
             for (worst, cards) in worst.iter_mut().zip(cards) {
                 let card = &cards[material];
                 let ([through, between], mode) = card.indices(stress);
@@ -117,6 +112,53 @@ pub fn first_failure_of_plate<const N: usize>(
         }
         worst
     })))
+}
+
+/// The mean stiffness of plies that strain alike: the own stiffness of each, its direction, and its share of the thickness.
+fn mean_stiffness_of_plies<'a>(
+    plies: impl Iterator<Item = (&'a PlaneStiffness, f64, f64)>,
+) -> PlaneStiffness {
+    let mut mean: PlaneStiffness = [[0.0; 3]; 3];
+    for (own, angle_rad, share) in plies {
+        let c = rotated_plane(own, angle_rad);
+        (0..9).for_each(|k| mean[k / 3][k % 3] += share * c[k / 3][k % 3]);
+    }
+    mean
+}
+
+/// The stress in the axes of a ply under the strain of all plies.
+fn stress_of_ply(own: &PlaneStiffness, mean_strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
+    let along = plane_strain_along(mean_strain, angle_rad);
+    std::array::from_fn(|i| own[i].iter().zip(along).map(|(c, e)| c * e).sum())
+}
+
+/// Plies of one material that lie on each other and strain alike in their plane, at any directions and shares.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlyJudge {
+    card: StrengthCard,
+    own: PlaneStiffness,
+}
+
+impl PlyJudge {
+    /// Plies of the material of a card.
+    pub(super) fn new(card: &StrengthCard) -> Result<Self, Unstable> {
+        Ok(Self { card: *card, own: damaged_plane_stiffness(&card.elastic, [0.0; 2])? })
+    }
+
+    /// The failure index of the ply that fails first, under each of several plane stresses on all of them. `plies` has the
+    /// direction of each ply and its share of the thickness.
+    pub(super) fn indices(&self, plies: &[(f64, f64)], stresses: &[[f64; 3]], out: &mut Vec<f64>) {
+        out.clear();
+        let mean = mean_stiffness_of_plies(plies.iter().map(|(angle, share)| (&self.own, *angle, *share)));
+        out.extend(stresses.iter().map(|stress| {
+            let mean = strain(&mean, *stress);
+            let index = |(angle, _): &(f64, f64)| {
+                let ([through, between], _) = self.card.indices(stress_of_ply(&self.own, mean, *angle));
+                through.max(between)
+            };
+            plies.iter().map(index).fold(0.0, f64::max)
+        }));
+    }
 }
 
 /// The strains under stresses.
@@ -253,6 +295,22 @@ mod tests {
             let found = found.expect("a cell in the middle");
             // Directions of the mean stiffness are rounded by up to 2.8 degrees.
             assert!((found.index / want - 1.0).abs() < 0.02, "{deg}: {} {want}", found.index);
+        }
+    }
+
+    #[test]
+    fn plies_are_judged_as_the_cells_of_a_plate_are() {
+        let card = pla();
+        let judge = PlyJudge::new(&card).expect("stable");
+        for stress in [[10.0, 0.0, 0.0], [0.0, -8.0, 2.0], [3.0, 5.0, -4.0]] {
+            let laminate = Laminate::from_layers(&sheets(&[20.0, 110.0, 20.0]), 0.4).expect("cells");
+            let at = |cell: usize| middle(laminate.grid.centre(cell)).then_some(stress);
+            let [found] = first_failure_of_plate(&laminate, &[vec![card]], &at).expect("stable");
+            let plies = [(20f64.to_radians(), 2.0 / 3.0), (110f64.to_radians(), 1.0 / 3.0)];
+            let mut told = Vec::new();
+            judge.indices(&plies, &[stress, [0.0; 3]], &mut told);
+            assert!((told[0] / found.expect("a cell").index - 1.0).abs() < 1e-3, "{stress:?}: {told:?}");
+            assert_eq!(told[1], 0.0);
         }
     }
 

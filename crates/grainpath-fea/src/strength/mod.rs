@@ -21,6 +21,7 @@ pub mod laminate;
 mod load_stepping;
 pub mod plate_strength;
 pub mod plate_system;
+pub mod ply_mix;
 mod wall_bending;
 
 use grainpath_core::DVec3;

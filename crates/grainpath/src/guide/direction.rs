@@ -6,6 +6,8 @@
 //! angles, in which an axis has no sign). Cost: a sparse solve by conjugate gradients, linear in
 //! the nodes for each iteration.
 
+use std::sync::Arc;
+
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::poly::edges;
 use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Region};
@@ -37,7 +39,7 @@ pub struct DirectionSettings {
 ///
 /// At the nodes the axis is kept as the vector `(cos 2a, sin 2a)`, which has no sign to choose.
 pub struct LayerField {
-    mesh: Option<FieldMesh>,
+    mesh: Option<Arc<FieldMesh>>,
     double: Vec<DVec2>,
     strength: Vec<f64>,
     principal_mpa: Vec<[f64; 2]>,
@@ -50,18 +52,56 @@ pub(super) const EITHER: f64 = 0.25;
 /// Weight of a free border relative to that of a large stress.
 const BORDER_WEIGHT: f64 = 0.2;
 
-impl LayerField {
-    /// The field of a section at height `z_mm` under all cases. `free` is true for points of the
-    /// border that are neither held nor loaded.
+/// A layer's section with the stress of every case at its nodes, from which the fields of several weightings are made.
+pub struct StressedSection<'a> {
+    region: &'a Region,
+    z_mm: f64,
+    cases: &'a [CaseStress],
+    /// `None` for an empty section.
+    mesh: Option<Arc<FieldMesh>>,
+    /// The stress of each case at each node.
+    stresses: Vec<Vec<[f64; 3]>>,
+    /// Nodes at free borders, with the border's tangent.
+    border: Vec<(u32, DVec2)>,
+}
+
+impl<'a> StressedSection<'a> {
+    /// The section at height `z_mm` under all cases. `free` is true for points of the border that are neither held nor
+    /// loaded.
     pub fn new(
-        region: &Region,
+        region: &'a Region,
         z_mm: f64,
-        cases: &[CaseStress],
+        cases: &'a [CaseStress],
         free: &dyn Fn(DVec3) -> bool,
         settings: &DirectionSettings,
     ) -> Self {
-        let Some(mesh) = FieldMesh::over(region, settings.cell_mm) else {
-            return Self {
+        let mesh = FieldMesh::over(region, settings.cell_mm).map(Arc::new);
+        let nodes = mesh.as_ref().map_or(&[][..], |m| &m.nodes);
+        let stresses =
+            nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();
+        let border = match &mesh {
+            Some(mesh) if settings.tangent => tangents(mesh, region, z_mm, free),
+            _ => Vec::new(),
+        };
+        Self { region, z_mm, cases, mesh, stresses, border }
+    }
+
+    /// The places of the nodes and the stress of every case at each of them.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = (DVec3, &[[f64; 3]])> {
+        let nodes = self.mesh.iter().flat_map(|m| &m.nodes).map(|p| p.extend(self.z_mm));
+        nodes.zip(self.stresses.iter().map(Vec::as_slice))
+    }
+
+    /// The field that weighs the cases by `emphasis`. `free` is that of [`Self::new`].
+    pub fn field(
+        &self,
+        emphasis: &[f64],
+        free: &dyn Fn(DVec3) -> bool,
+        settings: &DirectionSettings,
+    ) -> LayerField {
+        let Self { region, z_mm, cases, stresses, border, .. } = self;
+        let Some(mesh) = self.mesh.clone() else {
+            return LayerField {
                 mesh: None,
                 double: Vec::new(),
                 strength: Vec::new(),
@@ -69,17 +109,14 @@ impl LayerField {
                 degenerate: Degenerates::default(),
             };
         };
-        let stresses: Vec<Vec<[f64; 3]>> =
-            mesh.nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();
-        let border = if settings.tangent { tangents(&mesh, region, z_mm, free) } else { Vec::new() };
         // The loss of a direction is the sum over cases of |s1 - s2| times the squared sine of the
         // angle to the principal axis. In double angles that sum is a single vector.
         let wanted = |near: Option<&[DVec2]>| -> Vec<(DVec2, f64)> {
             let node = |(i, tensors): (usize, &Vec<[f64; 3]>)| {
-                tensors.iter().zip(cases).fold((DVec2::ZERO, 0.0), |(sum, all), (tensor, case)| {
+                tensors.iter().zip(emphasis).fold((DVec2::ZERO, 0.0), |(sum, all), (tensor, emphasis)| {
                     let (axis, certain) = followed(*tensor, settings.follow, near.map(|n| n[i]));
                     let p = plane_principal(*tensor);
-                    let loss = case.weight * (p.values_mpa[0] - p.values_mpa[1]);
+                    let loss = emphasis * (p.values_mpa[0] - p.values_mpa[1]);
                     (sum + certain * loss * axis, all + loss)
                 })
             };
@@ -87,12 +124,12 @@ impl LayerField {
         };
         let first = wanted(None);
         let scale = typical(first.iter().map(|w| w.1));
-        let mut double = settle(&mesh, &first, scale, &border, settings, None);
+        let mut double = settle(&mesh, &first, scale, border, settings, None);
         // Where both principal stresses are about equal in amount the choice depends on the
         // neighbourhood: two more rounds let it follow the field found so far.
         if matches!(settings.follow, Follow::MaxAbs | Follow::Alternate) {
             for _ in 0..2 {
-                double = settle(&mesh, &wanted(Some(&double)), scale, &border, settings, Some(&double));
+                double = settle(&mesh, &wanted(Some(&double)), scale, border, settings, Some(&double));
             }
         }
         double.iter_mut().for_each(|q| *q = q.normalize_or(DVec2::X));
@@ -101,9 +138,8 @@ impl LayerField {
         if settings.across {
             double.iter_mut().for_each(|q| *q = -*q);
         }
-        // The stresses along and across are those of the case with the largest weight.
-        let main =
-            (0..cases.len()).max_by(|&a, &b| cases[a].weight.total_cmp(&cases[b].weight).then(b.cmp(&a)));
+        // The stresses along and across are those of the case that counts most.
+        let main = heaviest(emphasis);
         let principal_mpa = stresses
             .iter()
             .zip(&double)
@@ -113,12 +149,31 @@ impl LayerField {
                 main.map_or([0.0; 2], |m| [along(s[m], axis), along(s[m], across)])
             })
             .collect();
-        let degenerate = main.filter(|_| settings.find_degenerate).map(|m| {
+        let weights: Vec<f64> = cases.iter().map(|c| c.weight).collect();
+        let degenerate = heaviest(&weights).filter(|_| settings.find_degenerate).map(|m| {
             let nodal: Vec<[f64; 3]> = stresses.iter().map(|s| s[m]).collect();
-            let at = |p: DVec2| cases[m].stress.at(p.extend(z_mm));
-            of_section(&mesh, &nodal, region, &at, &|p| free(p.extend(z_mm)))
+            let at = |p: DVec2| cases[m].stress.at(p.extend(*z_mm));
+            of_section(&mesh, &nodal, region, &at, &|p| free(p.extend(*z_mm)))
         });
-        Self { mesh: Some(mesh), double, strength, principal_mpa, degenerate: degenerate.unwrap_or_default() }
+        LayerField {
+            mesh: Some(mesh),
+            double,
+            strength,
+            principal_mpa,
+            degenerate: degenerate.unwrap_or_default(),
+        }
+    }
+}
+
+/// The index of the largest of some weights, the first of equal ones.
+fn heaviest(weights: &[f64]) -> Option<usize> {
+    (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]).then(b.cmp(&a)))
+}
+
+impl LayerField {
+    /// The axis at each node, radians, in the order of [`StressedSection::nodes`].
+    pub(super) fn axes_rad(&self) -> impl Iterator<Item = f64> {
+        self.double.iter().map(|q| 0.5 * atan2(q.y, q.x))
     }
 
     /// The points where the principal stresses of the case with the largest weight are equal, if
@@ -174,9 +229,9 @@ fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f6
 }
 
 /// The axis that stress alone asks for at a point, as a vector in double angles, and its weight in
-/// MPa: the sum over all cases of |s1 - s2| along the followed axis.
-pub(super) fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
-    let sum = cases.iter().fold(DVec2::ZERO, |sum, case| {
+/// MPa: the sum over all cases of |s1 - s2| along the followed axis, weighed by `emphasis`.
+pub(super) fn asked(cases: &[CaseStress], emphasis: &[f64], follow: Follow, p: DVec3) -> (DVec2, f64) {
+    let sum = cases.iter().zip(emphasis).fold(DVec2::ZERO, |sum, (case, emphasis)| {
         let tensor = case.stress.at(p);
         let [a, b] = plane_principal(tensor).values_mpa;
         let greater = if follow == Follow::Compression || (follow != Follow::Tension && b.abs() > a.abs()) {
@@ -185,7 +240,7 @@ pub(super) fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f
             1.0
         };
         let (s, c) = sin_cos(2.0 * plane_principal(tensor).axis_rad);
-        sum + case.weight * (a - b) * greater * DVec2::new(c, s)
+        sum + emphasis * (a - b) * greater * DVec2::new(c, s)
     });
     (sum.normalize_or(DVec2::X), sum.length())
 }

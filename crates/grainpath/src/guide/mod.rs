@@ -13,41 +13,52 @@ pub mod field;
 pub mod grain;
 mod import;
 mod inside;
+mod mix;
 mod plane;
 mod results;
 mod solid;
 mod trust;
 
 use std::cell::OnceCell;
+use std::ops::Range;
 use std::sync::Arc;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::faces::{FaceError, Faces, Surface};
 use grainpath_core::selection::{Facets, Selection};
 use grainpath_core::triangulation::TriangulationError;
-use grainpath_core::{DMat3, DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
+use grainpath_core::{DMat3, DVec3, Diagnostics, DirectionField, Layer, LayerStack, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, CatchesNothing, Fixture, Held, Load, LoadCase};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
 use grainpath_fea::principal::{PlaneTensor, plane_principal};
 use grainpath_fea::resultant::CaseBalance;
 use grainpath_fea::solid::SolidError;
+use grainpath_fea::strength::card::StrengthCard;
+use grainpath_fea::strength::ply_mix::MOST_SLOTS;
 use grainpath_io::fe::{Element, StressField};
 use rayon::prelude::*;
 
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
-pub use direction::{DirectionSettings, Follow, LayerField};
+pub use direction::{DirectionSettings, Follow, LayerField, StressedSection};
 use grainpath_job::choices::{Analysis, Elasticity, LoadFrame};
 use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 
 use crate::shape::Standing;
 pub use inside::{ResultVolume, StressLine};
+use mix::{Family, Fields, LAYERS_OF_A_MIX, mixes_of};
 pub use results::{Families, ResultSurface};
 
 /// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the machine's contact
 /// and not on the part.
 pub const UNBREAKABLE_MM: f64 = 1.5;
+
+/// Distance from a fixture or load within which a strength test with cells of this size does not look for failure, mm.
+fn unbreakable_mm(cell_mm: f64) -> f64 {
+    // The nodes of the test are up to three quarters of a cell away, and cells up to one from those.
+    UNBREAKABLE_MM + 1.75 * cell_mm
+}
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -169,7 +180,9 @@ pub struct StressSummary {
 
 /// Directions for every layer.
 pub struct Guide {
-    layers: Vec<Arc<LayerField>>,
+    layers: Vec<GuidedLayer>,
+    /// The families of directions: one, or that of all cases and one for each.
+    families: Vec<Family>,
     follow: Follow,
     /// Size, solver and main results.
     pub summary: StressSummary,
@@ -181,6 +194,23 @@ pub struct Guide {
     pub is_plate: bool,
     /// Where fixtures and loads act.
     pub places: Vec<Selection>,
+}
+
+/// The directions of a layer.
+#[derive(Clone)]
+struct GuidedLayer {
+    field: Arc<LayerField>,
+    /// The number of its family.
+    family: usize,
+}
+
+/// The layers whose directions are those of a load case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ServedCase {
+    /// Name of the case; `None` for layers that serve all cases together.
+    pub case: Option<String>,
+    /// The layers, from 0.
+    pub layers: Vec<usize>,
 }
 
 /// Stress at the nodes of a mesh.
@@ -203,13 +233,32 @@ pub struct ResultMesh {
 impl Guide {
     /// The field of a layer.
     pub fn layer(&self, i: usize) -> &dyn DirectionField {
-        &*self.layers[i]
+        &*self.layers[i].field
+    }
+
+    /// Which layers serve which load case; empty where every layer has the directions of one weighted sum.
+    pub fn served(&self) -> Vec<ServedCase> {
+        if self.families.len() < 2 {
+            return Vec::new();
+        }
+        let of_family = |(k, family): (usize, &Family)| ServedCase {
+            case: family.serves.and_then(|case| self.cases.get(case)).map(|case| case.name.clone()),
+            layers: (0..self.layers.len()).filter(|i| self.layers[*i].family == k).collect(),
+        };
+        self.families.iter().enumerate().map(of_family).filter(|s| !s.layers.is_empty()).collect()
+    }
+
+    /// How many layers below a layer may have its directions although those between have others.
+    pub fn turns(&self) -> usize {
+        if self.families.len() < 2 { 2 } else { MOST_SLOTS }
     }
 
     /// The axis that stress alone asks for at a point of a layer, before any smoothing, in radians,
     /// and its weight in MPa.
     pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {
-        let (double, weight) = direction::asked(&self.cases, self.follow, p);
+        let family = self.layers.get(layer).and_then(|l| self.families.get(l.family));
+        let emphasis = family.map_or(&[][..], |f| &f.emphasis);
+        let (double, weight) = direction::asked(&self.cases, emphasis, self.follow, p);
         // A sign change in double angles is a turn by 90 degrees: odd layers follow the other
         // family.
         let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
@@ -238,7 +287,7 @@ impl Guide {
     /// the largest weight, or in the first case of a plate.
     pub fn degenerate(&self, layer: usize) -> &Degenerates {
         // Loads that were only checked have no layers, but a plate has its points all the same.
-        self.summary.degenerate.as_ref().unwrap_or_else(|| self.layers[layer].degenerate())
+        self.summary.degenerate.as_ref().unwrap_or_else(|| self.layers[layer].field.degenerate())
     }
 
     /// Number of degenerate points of a kind: in a plate, or in all layers of another part.
@@ -255,8 +304,7 @@ impl Guide {
     /// Where fixtures and loads act and what lies so near to them that it does not fail in a strength test with cells of
     /// this size.
     pub fn grips(&self, cell_mm: f64) -> Vec<Selection> {
-        // The nodes of the test are up to three quarters of a cell away, and cells up to one from those.
-        self.places.iter().map(|on| on.grown(UNBREAKABLE_MM + 1.75 * cell_mm)).collect()
+        self.places.iter().map(|on| on.grown(unbreakable_mm(cell_mm))).collect()
     }
 
     /// Whether the peak stress can be trusted: neither far beyond the strength nor hidden by the mesh.
@@ -271,7 +319,7 @@ impl Guide {
 
     /// Whether two layers share one field.
     pub fn same(&self, i: usize, j: usize) -> bool {
-        Arc::ptr_eq(&self.layers[i], &self.layers[j])
+        Arc::ptr_eq(&self.layers[i].field, &self.layers[j].field)
     }
 }
 
@@ -506,6 +554,9 @@ pub struct StressSettings {
     pub tangent: bool,
     /// Distance between the nodes of a layer's field, mm.
     pub cell_mm: f64,
+    /// The card of the beads, where layers serve several load cases by the least reserve; without it every layer has the
+    /// directions of the weighted sum of the cases.
+    pub mix: Option<StrengthCard>,
 }
 
 /// Solves the loads of a job, or takes the imported stress, and computes the directions of every
@@ -541,18 +592,19 @@ pub fn solved_only(
 ) -> Result<Guide, GuideError> {
     diagnostics.begin(Stage::Guide, 0);
     let solved = solved_or_imported(settings, part, conditions, imported, diagnostics)?;
-    Ok(guide_of(settings, conditions, solved, Vec::new()))
+    Ok(guide_of(settings, conditions, solved, LaidDirections::default()))
 }
 
 fn guide_of(
     settings: &StressSettings,
     conditions: &BoundaryConditions,
     solved: Solved,
-    layers: Vec<Arc<LayerField>>,
+    laid: LaidDirections,
 ) -> Guide {
     let Solved { cases, results, summary, constant: is_plate } = solved;
     let places = conditions.places().cloned().collect();
-    Guide { layers, follow: settings.follow, summary, cases, results, is_plate, places }
+    let LaidDirections { layers, families } = laid;
+    Guide { layers, families, follow: settings.follow, summary, cases, results, is_plate, places }
 }
 
 fn solved_or_imported(
@@ -610,29 +662,100 @@ struct Solved {
     constant: bool,
 }
 
+/// The directions of all layers, and their families.
+#[derive(Default)]
+struct LaidDirections {
+    layers: Vec<GuidedLayer>,
+    families: Vec<Family>,
+}
+
 fn lay_directions(
     settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
     solved: &Solved,
     diagnostics: &Diagnostics,
-) -> Result<Vec<Arc<LayerField>>, GuideError> {
+) -> Result<LaidDirections, GuideError> {
     let layers = part.stack.layers();
+    let cases = &solved.cases;
     // A border is free where no fixture or load acts. Only there the stress across it is zero.
     let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
     let follow = settings.follow;
     let turns = follow == Follow::Alternate;
+    let direction = |i: usize| DirectionSettings {
+        follow,
+        across: turns && i % 2 == 1,
+        smoothing_mm: settings.smoothing_mm,
+        tangent: settings.tangent,
+        cell_mm: settings.cell_mm,
+        find_degenerate: solved.summary.degenerate.is_none(),
+    };
+    let section = |i: usize| {
+        let z_mm = layers[i].z_top_mm() - 0.5 * layers[i].height_mm();
+        StressedSection::new(layers[i].region(), z_mm, cases, &free, &direction(i))
+    };
+    let several = settings.mix.as_ref().filter(|_| cases.len() > 1);
+    let families =
+        several.map_or_else(|| vec![Family::by_weight(cases)], |card| Family::of_cases(cases.len(), card));
+    let grips: Vec<Selection> =
+        conditions.places().map(|on| on.grown(unbreakable_mm(settings.cell_mm))).collect();
+    let counts = |p: DVec3| !grips.iter().any(|on| on.contains(p));
+    // The mix of the largest least reserve in some layers, and the fields of its families.
+    let mixed = |card: &StrengthCard, some: Range<usize>, shares: &dyn Fn(usize) -> Vec<f64>| {
+        let fields = |i: usize| {
+            diagnostics.check()?;
+            Ok(Fields::new(section(i), &families, &free, &direction(i)))
+        };
+        let sections = some.into_par_iter().map(fields).collect::<Result<Vec<_>, Interrupted>>()?;
+        let mix = mixes_of(card, cases, &sections, &counts)?.best(shares, diagnostics)?;
+        Ok::<_, GuideError>((mix, sections))
+    };
+    // In a plate one mix serves all layers, each with its own height.
+    let middle = layers.len() / 2;
+    let of_plate = match several.filter(|_| solved.constant && !layers.is_empty()) {
+        Some(card) => {
+            let all_mm: f64 = layers.iter().map(Layer::height_mm).sum();
+            let shares = |n: usize| -> Vec<f64> {
+                let of_turn =
+                    |turn: usize| layers.iter().skip(turn).step_by(n).map(Layer::height_mm).sum::<f64>();
+                (0..n).map(|turn| of_turn(turn) / all_mm).collect()
+            };
+            Some(mixed(card, middle..middle + 1, &shares)?.0)
+        }
+        None => None,
+    };
+    let family = |i: usize| of_plate.as_ref().map_or(0, |mix| mix[i % mix.len()]);
     // The earlier layer whose field a layer shares; its own index where it has its own.
     let like: Vec<usize> = (0..layers.len())
         .map(|i| {
-            // With alternating families a layer compares with the one two below.
-            let step = if turns { 2 } else { 1 };
-            let same = |k: usize| layers[k].region() == layers[i].region();
-            if solved.constant && i >= step && same(i - step) { i - step } else { i }
+            let same = |k: usize| layers[k].region() == layers[i].region() && family(k) == family(i);
+            // With alternating principal stresses a layer compares with the one two below, with a mix with those of its turns.
+            let steps = match &of_plate {
+                Some(mix) => 1..=mix.len(),
+                None if turns => 2..=2,
+                None => 1..=1,
+            };
+            let found = steps.filter(|step| solved.constant && i >= *step).find(|step| same(i - step));
+            found.map_or(i, |step| i - step)
         })
         .collect();
     diagnostics.begin(Stage::Guide, layers.len());
-    let made: Vec<Result<Option<Arc<LayerField>>, Interrupted>> = (0..layers.len())
+    if let Some(card) = several.filter(|_| !solved.constant) {
+        let firsts: Vec<usize> = (0..layers.len()).step_by(LAYERS_OF_A_MIX).collect();
+        let lay = |first: usize| {
+            let some = first..(first + LAYERS_OF_A_MIX).min(layers.len());
+            diagnostics.advance(some.len());
+            let (mix, sections) = mixed(card, some.clone(), &|n| vec![1.0 / n as f64; n])?;
+            let laid = some.zip(sections).map(|(i, fields)| {
+                let family = mix[i % mix.len()];
+                GuidedLayer { field: Arc::new(fields.take(family)), family }
+            });
+            Ok(laid.collect::<Vec<_>>())
+        };
+        let laid = firsts.into_par_iter().map(lay).collect::<Result<Vec<_>, GuideError>>()?;
+        return Ok(LaidDirections { layers: laid.into_iter().flatten().collect(), families });
+    }
+    let made: Vec<Result<Option<GuidedLayer>, Interrupted>> = (0..layers.len())
         .into_par_iter()
         .map(|i| {
             diagnostics.check()?;
@@ -641,25 +764,17 @@ fn lay_directions(
                 // Shared fields are filled in afterwards, once their originals exist.
                 return Ok(None);
             }
-            let layer = &layers[i];
-            let direction = DirectionSettings {
-                follow,
-                across: turns && i % 2 == 1,
-                smoothing_mm: settings.smoothing_mm,
-                tangent: settings.tangent,
-                cell_mm: settings.cell_mm,
-                find_degenerate: solved.summary.degenerate.is_none(),
-            };
-            let z = layer.z_top_mm() - 0.5 * layer.height_mm();
-            Ok(Some(Arc::new(LayerField::new(layer.region(), z, &solved.cases, &free, &direction))))
+            let family = family(i);
+            let field = section(i).field(&families[family].emphasis, &free, &direction(i));
+            Ok(Some(GuidedLayer { field: Arc::new(field), family }))
         })
         .collect();
-    let mut fields: Vec<Arc<LayerField>> = Vec::with_capacity(layers.len());
-    for (i, field) in made.into_iter().enumerate() {
-        let field = field?.unwrap_or_else(|| Arc::clone(&fields[like[i]]));
-        fields.push(field);
+    let mut laid: Vec<GuidedLayer> = Vec::with_capacity(layers.len());
+    for (i, layer) in made.into_iter().enumerate() {
+        let layer = layer?.unwrap_or_else(|| laid[like[i]].clone());
+        laid.push(layer);
     }
-    Ok(fields)
+    Ok(LaidDirections { layers: laid, families })
 }
 
 #[cfg(test)]

@@ -3,15 +3,17 @@
 use std::f64::consts::{PI, TAU};
 
 use grainpath_core::math::{atan2, direction};
-use grainpath_core::{DVec2, DVec3, Polygon, Region};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Polygon, Region};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::plane::{
     Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, mesh_region, traction_n,
 };
 use grainpath_fea::principal::plane_principal;
+use grainpath_fea::strength::card::StrengthCard;
 
 use super::{
-    CaseStress, Degenerate, DirectionSettings, Follow, InPlaneStress, LayerField, degenerate_points,
+    CaseStress, Degenerate, DirectionSettings, Family, Fields, Follow, InPlaneStress, LayerField,
+    StressedSection, degenerate_points, mixes_of,
 };
 use grainpath_core::streamlines::{LineSettings, trace_line};
 
@@ -138,7 +140,8 @@ fn layer_of(region: &Region, stress: impl Fn(DVec2) -> [f64; 3] + Send + Sync + 
         cell_mm: 0.45,
         find_degenerate: true,
     };
-    LayerField::new(region, 1.0, &[case], &|_| true, &settings)
+    let cases = [case];
+    StressedSection::new(region, 1.0, &cases, &|_| true, &settings).field(&[1.0], &|_| true, &settings)
 }
 
 #[test]
@@ -178,4 +181,91 @@ fn degenerate_points_of_a_section_are_found_where_they_are() {
         let off = (angle.abs() - 30.0).abs().min((angle.abs() - 150.0).abs());
         assert!(off < 2.0, "{angle}");
     }
+}
+
+/// Stiff and strong along the beads.
+fn card(e_mpa: [f64; 3], yt_mpa: f64) -> StrengthCard {
+    StrengthCard {
+        elastic: Orthotropic { e_mpa, nu: [0.4, 0.37, 0.37], g_mpa: [1700.0, 1500.0, 1500.0] },
+        xt_mpa: 105.0,
+        yt_mpa,
+        s12_mpa: 35.0,
+        xc_mpa: 110.0,
+        yc_mpa: 95.0,
+        zt_mpa: 67.7,
+        s_il_mpa: 33.0,
+        g_along_n_mm: 4.0,
+        g_across_n_mm: 1.3,
+    }
+}
+
+/// The mix for a square under cases of an even stress, each with its weight, as families that layers take in turn: 0 for
+/// that of all cases, 1 for that of the first.
+fn mix_of(cases: &[(f64, [f64; 3])], card: &StrengthCard) -> Vec<usize> {
+    let square = Region::rectangle(DVec2::ZERO, DVec2::splat(12.0));
+    let case = |&(weight, stress): &(f64, [f64; 3])| CaseStress {
+        name: format!("{stress:?}"),
+        weight,
+        stress: Box::new(Known(move |_| stress)),
+    };
+    let cases: Vec<CaseStress> = cases.iter().map(case).collect();
+    let settings = DirectionSettings {
+        follow: Follow::MaxAbs,
+        across: false,
+        smoothing_mm: 1.0,
+        tangent: false,
+        cell_mm: 1.0,
+        find_degenerate: false,
+    };
+    let families = Family::of_cases(cases.len(), card);
+    let section = StressedSection::new(&square, 1.0, &cases, &|_| true, &settings);
+    let sections = [Fields::new(section, &families, &|_| true, &settings)];
+    let mixes = mixes_of(card, &cases, &sections, &|_| true).expect("stable");
+    mixes.best(&|n| vec![1.0 / n as f64; n], &Diagnostics::default()).expect("not stopped")
+}
+
+#[test]
+fn layers_take_turns_where_cases_disagree() {
+    let stiff = card([7453.0, 4500.0, 4354.0], 65.0);
+    let (x, y) = ([20.0, 0.0, 0.0], [0.0, 20.0, 0.0]);
+    assert_eq!(mix_of(&[(1.0, x), (1.0, y)], &stiff), [1, 2]);
+    // Weights change nothing where one mix is best.
+    assert_eq!(mix_of(&[(1.0, x), (50.0, y)], &stiff), [1, 2]);
+    // The same turned by 37 degrees.
+    let turned = |deg: f64| {
+        let d = direction(deg.to_radians());
+        [20.0 * d.x * d.x, 20.0 * d.y * d.y, 20.0 * d.x * d.y]
+    };
+    assert_eq!(mix_of(&[(1.0, turned(37.0)), (1.0, turned(127.0))], &stiff), [1, 2]);
+    // Cases that agree, and one that hardly loads the part, need no turns.
+    assert_eq!(mix_of(&[(1.0, x), (1.0, [12.0, 0.0, 0.0])], &stiff).len(), 1);
+    assert_eq!(mix_of(&[(1.0, x), (1.0, [0.0, 2.0, 0.0])], &stiff).len(), 1);
+    // A case of three quarters of the other's stress needs fewer layers.
+    let uneven = mix_of(&[(1.0, x), (1.0, [0.0, 15.0, 0.0])], &stiff);
+    let count = |family: usize| uneven.iter().filter(|f| **f == family).count();
+    assert!(count(1) > count(2), "{uneven:?}");
+}
+
+#[test]
+fn weights_decide_between_mixes_of_one_reserve() {
+    // As stiff across as along, and weak in shear: plies share alike, and any mix fails across the beads at the same load.
+    let even = StrengthCard { s12_mpa: 15.0, ..card([3000.0; 3], 50.0) };
+    let (x, y) = ([20.0, 0.0, 0.0], [0.0, 20.0, 0.0]);
+    assert_eq!(mix_of(&[(1.0, x), (3.0, y)], &even), [2]);
+    let other = mix_of(&[(3.0, x), (1.0, y)], &even);
+    assert!(other.len() == 1 && other != [2], "{other:?}");
+}
+
+#[test]
+fn many_cases_are_all_judged() {
+    let stiff = card([7453.0, 4500.0, 4354.0], 65.0);
+    let pull = |deg: f64, mpa: f64| {
+        let d = direction(deg.to_radians());
+        (1.0, [mpa * d.x * d.x, mpa * d.y * d.y, mpa * d.x * d.y])
+    };
+    // Six cases, of which the last two are by far the largest and cross each other.
+    let cases = [0.0, 20.0, 45.0, 70.0].map(|deg| pull(deg, 2.0));
+    let mut cases = cases.to_vec();
+    cases.extend([pull(10.0, 20.0), pull(100.0, 20.0)]);
+    assert_eq!(mix_of(&cases, &stiff), [5, 6]);
 }

@@ -106,6 +106,9 @@ pub struct StressReport {
     /// Reaction of each fixture in each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reactions: Vec<ResultantReport>,
+    /// Which layers serve which load case, where layers take turns.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub served: Vec<ServedReport>,
     /// The largest share, over the cases, by which loads and reactions fail to cancel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imbalance: Option<f64>,
@@ -141,6 +144,16 @@ impl ResultantReport {
     }
 }
 
+/// The layers whose directions serve a load case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct ServedReport {
+    /// `None` for layers that serve all cases together.
+    pub case: Option<String>,
+    /// From 1.
+    pub layers: Vec<usize>,
+}
+
 impl From<&Guide> for StressReport {
     fn from(guide: &Guide) -> Self {
         let s = &guide.summary;
@@ -167,6 +180,11 @@ impl From<&Guide> for StressReport {
             peak_at_mm: guide.peak_stress().map(|(_, place)| place.to_array().map(digits)),
             loads: resultants(&|b| &b.loads),
             reactions: resultants(&|b| &b.reactions),
+            served: guide
+                .served()
+                .into_iter()
+                .map(|s| ServedReport { case: s.case, layers: s.layers.iter().map(|i| i + 1).collect() })
+                .collect(),
             imbalance: s.balance.iter().map(|b| digits(b.imbalance())).reduce(f64::max),
             wedges: guide.count_degenerate(Degenerate::Wedge),
             trisectors: guide.count_degenerate(Degenerate::Trisector),
@@ -214,6 +232,11 @@ impl StressReport {
                 r.name, r.area_mm2
             )
         };
+        for served in &self.served {
+            let case =
+                served.case.as_ref().map_or("all cases together".to_owned(), |name| format!("case {name}"));
+            add(&format!("directions of {case}"), in_words(&served.layers));
+        }
         self.loads.iter().for_each(|r| add("load", resultant(r)));
         self.reactions.iter().for_each(|r| add("reaction", resultant(r)));
         if let Some(imbalance) = self.imbalance {
@@ -221,6 +244,36 @@ impl StressReport {
         }
         rows
     }
+}
+
+/// Layers in words: stretches of equal steps, such as "layers 1, 3, ... 39" or "layers 1 to 12, 20, 22"; the first few of
+/// many.
+fn in_words(layers: &[usize]) -> String {
+    /// Stretches that are listed. Source: chosen: a line of a terminal holds about as many; only the words depend on it.
+    const MOST: usize = 6;
+    let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
+    for &layer in layers {
+        match stretches.last_mut() {
+            // Two layers make a step, a third keeps to it.
+            Some((first, last, step)) if first == last || layer - *last == *step => {
+                *step = layer - *last;
+                *last = layer;
+            }
+            _ => stretches.push((layer, layer, 0)),
+        }
+    }
+    let stretch = |&(first, last, step): &(usize, usize, usize)| match (step, (last - first) / step.max(1)) {
+        (0, _) => format!("{first}"),
+        (_, 1) => format!("{first}, {last}"),
+        (1, _) => format!("{first} to {last}"),
+        (_, 2) => format!("{first}, {}, {last}", first + step),
+        _ => format!("{first}, {}, ... {last}", first + step),
+    };
+    let told: Vec<String> = stretches.iter().take(MOST).map(stretch).collect();
+    let rest =
+        if stretches.len() > MOST { format!(", and on: {} layers", layers.len()) } else { String::new() };
+    let s = if layers.len() == 1 { "" } else { "s" };
+    format!("layer{s} {}{rest}", told.join(", "))
 }
 
 /// How well the beads fill the part, as defined in `docs/quality.md`.
@@ -576,4 +629,23 @@ fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DV
         seen >= 0.95 * all
     });
     (sum / all.max(f64::MIN_POSITIVE), p95.unwrap_or(0) as f64 * 0.01)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn layers_are_told_by_their_steps() {
+        assert_eq!(in_words(&[4]), "layer 4");
+        assert_eq!(in_words(&[1, 3]), "layers 1, 3");
+        assert_eq!(in_words(&(1..=40).collect::<Vec<_>>()), "layers 1 to 40");
+        assert_eq!(in_words(&(2..=40).step_by(2).collect::<Vec<_>>()), "layers 2, 4, ... 40");
+        assert_eq!(in_words(&[1, 2, 3, 10, 13, 16]), "layers 1 to 3, 10, 13, 16");
+        let two_of_three: Vec<usize> = (1..=30).filter(|i| i % 3 != 0).collect();
+        assert_eq!(
+            in_words(&two_of_three),
+            "layers 1, 2, 4, 5, 7, 8, 10, 11, 13, 14, 16, 17, and on: 20 layers"
+        );
+    }
 }

@@ -6,7 +6,7 @@
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
-use grainpath_core::{Bounds2, DVec2, DVec3, Density};
+use grainpath_core::{Bounds2, DVec2, DVec3, Density, Diagnostics, WarningId};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_gcode::{
@@ -25,7 +25,7 @@ use crate::guide::field::FieldSettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
 use crate::guide::{StressSettings, TypedLoads};
-use crate::measure::strength::StrengthSettings;
+use crate::measure::strength::{CORNERS, StrengthSettings};
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
 use crate::run::steps::{ExtrudedMass, InfillSettings, RasterAngles, RegionSettings, StepSettings};
@@ -41,9 +41,9 @@ use grainpath_imaging::scan::texture::TextureSettings;
 use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use grainpath_imaging::tensor::Tangent;
 use grainpath_job::choices::{
-    self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder, Contours,
-    CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode, GuideKind,
-    Interpolate, OutlineRule, SupportStyle,
+    self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree, Choice, ComponentOrder,
+    Contours, CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode,
+    GuideKind, Interpolate, OutlineRule, SupportStyle,
 };
 use grainpath_job::{AngleRange, JobRegion, LayerAngles, MaterialSection, Settings};
 
@@ -387,7 +387,36 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         smoothing_mm: s.smoothing_mm(),
         tangent: g.tangent,
         cell_mm: s.process.bead_width_mm,
+        mix: mixes_cases(s).then(|| card_of_infill(s)).flatten(),
     })
+}
+
+/// Whether layers serve the load cases of a job in turn.
+fn mixes_cases(s: &Settings) -> bool {
+    let g = &s.guide;
+    let n_cases = g.case.len() + usize::from(!g.load.is_empty());
+    let follows = |pattern: choices::Pattern| pattern.follows_field();
+    let patterns = std::iter::once(s.fill.pattern).chain(s.regions.iter().filter_map(|r| r.pattern));
+    g.kind == GuideKind::Stress
+        && g.import.is_empty()
+        && n_cases > 1
+        && g.case_mix == CaseMix::Reserve
+        // Layers that take turns between tension and compression have none left for cases.
+        && g.follow != choices::Follow::Alternate
+        && (patterns.into_iter().any(follows) || (s.fibre.enabled && follows(s.fibre.matrix_pattern)))
+}
+
+/// The nominal card of what infill is laid with; `None` for a material without one.
+fn card_of_infill(s: &Settings) -> Option<StrengthCard> {
+    strength(s).cards(CORNERS[0]).ok().and_then(|cards| cards.last().copied())
+}
+
+/// A warning where layers would serve several load cases in turn, and the material's strengths are not known.
+pub(crate) fn warn_of_mix(s: &Settings, diagnostics: &Diagnostics) {
+    if mixes_cases(s) && card_of_infill(s).is_none() {
+        let text = "the material has no strengths to judge several load cases by: all layers follow their weighted sum";
+        diagnostics.warn(WarningId::CasesByWeight, text);
+    }
 }
 
 /// The virtual strength test.

@@ -372,6 +372,7 @@ fn plan_stack(
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing };
     let stress_settings = config::stress(settings);
+    config::warn_of_mix(settings, diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;
     let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;

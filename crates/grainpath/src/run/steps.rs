@@ -556,8 +556,9 @@ impl<'a> Steps<'a> {
                     && self.graded.is_none_or(GradedDensity::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
-            // The layer below, or the one below that where directions alternate.
-            if let Some(other) = (k.saturating_sub(2)..k).rev().find(same) {
+            // The layer below, or one of those below that where directions take turns.
+            let turns = self.guide.map_or(2, Guide::turns);
+            if let Some(other) = (k.saturating_sub(turns)..k).rev().find(same) {
                 duplicate_of[k] = duplicate_of[other];
             }
         }
