@@ -309,8 +309,13 @@ fn place_text(place: &Place) -> String {
         }
         // Places of this kind come from other stages and have no spelling in a job file; the text is for
         // reports.
-        Place::Shape(Selection::Triangles(t) | Selection::Near { triangles: t, .. }) => {
+        Place::Shape(
+            Selection::Triangles(t) | Selection::Near { triangles: t, .. } | Selection::Points(t),
+        ) => {
             format!("{{ {} facets }}", t.triangles().len())
+        }
+        Place::Shape(Selection::Patch(patch)) => {
+            format!("{{ {} facets }}", patch.triangles.triangles().len())
         }
     }
 }

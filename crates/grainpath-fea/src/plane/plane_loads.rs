@@ -68,6 +68,8 @@ impl<'a> Plate<'a> {
                         Hold { node, along, displacement_mm }
                     }));
                 }
+                // Parts that are held so are solved as solids.
+                Held::Turned { .. } => {}
                 Held::Axes(fixed) => {
                     for (axis, along) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
                         if fixed[axis] {
@@ -109,6 +111,8 @@ impl<'a> Plate<'a> {
             Action::Bearing { .. }
             | Action::Torque { .. }
             | Action::RemoteForce { .. }
+            | Action::Carried { .. }
+            | Action::Points { .. }
             | Action::Centrifugal { .. } => vec![DVec2::ZERO; self.mesh.nodes.len()],
         })
     }
