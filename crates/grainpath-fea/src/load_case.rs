@@ -184,6 +184,16 @@ pub enum Action {
         /// The point where it acts, mm.
         at_mm: DVec3,
     },
+    /// One end of a bolt that clamps the part: a force towards the middle of its other end, spread evenly. The forces of both
+    /// ends lie on one line, so that together they have neither force nor moment.
+    Clamp {
+        /// The surface below the head or the nut.
+        on: Selection,
+        /// That of the other end.
+        towards: Selection,
+        /// The tension of the bolt, N.
+        total_n: f64,
+    },
     /// The inertia of a part that turns about an axis.
     Centrifugal {
         /// A point of the axis, mm.
@@ -224,6 +234,7 @@ impl Action {
             | Self::Bearing { on, .. }
             | Self::Torque { on, .. }
             | Self::RemoteForce { on, .. }
+            | Self::Clamp { on, .. }
             | Self::Carried { on, .. }
             | Self::Points { on, .. } => Some(on),
             Self::Centrifugal { .. } | Self::Acceleration { .. } => None,
@@ -239,6 +250,7 @@ impl Action {
             Self::Bearing { .. } => "bearing_n",
             Self::Torque { .. } => "torque_nmm",
             Self::RemoteForce { .. } => "at_mm",
+            Self::Clamp { .. } => "preload_n",
             Self::Carried { .. } | Self::Points { .. } => "guide.deck",
             Self::Centrifugal { .. } => "centrifugal",
             Self::Acceleration { .. } => "acceleration_mm_s2",
@@ -251,6 +263,7 @@ impl Action {
             Self::Bearing { .. }
             | Self::Torque { .. }
             | Self::RemoteForce { .. }
+            | Self::Clamp { .. }
             | Self::Carried { .. }
             | Self::Points { .. }
             | Self::Centrifugal { .. } => true,
@@ -274,6 +287,7 @@ impl Action {
             Self::Bearing { .. }
             | Self::Torque { .. }
             | Self::RemoteForce { .. }
+            | Self::Clamp { .. }
             | Self::Carried { .. }
             | Self::Points { .. }
             | Self::Centrifugal { .. } => false,

@@ -111,6 +111,7 @@ impl<'a> Plate<'a> {
             Action::Bearing { .. }
             | Action::Torque { .. }
             | Action::RemoteForce { .. }
+            | Action::Clamp { .. }
             | Action::Carried { .. }
             | Action::Points { .. }
             | Action::Centrifugal { .. } => vec![DVec2::ZERO; self.mesh.nodes.len()],

@@ -129,6 +129,16 @@ impl<'a> LoadedSolid<'a> {
                 nodal_forces::add_force(forces_n, self.mesh, &faces, *total_n);
                 nodal_forces::add_moment(forces_n, self.mesh, &faces, arm.cross(*total_n));
             }
+            Action::Clamp { on, towards, total_n } => {
+                let (faces, other) = (caught(on)?, caught(towards)?);
+                let [from, to] = [&faces, &other].map(|f| nodal_forces::centroid_mm(self.mesh, f));
+                nodal_forces::add_force(
+                    forces_n,
+                    self.mesh,
+                    &faces,
+                    *total_n * (to - from).normalize_or_zero(),
+                );
+            }
             Action::Carried { on, traction } => {
                 let wanted = (traction.force_n, traction.moment_nmm);
                 let at = |p, normal| traction.at(p, normal);

@@ -351,6 +351,15 @@ impl Places<'_> {
         for (k, load) in loads.iter().enumerate() {
             let name = format!("load {}{of_case}", k + 1);
             let on = load.on.as_ref().map(|on| self.resolved(on, &name)).transpose()?;
+            if let (Push::Preload(total_n), Some(head), Some(nut)) = (load.push, &on, &load.to) {
+                // Both ends are loads of their own, so that what each caught is told.
+                let nut = self.resolved(nut, &name)?;
+                for (end, on, towards) in [("on", head.clone(), nut.clone()), ("to", nut, head.clone())] {
+                    let action = Action::Clamp { on, towards, total_n };
+                    all.push(Load { name: format!("{name}, {end}"), action });
+                }
+                continue;
+            }
             let action = match (load.push, on) {
                 (Push::Acceleration(a), _) => Action::Acceleration { mm_s2: self.vector(a) },
                 (Push::Centrifugal { point_mm, axis, speed_rpm }, _) => Action::Centrifugal {
@@ -374,7 +383,7 @@ impl Places<'_> {
                 (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
                 (Push::Moment(m), Some(on)) => Action::Moment { on, total_nmm: self.vector(m) },
                 // The job's reader refuses a load on the surface without a place.
-                (_, None) => continue,
+                (_, None) | (Push::Preload(_), _) => continue,
             };
             all.push(Load { name, action });
         }

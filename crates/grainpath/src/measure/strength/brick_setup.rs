@@ -279,6 +279,7 @@ impl TestSetup {
                 | Action::Bearing { .. }
                 | Action::Torque { .. }
                 | Action::RemoteForce { .. }
+                | Action::Clamp { .. }
                 | Action::Carried { .. }
                 | Action::Points { .. }
                 | Action::Centrifugal { .. } => {}
