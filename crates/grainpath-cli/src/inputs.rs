@@ -15,7 +15,7 @@ use grainpath_imaging::scan::CtStack;
 use grainpath_io::directions::{
     DensitySamples, DirectionOptions, DirectionSamples, parse_densities, parse_directions,
 };
-use grainpath_io::fe::{FeError, StressField, parse_fe};
+use grainpath_io::fe::{DeckConditions, FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
@@ -106,6 +106,7 @@ pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claim
     let others = [
         ("of shape.ct.truth", &settings.ct.truth),
         ("of guide.import", &settings.guide.import),
+        ("of guide.deck", &settings.guide.deck),
         ("of guide.volume", &settings.volume.path),
         ("of guide.field", &settings.field.path),
     ];
@@ -170,8 +171,18 @@ pub fn plan_given(
         Handed::Mesh(mesh) => {
             let regions = read_regions(settings, base)?;
             let densities = read_densities(settings, base)?;
-            let inputs =
-                grainpath::Inputs { mesh, path, stress, directions, densities, photos, texture, regions };
+            let deck = read_deck(settings, base)?;
+            let inputs = grainpath::Inputs {
+                mesh,
+                path,
+                stress,
+                deck,
+                directions,
+                densities,
+                photos,
+                texture,
+                regions,
+            };
             grainpath::plan_job(settings, inputs, diagnostics)?
         }
         Handed::Layers(stack) => {
@@ -387,6 +398,18 @@ pub(crate) fn read_stress(settings: &Settings, base: &Path) -> Result<Option<Str
     let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
     let result = file.result(&grainpath::run::config::import(settings)).map_err(wrong)?;
     Ok(Some(StressField::new(result)))
+}
+
+/// The supports and loads of `guide.deck`.
+pub(crate) fn read_deck(settings: &Settings, base: &Path) -> Result<Option<DeckConditions>, Failure> {
+    if settings.guide.deck.is_empty() {
+        return Ok(None);
+    }
+    let path = base.join(&settings.guide.deck);
+    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let bytes = files::read(&path)?;
+    let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
+    grainpath::run::config::deck(settings, &file).map(Some).map_err(wrong)
 }
 
 /// Opens a file of a scan. Only regular files are opened: a named pipe would wait for ever, and a device

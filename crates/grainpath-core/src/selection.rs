@@ -62,6 +62,50 @@ pub enum Selection {
         /// Greatest distance from a triangle, mm.
         within_mm: f64,
     },
+    /// On a piece of the surface that another mesh of the part describes.
+    Patch(SurfacePatch),
+    /// At these points: triangles whose corners are one.
+    Points(Facets),
+}
+
+/// A piece of a part's surface as another mesh has it: a little off where the surface is curved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfacePatch {
+    /// Its triangles, counter-clockwise seen from outside.
+    pub triangles: Facets,
+    /// Greatest distance between the two meshes of the surface, mm.
+    pub within_mm: f64,
+}
+
+/// Least cosine between the normals of two meshes at the same place of a surface. Source: derived: a circle of six sides and
+/// one whose corners lie on the middles of those sides differ by 30 degrees; beyond 60 degrees it is another side of an edge.
+const SAME_SIDE: f64 = 0.5;
+
+impl SurfacePatch {
+    /// The triangle at a point of the part's surface and the shares of its corners there; `None` off the patch. With the
+    /// outward normal of the surface given, places on the other side of an edge or of a thin wall are off it too.
+    pub fn at(&self, p: DVec3, normal: Option<DVec3>) -> Option<(usize, [f64; 3])> {
+        let found = self.triangles.search.closest_point(p, 1.001 * self.within_mm + f64::MIN_POSITIVE)?;
+        let [a, b, c] = self.triangles.triangles.get(found.triangle as usize).copied()?;
+        let (u, v) = (b - a, c - a);
+        let area = u.cross(v);
+        let outward = area.try_normalize()?;
+        let off = p - found.point;
+        let is_far =
+            found.distance > self.within_mm || off.reject_from_normalized(outward).length() > ON_TRIANGLE_MM;
+        if is_far || normal.is_some_and(|n| n.dot(outward) < SAME_SIDE) {
+            return None;
+        }
+        let w = found.point - a;
+        let square = area.length_squared();
+        let (second, third) = (w.cross(v).dot(area) / square, u.cross(w).dot(area) / square);
+        Some((found.triangle as usize, [1.0 - second - third, second, third]))
+    }
+
+    /// Its area, mm2.
+    pub fn area_mm2(&self) -> f64 {
+        self.triangles.triangles.iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum()
+    }
 }
 
 /// A list of triangles that answers quickly how far a point is from them.
@@ -129,6 +173,16 @@ impl Selection {
             Self::Sphere { centre, radius_mm } => p.distance(*centre) <= *radius_mm + hair,
             Self::Triangles(all) => all.is_near(p, ON_TRIANGLE_MM),
             Self::Near { triangles, within_mm } => triangles.is_near(p, *within_mm),
+            Self::Patch(patch) => patch.at(p, None).is_some(),
+            Self::Points(points) => points.is_near(p, ON_TRIANGLE_MM),
+        }
+    }
+
+    /// Whether a point of the part's surface with this outward normal is selected. Patches alone ask for the normal.
+    pub fn contains_on(&self, p: DVec3, normal: DVec3) -> bool {
+        match self {
+            Self::Patch(patch) => patch.at(p, Some(normal)).is_some(),
+            _ => self.contains(p),
         }
     }
 
@@ -148,7 +202,10 @@ impl Selection {
             }
             Self::Sphere { radius_mm, .. } => *radius_mm += by_mm,
             Self::Near { within_mm, .. } => *within_mm += by_mm,
-            Self::Triangles(all) => {
+            Self::Patch(patch) => {
+                wide = Self::Near { triangles: patch.triangles.clone(), within_mm: patch.within_mm + by_mm };
+            }
+            Self::Triangles(all) | Self::Points(all) => {
                 // The list has no distance of its own to enlarge, so it becomes a list with one.
                 wide = Self::Near { triangles: all.clone(), within_mm: ON_TRIANGLE_MM + by_mm };
             }
@@ -191,6 +248,11 @@ impl Selection {
             Self::Near { triangles, within_mm } => {
                 Self::Near { triangles: listed(triangles), within_mm: scale * within_mm }
             }
+            Self::Patch(patch) => Self::Patch(SurfacePatch {
+                triangles: listed(&patch.triangles),
+                within_mm: scale * patch.within_mm,
+            }),
+            Self::Points(points) => Self::Points(listed(points)),
         }
     }
 
@@ -202,6 +264,8 @@ impl Selection {
             Self::Cylinder { .. } => "cylinder",
             Self::Sphere { .. } => "sphere",
             Self::Triangles(_) | Self::Near { .. } => "list of facets",
+            Self::Patch(_) => "faces of the deck",
+            Self::Points(_) => "nodes of the deck",
         }
     }
 }
@@ -232,6 +296,34 @@ mod tests {
     }
 
     #[test]
+    fn a_patch_holds_its_side_of_the_surface_alone() {
+        // A square of 4 mm whose outward normal is +z, on a surface that lies up to 0.3 mm off it.
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let square = [
+            [corner(0.0, 0.0), corner(4.0, 0.0), corner(4.0, 4.0)],
+            [corner(0.0, 0.0), corner(4.0, 4.0), corner(0.0, 4.0)],
+        ];
+        let patch = SurfacePatch { triangles: Facets::new(square.to_vec()), within_mm: 0.3 };
+        assert!((patch.area_mm2() - 16.0).abs() < 1e-12);
+        let (triangle, shares) =
+            patch.at(DVec3::new(3.0, 1.0, 0.2), Some(DVec3::Z)).expect("above the first triangle");
+        assert_eq!(triangle, 0);
+        let back: DVec3 = square[0].iter().zip(shares).map(|(p, w)| *p * w).sum();
+        assert!((back - DVec3::new(3.0, 1.0, 0.0)).length() < 1e-12, "{shares:?}");
+        let selection = Selection::Patch(patch.clone());
+        let above = DVec3::new(1.0, 2.0, 0.29);
+        assert!(selection.contains(above) && selection.contains_on(above, DVec3::new(0.5, 0.0, 0.8)));
+        // Too far away, beside the border, around an edge, and on the back of a thin wall.
+        assert!(!selection.contains(DVec3::new(1.0, 2.0, 0.31)));
+        assert!(!selection.contains(DVec3::new(4.1, 2.0, 0.0)));
+        assert!(!selection.contains_on(DVec3::new(4.0, 2.0, -0.2), DVec3::X));
+        assert!(!selection.contains_on(DVec3::new(1.0, 2.0, -0.2), -DVec3::Z));
+        assert!(selection.grown(1.0).contains(DVec3::new(4.5, 2.0, 1.0)));
+        let points = Selection::Points(Facets::new(vec![[DVec3::X; 3], [DVec3::Y; 3]]));
+        assert!(points.contains(DVec3::X) && points.contains(DVec3::Y) && !points.contains(DVec3::ZERO));
+    }
+
+    #[test]
     fn selections_go_with_a_moved_part() {
         let (scale, shift) = (2.0, DVec3::new(5.0, -3.0, 1.0));
         let rotation = DMat3::from_cols(DVec3::new(0.8, 0.6, 0.0), DVec3::new(-0.6, 0.8, 0.0), DVec3::Z);
@@ -242,6 +334,7 @@ mod tests {
             Selection::Cylinder { point: DVec3::X, axis: DVec3::Y, radius_mm: 1.5, length_mm: Some(4.0) },
             Selection::Sphere { centre: DVec3::Y, radius_mm: 1.7 },
             Selection::Triangles(Facets::new(vec![facet])),
+            Selection::Patch(SurfacePatch { triangles: Facets::new(vec![facet]), within_mm: 0.75 }),
         ];
         for selection in all {
             let moved = selection.moved(scale, rotation, shift);

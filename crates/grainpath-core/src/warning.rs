@@ -196,6 +196,9 @@ warning_ids! {
     FeZeroStress = "fe-zero-stress",
         "The stress of a finite-element file is zero everywhere.",
         "export a step in which the part is loaded";
+    DeckCovers = "deck-covers",
+        "A fixture or load of a deck covers clearly less or more of the part's surface than of the deck's own.",
+        "check that deck and part are the same shape; a finer export of the part follows its curves more closely";
     FillLinesSeparate = "fill-lines-separate",
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";

@@ -8,8 +8,10 @@
 //! Places and vectors are in part coordinates. A fixture holds in every load case; the loads of one
 //! case act together.
 
-use grainpath_core::DVec3;
-use grainpath_core::selection::Selection;
+use std::sync::Arc;
+
+use grainpath_core::selection::{Selection, SurfacePatch};
+use grainpath_core::{DMat3, DVec3};
 
 /// Fixtures, load cases and density: everything that acts on a part.
 ///
@@ -72,12 +74,41 @@ pub struct Fixture {
 }
 
 /// The directions in which a fixture holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Held {
     /// Along those of x, y and z that are true.
     Axes([bool; 3]),
     /// Along the normal of the surface: a roller, or a plane of symmetry.
     Normal,
+    /// Along those of the turned axes that are true.
+    Turned {
+        /// Unit vectors along the axes, as columns.
+        axes: DMat3,
+        /// The axes along which it holds.
+        fixed: [bool; 3],
+    },
+}
+
+/// Tractions that another mesh of the part carries on a piece of its surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PatchTraction {
+    /// The piece of the surface.
+    pub patch: SurfacePatch,
+    /// Traction at the corners of each triangle of the patch, MPa.
+    pub corners_mpa: Arc<Vec<[DVec3; 3]>>,
+    /// The resultant that they should have, N.
+    pub force_n: DVec3,
+    /// The moment about the origin that they should have, N mm.
+    pub moment_nmm: DVec3,
+}
+
+impl PatchTraction {
+    /// The traction at a point of the part's surface with this outward normal, MPa; `None` off the patch.
+    pub fn at(&self, p: DVec3, normal: DVec3) -> Option<DVec3> {
+        let (triangle, shares) = self.patch.at(p, Some(normal))?;
+        let corners = self.corners_mpa.get(triangle)?;
+        Some(corners.iter().zip(shares).map(|(t, w)| *t * w).sum())
+    }
 }
 
 /// Loads that act at the same time.
@@ -153,6 +184,16 @@ pub enum Action {
         /// The point where it acts, mm.
         at_mm: DVec3,
     },
+    /// One end of a bolt that clamps the part: a force towards the middle of its other end, spread evenly. The forces of both
+    /// ends lie on one line, so that together they have neither force nor moment.
+    Clamp {
+        /// The surface below the head or the nut.
+        on: Selection,
+        /// That of the other end.
+        towards: Selection,
+        /// The tension of the bolt, N.
+        total_n: f64,
+    },
     /// The inertia of a part that turns about an axis.
     Centrifugal {
         /// A point of the axis, mm.
@@ -161,6 +202,20 @@ pub enum Action {
         axis: DVec3,
         /// Speed, rad/s.
         rad_s: f64,
+    },
+    /// Tractions of another mesh of the part, carried over with their force and moment.
+    Carried {
+        /// The piece of the surface.
+        on: Selection,
+        /// What acts there.
+        traction: PatchTraction,
+    },
+    /// Forces at points of the surface.
+    Points {
+        /// The points.
+        on: Selection,
+        /// Each point, mm, and its force, N.
+        forces: Arc<Vec<(DVec3, DVec3)>>,
     },
     /// An acceleration of the whole part: gravity is (0, 0, -9810).
     Acceleration {
@@ -178,7 +233,10 @@ impl Action {
             | Self::Moment { on, .. }
             | Self::Bearing { on, .. }
             | Self::Torque { on, .. }
-            | Self::RemoteForce { on, .. } => Some(on),
+            | Self::RemoteForce { on, .. }
+            | Self::Clamp { on, .. }
+            | Self::Carried { on, .. }
+            | Self::Points { on, .. } => Some(on),
             Self::Centrifugal { .. } | Self::Acceleration { .. } => None,
         }
     }
@@ -192,6 +250,8 @@ impl Action {
             Self::Bearing { .. } => "bearing_n",
             Self::Torque { .. } => "torque_nmm",
             Self::RemoteForce { .. } => "at_mm",
+            Self::Clamp { .. } => "preload_n",
+            Self::Carried { .. } | Self::Points { .. } => "guide.deck",
             Self::Centrifugal { .. } => "centrifugal",
             Self::Acceleration { .. } => "acceleration_mm_s2",
         }
@@ -203,6 +263,9 @@ impl Action {
             Self::Bearing { .. }
             | Self::Torque { .. }
             | Self::RemoteForce { .. }
+            | Self::Clamp { .. }
+            | Self::Carried { .. }
+            | Self::Points { .. }
             | Self::Centrifugal { .. } => true,
             Self::Force { .. } | Self::Pressure { .. } | Self::Moment { .. } | Self::Acceleration { .. } => {
                 false
@@ -224,6 +287,9 @@ impl Action {
             Self::Bearing { .. }
             | Self::Torque { .. }
             | Self::RemoteForce { .. }
+            | Self::Clamp { .. }
+            | Self::Carried { .. }
+            | Self::Points { .. }
             | Self::Centrifugal { .. } => false,
             Self::Moment { total_nmm: m, .. } => m.truncate().length() <= ROUNDING * m.length(),
         }
@@ -248,6 +314,15 @@ impl BoundaryConditions {
     pub fn named_places<'a>(&'a self, case: &'a LoadCase) -> impl Iterator<Item = (&'a str, &'a Selection)> {
         let loads = case.loads.iter().filter_map(|l| Some((l.name.as_str(), l.action.on()?)));
         self.fixtures.iter().map(|f| (f.name.as_str(), &f.on)).chain(loads)
+    }
+
+    /// Whether a fixture holds in a way that a plate does not know: along turned axes, or at places of another mesh.
+    pub fn are_held_in_space(&self) -> bool {
+        let is = |f: &Fixture| {
+            let is_turned = matches!(f.held, Held::Turned { .. });
+            is_turned || matches!(f.on, Selection::Patch(_) | Selection::Points(_))
+        };
+        self.fixtures.iter().any(is)
     }
 
     /// The index of the case with the largest weight, the first of equal ones; `None` without cases.

@@ -1,15 +1,15 @@
-//! Bearing loads, torques, remote forces and centrifugal loads against closed forms, on a bar and a tube.
+//! Bearing loads, torques, remote forces, preloads and centrifugal loads against closed forms, on a bar and a tube.
 
 mod support;
 
 use std::f64::consts::{PI, TAU};
 
 use grainpath_core::math::sin_cos;
-use grainpath_core::selection::Selection;
+use grainpath_core::selection::{Facets, Selection};
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Fixture, Held, Load, LoadCase};
 use grainpath_fea::resultant::Resultant;
-use grainpath_fea::solid::{LoadedSolid, MeshSettings, Model, SolveSettings, mesh, solve};
+use grainpath_fea::solid::{LoadedSolid, MeshSettings, Model, SolveSettings, mesh, recover, solve};
 use support::isotropic;
 
 const E_MPA: f64 = 2000.0;
@@ -174,6 +174,68 @@ fn a_turning_rod_pulls_at_its_root() {
     let wanted = DENSITY_T_MM3 * rad_s * rad_s * length.powi(3) / (3.0 * E_MPA);
     let found = mean(&s, length, |_, u| u.z);
     assert!((found / wanted - 1.0).abs() < 0.01, "{found} for {wanted} mm");
+}
+
+#[test]
+fn a_preload_clamps_a_sleeve_by_force_over_area() {
+    let (inner, outer, length, force) = (5.0, 9.0, 40.0, 4000.0);
+    let sleeve = tube(inner, outer, length, 96);
+    // Held without strain: along z at one end, against turning and sliding at single points.
+    let fixture = |name: &str, on: Selection, held: [bool; 3]| Fixture {
+        name: name.into(),
+        on,
+        held: Held::Axes(held),
+        displacement_mm: DVec3::ZERO,
+    };
+    let point = |x: f64| Selection::Points(Facets::new(vec![[DVec3::new(x, 0.0, 0.0); 3]]));
+    let ends = [("load 1, on", length, 0.0), ("load 1, to", 0.0, length)];
+    let loads = ends.map(|(name, on, towards)| Load {
+        name: name.into(),
+        action: Action::Clamp { on: plane(on), towards: plane(towards), total_n: force },
+    });
+    let (low, high) = sleeve.bounds().expect("a part");
+    let conditions = BoundaryConditions {
+        fixtures: vec![
+            fixture("fixture 1", plane(0.0), [false, false, true]),
+            fixture("fixture 2", point(outer), [false, true, false]),
+            fixture("fixture 3", point(-outer), [true, true, false]),
+        ],
+        cases: vec![LoadCase { name: "one".into(), weight: 1.0, loads: loads.to_vec() }],
+        density_t_mm3: DENSITY_T_MM3,
+        low,
+        high,
+    };
+    let meshed =
+        mesh(&sleeve, &MeshSettings { size_mm: Some(1.8), ..MeshSettings::default() }).expect("a part");
+    let loaded = LoadedSolid::new(&meshed.mesh, &sleeve, &conditions);
+    let mut forces = vec![DVec3::ZERO; meshed.mesh.nodes.len()];
+    loads.iter().for_each(|load| loaded.add_load(&mut forces, load).expect("caught"));
+    let sum: DVec3 = forces.iter().sum();
+    let moment: DVec3 = forces.iter().zip(&meshed.mesh.nodes).map(|(f, p)| p.cross(*f)).sum();
+    assert!(sum.length() < 1e-9 * force && moment.length() < 1e-9 * force * length, "{sum} {moment}");
+    for (load, along) in loads.iter().zip([-DVec3::Z, DVec3::Z]) {
+        let found = loaded.resultant(load).expect("caught");
+        assert!((found.force_n - along * force).length() < 0.01 * force, "{found:?}");
+    }
+    let model = Model::uniform(&meshed.mesh, isotropic(E_MPA, NU));
+    let supports = loaded.supports().expect("caught");
+    let (solutions, _) = solve(&model, &supports, &[forces], &SolveSettings::default()).expect("held");
+    let reactions = loaded.reactions(&solutions[0].reaction).expect("caught");
+    assert!(reactions.iter().all(|r| r.force_n.length() < 2e-3 * force), "{reactions:?}");
+    // Stress F / A at mid-length and shortening F L / (E A), with the area of the polygon of the mesh.
+    let area = meshed.volume_mm3 / length;
+    let nodes = &meshed.mesh.nodes;
+    let mean = |near: &dyn Fn(DVec3) -> bool, value: &dyn Fn(usize) -> f64| {
+        let at: Vec<f64> = (0..nodes.len()).filter(|&i| near(nodes[i])).map(value).collect();
+        assert!(at.len() > 30, "{} nodes", at.len());
+        at.iter().sum::<f64>() / at.len() as f64
+    };
+    let moved = |z: f64| mean(&|p| (p.z - z).abs() < 0.01, &|i| solutions[0].displacement[i].z);
+    let (shorter, wanted) = (moved(0.0) - moved(length), force * length / (E_MPA * area));
+    assert!((shorter / wanted - 1.0).abs() < 0.01, "{shorter} for {wanted} mm");
+    let recovered = recover(&model, &solutions[0].displacement, None).expect("a stress");
+    let stress = mean(&|p| (p.z - 0.5 * length).abs() < 5.0, &|i| recovered.stress_mpa[i][2]);
+    assert!((stress / (-force / area) - 1.0).abs() < 0.01, "{stress} for {} MPa", -force / area);
 }
 
 #[test]

@@ -61,6 +61,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     if s.guide.kind == GuideKind::Field && s.field.path.is_empty() {
         return Err("guide.kind = \"field\" needs a file of directions: guide.field = \"FILE\"".into());
     }
+    check_deck(s)?;
     // Layers take the angles in turn, and a turn over nothing does not exist.
     let lists =
         [("angles_deg", Some(&s.fill.angles_deg)), ("skin_angles_deg", s.fill.skin_angles_deg.as_ref())];
@@ -79,6 +80,22 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     check_graded(s)?;
     check_walls(s)?;
     check_regions(s)
+}
+
+/// Checks what a deck of loads needs.
+fn check_deck(s: &Settings) -> Result<(), String> {
+    let (g, of_mesh) = (&s.guide, s.ct.path.is_empty() && s.photo.files.is_empty());
+    let problem = match g.deck.is_empty() {
+        true if g.deck_step.is_some() => "guide.deck_step needs a deck: guide.deck = \"FILE.inp\"",
+        true if g.deck_material => "guide.deck_material needs a deck: guide.deck = \"FILE.inp\"",
+        true => return Ok(()),
+        false if !g.import.is_empty() => {
+            "guide.deck and guide.import: stress is either solved from the loads of a deck or taken as it is"
+        }
+        false if !of_mesh => "guide.deck is for parts from meshes and outlines",
+        false => return Ok(()),
+    };
+    Err(problem.into())
 }
 
 /// Checks the settings that hold in each region as those of a job.

@@ -63,6 +63,8 @@ pub enum Push {
     Bearing(DVec3),
     /// Torque in N mm about the axis of the place.
     Torque(f64),
+    /// Tension in N of a bolt that clamps the part between its place and another one.
+    Preload(f64),
     /// A force in N that acts at a point elsewhere, mm.
     Remote {
         /// The force, N.
@@ -88,6 +90,8 @@ pub enum Push {
 pub struct Load {
     /// The place; `None` for an acceleration.
     pub on: Option<Place>,
+    /// The place below the other end of a bolt; `None` for other loads.
+    pub to: Option<Place>,
     /// Kind and size.
     pub push: Push,
 }
@@ -109,7 +113,7 @@ pub(super) const MAX_NUMBER: f64 = 1e12;
 
 /// The keys that state the kind of a load.
 const LOAD_KINDS: &str =
-    "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, centrifugal, acceleration_mm_s2";
+    "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, preload_n, centrifugal, acceleration_mm_s2";
 /// The keys that state a place.
 const PLACES: &str = "on = { face, box_mm, turned_box, plane, cylinder, sphere or facets }";
 
@@ -309,8 +313,13 @@ fn place_text(place: &Place) -> String {
         }
         // Places of this kind come from other stages and have no spelling in a job file; the text is for
         // reports.
-        Place::Shape(Selection::Triangles(t) | Selection::Near { triangles: t, .. }) => {
+        Place::Shape(
+            Selection::Triangles(t) | Selection::Near { triangles: t, .. } | Selection::Points(t),
+        ) => {
             format!("{{ {} facets }}", t.triangles().len())
+        }
+        Place::Shape(Selection::Patch(patch)) => {
+            format!("{{ {} facets }}", patch.triangles.triangles().len())
         }
     }
 }
@@ -409,6 +418,8 @@ impl SettingValue for Load {
             "moment_nmm",
             "bearing_n",
             "torque_nmm",
+            "preload_n",
+            "to",
             "centrifugal",
             "acceleration_mm_s2",
         ];
@@ -424,6 +435,7 @@ impl SettingValue for Load {
             t.vector("moment_nmm")?.map(Push::Moment),
             t.vector("bearing_n")?.map(Push::Bearing),
             t.number("torque_nmm")?.map(Push::Torque),
+            t.length("preload_n")?.map(Push::Preload),
             t.0.get("centrifugal").map(read_centrifugal).transpose().map_err(|e| e.in_key("centrifugal"))?,
             t.vector("acceleration_mm_s2")?.map(Push::Acceleration),
         ];
@@ -431,7 +443,7 @@ impl SettingValue for Load {
         let mut given = kinds.into_iter().flatten();
         let push = needed(
             given.next(),
-            "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, centrifugal or acceleration_mm_s2",
+            "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, preload_n, centrifugal or acceleration_mm_s2",
         )?;
         if given.next().is_some() {
             return Err(Problem::SeveralKinds { keys: LOAD_KINDS }.into());
@@ -439,6 +451,14 @@ impl SettingValue for Load {
         if at_mm.is_some() && !matches!(push, Push::Remote { .. }) {
             return Err(Problem::Missing { expected: "force_n beside at_mm" }.into());
         }
+        let to = match (push, t.0.get("to")) {
+            (Push::Preload(_), other) => {
+                let expected = "to = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the place below the nut";
+                Some(place(needed(other, expected)?).map_err(|e| e.in_key("to"))?)
+            }
+            (_, Some(_)) => return Err(Problem::Missing { expected: "preload_n beside to" }.into()),
+            (_, None) => None,
+        };
         let on = match push {
             // Gravity acts on the whole part; with a place it would mean something else than what is
             // computed.
@@ -451,9 +471,10 @@ impl SettingValue for Load {
             | Push::Moment(_)
             | Push::Bearing(_)
             | Push::Torque(_)
+            | Push::Preload(_)
             | Push::Remote { .. } => Some(t.place()?),
         };
-        Ok(Self { on, push })
+        Ok(Self { on, to, push })
     }
     fn to_text(&self) -> String {
         let kind = match self.push {
@@ -462,6 +483,10 @@ impl SettingValue for Load {
             Push::Moment(m) => format!("moment_nmm = {}", vector_text(m)),
             Push::Bearing(f) => format!("bearing_n = {}", vector_text(f)),
             Push::Torque(t) => format!("torque_nmm = {t}"),
+            Push::Preload(f) => {
+                let to = self.to.as_ref().map(|to| format!("to = {}, ", place_text(to))).unwrap_or_default();
+                format!("{to}preload_n = {f}")
+            }
             Push::Remote { force_n, at_mm } => {
                 format!("force_n = {}, at_mm = {}", vector_text(force_n), vector_text(at_mm))
             }
@@ -488,6 +513,8 @@ impl SettingValue for Load {
             "moment_nmm": vector,
             "bearing_n": vector,
             "torque_nmm": f64::schema(),
+            "preload_n": { "type": "number", "minimum": 0 },
+            "to": place_schema(),
             "centrifugal": table_schema(&turning, &["point_mm", "axis", "speed_rpm"]),
             "acceleration_mm_s2": vector,
         });

@@ -542,6 +542,18 @@ mod tests {
     }
 
     #[test]
+    fn a_preload_is_read_with_both_of_its_places() {
+        let s = parse("[[guide.load]]\non = { facets = [1] }\nto = { facets = [2] }\npreload_n = 500\n", &[]);
+        let load = &s.expect("sound").guide.load[0];
+        assert_eq!(load.push, crate::loads::Push::Preload(500.0));
+        assert_eq!(load.to, Some(crate::loads::Place::Facets(vec![2])));
+        assert_eq!(
+            crate::value::SettingValue::to_text(load),
+            "{ on = { facets = [1] }, to = { facets = [2] }, preload_n = 500 }"
+        );
+    }
+
+    #[test]
     fn wrong_loads_name_their_entry_and_line() {
         let on = "on = { plane = { point_mm = [0, 0, 0], normal = [0, 0, 1] } }";
         for (text, expect) in [
@@ -564,6 +576,18 @@ mod tests {
             (
                 format!("[[guide.load]]\n{on}\nforce_n = [1e200, 0, 0]\n"),
                 "job.toml:3: guide.load[1].force_n should be from -1e12 to 1e12, is 1e200",
+            ),
+            (
+                format!("[[guide.load]]\n{on}\npreload_n = 500\n"),
+                "job.toml:1: guide.load[1] needs to = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the place below the nut",
+            ),
+            (
+                format!("[[guide.load]]\n{on}\npreload_n = -500\nto = {{ facets = [1] }}\n"),
+                "job.toml:3: guide.load[1].preload_n should be from 0 to 1e12, is -500",
+            ),
+            (
+                format!("[[guide.load]]\n{on}\nforce_n = [0, 0, 1]\nto = {{ facets = [1] }}\n"),
+                "job.toml:1: guide.load[1] needs preload_n beside to",
             ),
             (
                 "[[guide.load]]\non = { facets = [1], sphere = 2 }\nforce_n = [1, 0, 0]\n".into(),

@@ -261,14 +261,17 @@ sections! {
         tangent: bool = true, "", Any, "Align directions with free borders, along which one principal stress always runs.";
         frame: LoadFrame = LoadFrame::Placed, "", Any, "Coordinates of fixtures and loads.";
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
-        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole) or torque_nmm (about the axis of the place); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
+        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole), torque_nmm (about the axis of the place), or preload_n with a second place `to` (a bolt that clamps what lies between); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
         case_mix: CaseMix = CaseMix::Reserve, "", Any, "How layers serve several load cases, for patterns that follow the guide.";
+        deck: String = String::new(), "", Any, "Abaqus or CalculiX deck (INP) whose supports and loads act on the part, in the coordinates of the part's file. Each static step becomes a case, beside those of the job.";
+        deck_step: Option<usize> = None, "", Range(1.0, 1e6), "The step of the deck whose supports and loads are taken, from 1; unset: all static steps.";
+        deck_material: bool = false, "", Any, "Take modulus, Poisson's ratio and density for the stress analysis from the deck, in place of the job's material.";
         import: String = String::new(), "", Any, "File of a stress result to use instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD or CSV, in the coordinates of the mesh file.";
         import_array: Option<String> = None, "", Any, "Name of the stress array in the imported file; unset: found by the usual names.";
         import_order: Option<ComponentOrder> = None, "", Any, "Order of the stress components in the imported file; unset: by their names, else vtk.";
-        import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress; unset: MPa.";
-        import_length_unit: Option<LengthUnit> = None, "", Any, "Unit of the imported positions; unset: mm.";
+        import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress, or of the pressures and moduli of the deck, whose forces are this times the square of its unit of length; unset: MPa.";
+        import_length_unit: Option<LengthUnit> = None, "", Any, "Unit of the imported positions, or of those of the deck; unset: mm.";
         // Half of the memory of a computer with 8 GiB. A larger job is refused with the size that it
         // needs.
         memory_mib: usize = 4096, "MiB", Range(16.0, 1e6), "Memory limit of the stress analysis and of the strength test. A job that would exceed it is refused before solving.";

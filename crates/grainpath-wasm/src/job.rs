@@ -10,7 +10,7 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_gcode::{Program, Written, simulate, write_gcode};
 use grainpath_imaging::photo::Photo;
 use grainpath_io::directions::{DensitySamples, DirectionSamples, parse_densities};
-use grainpath_io::fe::{FeError, StressField, parse_fe};
+use grainpath_io::fe::{DeckConditions, FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
 use grainpath_job::choices::GuideKind;
@@ -65,12 +65,14 @@ impl Inputs {
             None => grainpath::plan_photo(&settings, &photos, directions, diagnostics),
             Some((path, mesh)) => {
                 let stress = self.stress(&settings)?;
+                let deck = self.deck(&settings)?;
                 let regions = self.regions(&settings)?;
                 let densities = self.densities(&settings)?;
                 let inputs = grainpath::Inputs {
                     mesh,
                     path,
                     stress,
+                    deck,
                     directions,
                     densities,
                     photos,
@@ -165,6 +167,16 @@ impl Inputs {
         let Some((path, array)) = settings.fill.density.file() else { return Ok(None) };
         let read = parse_densities(self.file(path)?, path, array);
         read.map(Some).map_err(|source| Error::Densities { path: path.to_owned(), source }.to_string())
+    }
+
+    fn deck(&self, settings: &Settings) -> Result<Option<DeckConditions>, String> {
+        let path = &settings.guide.deck;
+        if path.is_empty() {
+            return Ok(None);
+        }
+        let wrong = |e: FeError| format!("{path}: {e}");
+        let file = parse_fe(self.file(path)?, Some(path)).map_err(wrong)?;
+        config::deck(settings, &file).map(Some).map_err(wrong)
     }
 
     fn stress(&self, settings: &Settings) -> Result<Option<StressField>, String> {

@@ -157,6 +157,7 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
             mesh,
             path: "a.stl".into(),
             stress: None,
+            deck: None,
             photos: Vec::new(),
             texture: Some(open()),
             regions: Default::default(),

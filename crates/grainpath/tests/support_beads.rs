@@ -118,6 +118,7 @@ fn printed(mesh: &TriMesh, sets: &[&str]) -> Outcome {
         mesh: grainpath_io::parse_mesh(&bytes, Some("part.stl")).expect("a sound mesh"),
         path: "part.stl".into(),
         stress: None,
+        deck: None,
         directions: None,
         densities: None,
         photos: Vec::new(),

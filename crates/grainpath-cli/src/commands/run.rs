@@ -10,7 +10,9 @@ use grainpath_job::Settings;
 
 use crate::args::{Common, RunArguments};
 use crate::claims::Claims;
-use crate::inputs::{Given, Handed, claim_inputs, plan, read_body, read_job, read_stress, set_threads};
+use crate::inputs::{
+    Given, Handed, claim_inputs, plan, read_body, read_deck, read_job, read_stress, set_threads,
+};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
@@ -140,6 +142,7 @@ pub fn checked(
         mesh,
         path,
         stress,
+        deck: read_deck(settings, base)?,
         directions: None,
         densities: None,
         photos: Vec::new(),

@@ -13,7 +13,9 @@ use grainpath_view::strength::chart_svg;
 use serde_json::{Value, json};
 
 use crate::args::{Common, Strength};
-use crate::inputs::{Given, Handed, no_shape, plan_given, read_body, read_settings, set_threads, shape_of};
+use crate::inputs::{
+    Given, Handed, no_shape, plan_given, read_body, read_deck, read_settings, set_threads, shape_of,
+};
 use crate::{Failure, files, memory, outputs, progress};
 
 /// A tested job or program.
@@ -164,8 +166,9 @@ impl TestedJob {
         let Sliced { mesh, stack, lowered_mm, .. } =
             mesh_and_layers(&grainpath::run::config::placing(settings), file, diagnostics).map_err(source)?;
         let standing = grainpath::run::config::standing(settings, lowered_mm);
-        let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh, &standing)
-            .map_err(|e| failed(e.into()))?;
+        let deck = read_deck(settings, &self.folder)?;
+        let loads = grainpath::run::config::loads(settings, deck.as_ref());
+        let conditions = boundary_conditions(&loads, &mesh, &standing).map_err(|e| failed(e.into()))?;
         TestSetup::new(&strength_settings(settings), &mesh, &stack, conditions).map_err(failed)
     }
 
@@ -200,8 +203,11 @@ fn test_printed(
     diagnostics: &Diagnostics,
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Tested, StrengthError> {
+    if !settings.guide.deck.is_empty() {
+        return Err(StrengthError::NeedsSurface("guide.deck".into()));
+    }
     let part = PrintedPart::new(program)?;
-    let conditions = part.conditions(&grainpath::run::config::loads(settings))?;
+    let conditions = part.conditions(&grainpath::run::config::loads(settings, None))?;
     let wanted = strength_settings(settings);
     let setup = TestSetup::new(&wanted, &part.mesh, &part.stack, conditions)?;
     test_noting(&wanted, &setup, program, Some(DVec2::ZERO), diagnostics, note)

@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 
 use super::inspect_faces::face_json;
 use crate::Failure;
-use crate::inputs::{read_body, read_stress};
+use crate::inputs::{read_body, read_deck, read_stress};
 
 /// Faces that are told by name and measures. Source: chosen; a part of a thousand faces is rare, and the names of n faces
 /// cost n squared.
@@ -151,6 +151,7 @@ pub(super) fn stress(
         mesh,
         path: path.display().to_string(),
         stress: read_stress(settings, base)?,
+        deck: read_deck(settings, base)?,
         directions: None,
         densities: None,
         photos: Vec::new(),

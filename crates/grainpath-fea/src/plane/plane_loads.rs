@@ -73,6 +73,8 @@ impl<'a> Plate<'a> {
                         Hold { node, along, displacement_mm }
                     }));
                 }
+                // Parts that are held so are solved as solids.
+                Held::Turned { .. } => {}
                 Held::Axes(fixed) => {
                     for (axis, along) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
                         if fixed[axis] {
@@ -114,6 +116,9 @@ impl<'a> Plate<'a> {
             Action::Bearing { .. }
             | Action::Torque { .. }
             | Action::RemoteForce { .. }
+            | Action::Clamp { .. }
+            | Action::Carried { .. }
+            | Action::Points { .. }
             | Action::Centrifugal { .. } => vec![DVec2::ZERO; self.mesh.nodes.len()],
         })
     }

@@ -58,16 +58,44 @@ impl<'a> LoadedSolid<'a> {
                     }
                 }
                 Held::Axes(fixed) => {
-                    for node in self.mesh.nodes_of(&faces) {
+                    for node in self.held_nodes(&fixture.on, &faces) {
                         for axis in (0..3).filter(|&a| fixed[a]) {
                             let value_mm = fixture.displacement_mm[axis];
                             supports.prescribe(self.mesh, node, DVec3::AXES[axis], value_mm)?;
                         }
                     }
                 }
+                Held::Turned { axes, fixed } => {
+                    for node in self.held_nodes(&fixture.on, &faces) {
+                        for axis in (0..3).filter(|&a| fixed[a]) {
+                            let along = axes.col(axis);
+                            let value_mm = fixture.displacement_mm.dot(along);
+                            supports.prescribe(self.mesh, node, along, value_mm)?;
+                        }
+                    }
+                }
             }
         }
         Ok(supports)
+    }
+
+    /// The nodes that a fixture holds, ascending: those of its faces, or for single points those of the face nearest to each.
+    /// A single node of a mesh holds less the finer the mesh is, and multigrid does not converge on it.
+    fn held_nodes(&self, on: &Selection, faces: &[usize]) -> Vec<u32> {
+        let Selection::Points(points) = on else { return self.mesh.nodes_of(faces) };
+        let search = nodal_forces::flat_faces(self.mesh);
+        let nearest = |p: DVec3| search.closest_point(p, f64::INFINITY).map(|f| f.triangle as usize);
+        let faces: Vec<usize> = points.triangles().iter().filter_map(|t| nearest(t[0])).collect();
+        self.mesh.nodes_of(&faces)
+    }
+
+    /// The share of the area of a place on another mesh of the part that lies on this one; `None` for other places.
+    pub fn covered_share(&self, on: &Selection) -> Option<f64> {
+        let Selection::Patch(patch) = on else { return None };
+        let mut forces = vec![DVec3::ZERO; self.mesh.nodes.len()];
+        let on_patch = |p, normal| patch.at(p, Some(normal)).map(|_| DVec3::ZERO);
+        let nothing = (DVec3::ZERO, DVec3::ZERO);
+        Some(nodal_forces::add_carried(&mut forces, self.mesh, on_patch, nothing) / patch.area_mm2())
     }
 
     /// Adds a load to the forces at the nodes, N, `(n_nodes)`.
@@ -101,6 +129,24 @@ impl<'a> LoadedSolid<'a> {
                 nodal_forces::add_force(forces_n, self.mesh, &faces, *total_n);
                 nodal_forces::add_moment(forces_n, self.mesh, &faces, arm.cross(*total_n));
             }
+            Action::Clamp { on, towards, total_n } => {
+                let (faces, other) = (caught(on)?, caught(towards)?);
+                let [from, to] = [&faces, &other].map(|f| nodal_forces::centroid_mm(self.mesh, f));
+                nodal_forces::add_force(
+                    forces_n,
+                    self.mesh,
+                    &faces,
+                    *total_n * (to - from).normalize_or_zero(),
+                );
+            }
+            Action::Carried { on, traction } => {
+                let wanted = (traction.force_n, traction.moment_nmm);
+                let at = |p, normal| traction.at(p, normal);
+                if nodal_forces::add_carried(forces_n, self.mesh, at, wanted) == 0.0 {
+                    return Err(self.conditions.catches_nothing(&load.name, on, SEARCHED));
+                }
+            }
+            Action::Points { forces, .. } => nodal_forces::add_points(forces_n, self.mesh, forces),
             Action::Force { on, total_n } => {
                 nodal_forces::add_force(forces_n, self.mesh, &caught(on)?, *total_n);
             }
@@ -144,7 +190,7 @@ impl<'a> LoadedSolid<'a> {
             let faces = self.caught(&fixture.name, &fixture.on)?;
             let area_mm2 = nodal_forces::area_mm2(self.mesh, &faces);
             let centroid = nodal_forces::centroid_mm(self.mesh, &faces);
-            let nodes = self.mesh.nodes_of(&faces);
+            let nodes = self.held_nodes(&fixture.on, &faces);
             let own =
                 nodes.iter().map(|&i| (self.mesh.nodes[i as usize], std::mem::take(&mut rest[i as usize])));
             all.push(Resultant::new(&fixture.name, area_mm2, centroid, own));
@@ -154,13 +200,31 @@ impl<'a> LoadedSolid<'a> {
 
     /// The nodes of the boundary faces in a selection, ascending.
     pub fn nodes_on(&self, on: &Selection) -> Vec<u32> {
-        self.mesh.nodes_of(&self.mesh.faces_in(on))
+        self.held_nodes(on, &self.faces_in(on))
     }
 
-    /// The boundary faces in a selection; an error where there are none.
+    /// The boundary faces in a selection, by the point of the part's surface below each and its normal there.
+    fn faces_in(&self, on: &Selection) -> Vec<usize> {
+        let mut faces = self.mesh.faces_in(on);
+        if matches!(on, Selection::Patch(_)) {
+            faces.retain(|&f| {
+                let face = &self.mesh.faces[f];
+                face.foot.is_none_or(|foot| on.contains_on(foot, self.facet_normal(face.facet)))
+            });
+        }
+        faces
+    }
+
+    /// The outward normal of a facet of the part's surface.
+    fn facet_normal(&self, facet: u32) -> DVec3 {
+        let [p, q, r] = self.surface.triangles[facet as usize].map(|i| self.surface.vertices[i as usize]);
+        (q - p).cross(r - p).normalize_or_zero()
+    }
+
+    /// The boundary faces in a selection; an error where there are none. Points make no face.
     fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
-        let faces = self.mesh.faces_in(on);
-        match faces.is_empty() {
+        let faces = self.faces_in(on);
+        match faces.is_empty() && !matches!(on, Selection::Points(_)) {
             true => Err(self.conditions.catches_nothing(name, on, SEARCHED)),
             false => Ok(faces),
         }
@@ -174,9 +238,7 @@ impl<'a> LoadedSolid<'a> {
             let face = &self.mesh.faces[f];
             let [a, b, c] = [0, 1, 2].map(|i| self.mesh.nodes[face.nodes[i] as usize]);
             let normal = (b - a).cross(c - a);
-            let [p, q, r] =
-                self.surface.triangles[face.facet as usize].map(|i| self.surface.vertices[i as usize]);
-            let facet = (q - p).cross(r - p).normalize_or_zero();
+            let facet = self.facet_normal(face.facet);
             if normal.normalize_or_zero().dot(facet).abs() < MIN_COS_TO_FACET {
                 continue;
             }

@@ -89,22 +89,40 @@ pub struct FaceLoad {
     pub pressure: f64,
 }
 
+/// Kind of a load on mass. The load is the acceleration times the density of the element's material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BodyForce {
+    /// An acceleration in the deck's units.
+    Gravity([f64; 3]),
+    /// Rotation about an axis, which accelerates outwards.
+    Centrifugal {
+        /// Square of the angular speed, 1/s2.
+        speed_squared: f64,
+        /// A point of the axis, in the deck's units.
+        point: [f64; 3],
+        /// A vector along the axis, of any length.
+        axis: [f64; 3],
+    },
+}
+
 /// A load on the volume of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyLoad {
     /// Index of the element.
     pub element: u32,
-    /// Acceleration in the deck's units. The load is this times the density of the element's material.
-    pub acceleration: [f64; 3],
+    /// What acts on its mass.
+    pub force: BodyForce,
 }
 
-/// A step of the analysis.
+/// A step of the analysis. Its loads are all that act at its end, those that stay from the steps before included.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Step {
     /// The procedure: `STATIC`, `FREQUENCY`, ...; empty when none is given.
     pub procedure: String,
     /// Whether large deformations are asked for.
     pub nlgeom: bool,
+    /// Whether all supports from before are removed (`*BOUNDARY, OP=NEW`).
+    pub releases: bool,
     /// Supports that begin here.
     pub fixed: Vec<Fixed>,
     /// Forces on nodes.

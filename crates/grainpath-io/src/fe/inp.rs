@@ -6,8 +6,12 @@
 //! Keywords that do not change a linear analysis ([`HARMLESS`]) are skipped. Every other keyword that is not read is named in
 //! a warning, since the result of the deck would differ. Units: a deck has none; the job states them.
 
+use std::collections::BTreeSet;
+
 use super::bytes::Numbers;
-use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
+use super::deck::{
+    Behaviour, BodyForce, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step,
+};
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, Group, array_capacity, invalid, position};
 use super::problem::FeProblem;
@@ -75,6 +79,11 @@ impl Block<'_> {
     }
 }
 
+/// Whether a load or a support removes those of its kind from earlier steps.
+fn is_new(b: &Block<'_>) -> bool {
+    b.parameter("OP").is_some_and(|op| op.trim().eq_ignore_ascii_case("NEW"))
+}
+
 fn place(line: usize) -> String {
     format!("line {line}")
 }
@@ -119,6 +128,24 @@ fn join(set: &mut Vec<u32>, more: Vec<u32>) {
     }
 }
 
+/// Numbers of loads at the head of a step's lists that stay from the steps before.
+#[derive(Debug, Clone, Copy, Default)]
+struct CarriedLoads {
+    points: usize,
+    faces: usize,
+    bodies: usize,
+}
+
+/// Takes those out of the first `n` entries that `is_replaced` names, and returns how many stay.
+fn retain_carried<T>(all: &mut Vec<T>, n: usize, is_replaced: impl Fn(&T) -> bool) -> usize {
+    let (mut at, before) = (0, all.len());
+    all.retain(|entry| {
+        at += 1;
+        at > n || !is_replaced(entry)
+    });
+    n - (before - all.len())
+}
+
 /// State of the reader.
 struct Inp {
     file: FeFile,
@@ -130,6 +157,8 @@ struct Inp {
     /// The material to which ELASTIC and DENSITY belong.
     material: Option<usize>,
     in_step: bool,
+    /// Loads of the current step that stay from the steps before.
+    carried: CarriedLoads,
     parts: usize,
 }
 
@@ -142,6 +171,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         capacity: array_capacity(bytes.len()),
         material: None,
         in_step: false,
+        carried: CarriedLoads::default(),
         parts: 0,
     };
     let mut lines = bytes.split(|&b| b == b'\n').enumerate().map(|(i, l)| (i + 1, l.trim_ascii()));
@@ -235,10 +265,7 @@ impl Inp {
                     self.ignore("ORIENTATION");
                 }
             }
-            "STEP" => {
-                self.deck.steps.push(Step { nlgeom: b.has("NLGEOM"), ..Step::default() });
-                self.in_step = true;
-            }
+            "STEP" => self.begin_step(b)?,
             "ENDSTEP" => self.in_step = false,
             "STATIC"
             | "FREQUENCY"
@@ -278,6 +305,38 @@ impl Inp {
             other => self.ignore(other),
         }
         Ok(())
+    }
+
+    /// Opens a step. Loads stay from step to step until another value replaces them or `OP=NEW` removes them; a perturbation
+    /// step has loads of its own alone.
+    fn begin_step(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let mut step = Step { nlgeom: b.has("NLGEOM"), ..Step::default() };
+        if let Some(before) = self.deck.steps.last().filter(|_| !b.has("PERTURBATION")) {
+            step.point_loads.clone_from(&before.point_loads);
+            step.face_loads.clone_from(&before.face_loads);
+            step.body_loads.clone_from(&before.body_loads);
+        }
+        let [points, faces, bodies] = [step.point_loads.len(), step.face_loads.len(), step.body_loads.len()];
+        self.take_capacity(points + faces + bodies, b.line)?;
+        self.carried = CarriedLoads { points, faces, bodies };
+        self.deck.steps.push(step);
+        self.in_step = true;
+        Ok(())
+    }
+
+    /// Names parameters of a load or a support that change what it means and are not read.
+    fn ignore_parameters(&mut self, b: &Block<'_>) {
+        for (name, value) in &b.parameters {
+            let is_read = match name.as_str() {
+                // An amplitude is named where it is defined; its loads are taken in full.
+                "OP" | "AMPLITUDE" | "TIMEDELAY" => true,
+                "TYPE" => b.keyword == "BOUNDARY" && value.trim().eq_ignore_ascii_case("DISPLACEMENT"),
+                _ => false,
+            };
+            if !is_read {
+                self.ignore(&format!("{}, {name}", b.keyword));
+            }
+        }
     }
 
     fn ignore(&mut self, keyword: &str) {
@@ -462,9 +521,11 @@ impl Inp {
         for &(n, line) in &b.data {
             let mut all = fields(line);
             let elements = self.elements_named(n, all.next().unwrap_or_default())?;
-            // Without a label Abaqus takes all free faces; pressures on such surfaces are rare and not
-            // read.
-            let Some(label) = all.next() else { continue };
+            // Without a label Abaqus takes all free faces; such surfaces are rare and not read.
+            let Some(label) = all.next() else {
+                self.ignore("SURFACE of all free faces");
+                continue;
+            };
             for e in elements {
                 faces.push((e, self.face(n, e, label)?));
             }
@@ -540,6 +601,7 @@ impl Inp {
     }
 
     fn boundary(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        self.ignore_parameters(b);
         let mut fixed = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -571,7 +633,13 @@ impl Inp {
         }
         // Supports before the first step hold in all steps.
         match self.deck.steps.last_mut() {
-            Some(step) if self.in_step => step.fixed.extend(fixed),
+            Some(step) if self.in_step => {
+                // Only the first such block of a step removes what was before.
+                if is_new(b) && step.fixed.is_empty() {
+                    step.releases = true;
+                }
+                step.fixed.extend(fixed);
+            }
             _ => self.deck.fixed.extend(fixed),
         }
         Ok(())
@@ -584,6 +652,7 @@ impl Inp {
     }
 
     fn cload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        self.ignore_parameters(b);
         let mut loads = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -596,11 +665,17 @@ impl Inp {
             let value = value(n, all.get(2).copied().unwrap_or_default())?;
             loads.extend(nodes.into_iter().map(|node| PointLoad { node, axis: (axis - 1) as u8, value }));
         }
-        self.step(b)?.point_loads.extend(loads);
+        let mut carried = self.carried.points;
+        let all = &mut self.step(b)?.point_loads;
+        let given: BTreeSet<(u32, u8)> = loads.iter().map(|l: &PointLoad| (l.node, l.axis)).collect();
+        carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&(l.node, l.axis)));
+        all.extend(loads);
+        self.carried.points = carried;
         Ok(())
     }
 
     fn dload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        self.ignore_parameters(b);
         let (mut faces, mut bodies) = (Vec::new(), Vec::new());
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -613,7 +688,18 @@ impl Inp {
                     let g = number_at(2)?;
                     let direction = [number_at(3)?, number_at(4)?, number_at(5)?];
                     let acceleration = direction.map(|c| c * g);
-                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, acceleration }));
+                    let force = BodyForce::Gravity(acceleration);
+                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, force }));
+                }
+                // CENTRIF: the square of the speed, a point of the axis, its direction.
+                b"CENTRIF" => {
+                    let mut at = [0.0; 7];
+                    for (i, v) in at.iter_mut().enumerate() {
+                        *v = number_at(2 + i)?;
+                    }
+                    let [speed_squared, point @ .., a, b, c] = at;
+                    let force = BodyForce::Centrifugal { speed_squared, point, axis: [a, b, c] };
+                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, force }));
                 }
                 // `P` and the number of a face. `PFILM` and the like are no pressures.
                 [b'P', rest @ ..] if !rest.is_empty() && rest.iter().all(u8::is_ascii_digit) => {
@@ -626,13 +712,30 @@ impl Inp {
                 other => self.ignore(&format!("DLOAD {}", shown(other))),
             }
         }
-        let step = self.step(b)?;
-        step.face_loads.extend(faces);
-        step.body_loads.extend(bodies);
+        self.add_face_loads(b, faces)?;
+        let mut carried = self.carried.bodies;
+        let all = &mut self.step(b)?.body_loads;
+        let kind = |l: &BodyLoad| (l.element, matches!(l.force, BodyForce::Gravity(_)));
+        let given: BTreeSet<(u32, bool)> = bodies.iter().map(kind).collect();
+        carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&kind(l)));
+        all.extend(bodies);
+        self.carried.bodies = carried;
+        Ok(())
+    }
+
+    /// Pressures of a DLOAD or DSLOAD. They replace those of earlier steps on the same faces.
+    fn add_face_loads(&mut self, b: &Block<'_>, faces: Vec<FaceLoad>) -> Result<(), FeError> {
+        let mut carried = self.carried.faces;
+        let all = &mut self.step(b)?.face_loads;
+        let given: BTreeSet<(u32, u8)> = faces.iter().map(|l| (l.element, l.face)).collect();
+        carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&(l.element, l.face)));
+        all.extend(faces);
+        self.carried.faces = carried;
         Ok(())
     }
 
     fn dsload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        self.ignore_parameters(b);
         let mut loads = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -649,8 +752,7 @@ impl Inp {
             let pressure = value(n, all.get(2).copied().unwrap_or_default())?;
             loads.extend(faces.into_iter().map(|(element, face)| FaceLoad { element, face, pressure }));
         }
-        self.step(b)?.face_loads.extend(loads);
-        Ok(())
+        self.add_face_loads(b, loads)
     }
 
     fn finish(mut self) -> FeFile {

@@ -2,7 +2,8 @@
 //!
 //! [`parse_fe`] reads a file as it is: nodes, elements and every array, in the units of the file. [`FeFile::result`] then
 //! picks the stress, checks its unit and the order of its components, and gives an [`FeResult`] in mm and MPa with a
-//! stress at every node. [`StressField`] interpolates that stress at any point.
+//! stress at every node. [`StressField`] interpolates that stress at any point. [`FeFile::deck_conditions`] gives the
+//! supports and loads of an INP deck, for another mesh of its part.
 //!
 //! ```
 //! use grainpath_core::DVec3;
@@ -19,6 +20,7 @@
 mod bytes;
 mod csv;
 mod deck;
+mod deck_conditions;
 mod element;
 mod field;
 mod frd;
@@ -35,7 +37,10 @@ mod write;
 
 use crate::text::skip_space;
 
-pub use deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
+pub use deck::{
+    Behaviour, BodyForce, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step,
+};
+pub use deck_conditions::{DeckConditions, DeckLoad, DeckMaterial, DeckPlace, DeckStep, DeckSupport};
 pub use element::{ElementKind, MAX_NODES, Shape};
 pub use field::{Location, StressField};
 pub use grainpath_core::tensor::{Principal, principal, von_mises};

@@ -243,6 +243,10 @@ pub enum FeError {
     Unsupported { what: String, reads: &'static str },
     #[error("element {element}: node {node} does not exist")]
     NoSuchNode { element: String, node: i64 },
+    #[error(
+        "a file of the format {format} states no loads and supports; those are read from Abaqus and CalculiX decks (INP)"
+    )]
+    NoDeck { format: &'static str },
     #[error("no nodes in the file")]
     NoNodes,
     #[error("no stress in the file{arrays}")]

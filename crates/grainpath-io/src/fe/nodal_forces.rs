@@ -6,15 +6,15 @@
 
 use grainpath_core::DVec3;
 
-use super::deck::{Behaviour, Deck};
+use super::deck::{Behaviour, BodyForce, Deck};
 use super::element::ElementKind;
 use super::model::{Element, FeError, FeFile, invalid};
 use super::problem::FeProblem;
 
 impl FeFile {
     /// Forces on every node in a step of the deck, in the deck's unit of force. Forces on nodes are taken
-    /// as they are; pressures and gravity are distributed by the shape functions. Moments are left out,
-    /// because nodes of solids do not rotate.
+    /// as they are; pressures, gravity and centrifugal loads are distributed by the shape functions. Moments are left
+    /// out, because nodes of solids do not rotate.
     ///
     /// # Errors
     /// No such step, axisymmetric elements, or a plane element without thickness under load.
@@ -78,8 +78,18 @@ impl FeFile {
             let points = e.kind.quadrature();
             let whole: f64 = points.iter().map(|p| p.1).sum();
             for (x, weight) in points {
-                for (&i, n) in e.nodes().iter().zip(e.kind.weights(x)) {
-                    forces[i as usize] += size * weight / whole * n * DVec3::from(load.acceleration);
+                let weights = e.kind.weights(x);
+                let acceleration = match load.force {
+                    BodyForce::Gravity(a) => DVec3::from(a),
+                    BodyForce::Centrifugal { speed_squared, point, axis } => {
+                        let p: DVec3 =
+                            e.nodes().iter().zip(weights).map(|(&i, w)| self.nodes[i as usize] * w).sum();
+                        let axis = DVec3::from(axis).normalize_or_zero();
+                        speed_squared * (p - DVec3::from(point)).reject_from_normalized(axis)
+                    }
+                };
+                for (&i, n) in e.nodes().iter().zip(weights) {
+                    forces[i as usize] += size * weight / whole * n * acceleration;
                 }
             }
         }
@@ -104,7 +114,7 @@ impl FeFile {
     }
 
     /// 1 where the nodes are numbered as the format asks, -1 where they run the other way round.
-    fn winding(&self, e: &Element) -> f64 {
+    pub(super) fn winding(&self, e: &Element) -> f64 {
         let shape = e.kind.shape(e.kind.centre());
         let column = |k: usize| {
             e.nodes().iter().zip(shape.d).map(|(&i, d)| self.nodes[i as usize] * d[k]).sum::<DVec3>()
@@ -116,7 +126,7 @@ impl FeFile {
 }
 
 /// The face of a solid as a surface element of its own, seen from outside.
-fn face_of(e: &Element, face: usize) -> Option<(ElementKind, Vec<u32>)> {
+pub(super) fn face_of(e: &Element, face: usize) -> Option<(ElementKind, Vec<u32>)> {
     if e.kind.dimension() != 3 {
         return None;
     }

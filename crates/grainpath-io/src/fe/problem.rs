@@ -65,6 +65,43 @@ pub enum FeProblem {
     NoStep,
     #[error("has no section")]
     NoSection,
+    // The loads and supports of a deck.
+    #[error(
+        "changes loads or supports and is not read; put forces, pressures and supports on nodes and faces of the part itself (*CLOAD, *DLOAD, *DSLOAD, *BOUNDARY)"
+    )]
+    ChangesLoads,
+    #[error("has no solid elements (C3D4, C3D10, C3D8, ...)")]
+    NoSolids,
+    #[error(
+        "has no isotropic material (*ELASTIC) that all its solid elements share, which guide.deck_material asks for"
+    )]
+    NoOneMaterial,
+    #[error("has neither supports nor loads in a static step")]
+    NothingActs,
+    #[error("*{0} is not static; only static steps load a part")]
+    NotStatic(String),
+    #[error("has {found} static steps, more than {most}; choose one with guide.deck_step")]
+    TooManySteps { found: usize, most: usize },
+    #[error("holds the part in another way than step {first} does; choose one of them with guide.deck_step")]
+    OtherSupports { first: usize },
+    #[error(
+        "prescribe more than {most} different displacements along an axis; a place that turns is not read"
+    )]
+    ManyDisplacements { most: usize },
+    #[error("carries a load or a support, and is in no solid element")]
+    NoSolidHasIt,
+    #[error("carries a moment, and nodes of solids do not turn; use forces on several nodes")]
+    NodesDoNotTurn,
+    #[error("carries a force inside the part; forces are taken on its surface alone")]
+    LoadInside,
+    #[error("carries a pressure, and is no face of a solid element")]
+    PressureNotOnSolid,
+    #[error("carries a pressure inside the part; pressures are taken on its surface alone")]
+    PressureInside,
+    #[error("a centrifugal load needs the square of a speed and the direction of its axis")]
+    NoAxis,
+    #[error("acts alike on {found} of {all} solid elements; it is taken where it acts alike on all of them")]
+    OnPartOfIt { found: usize, all: usize },
     // VTK and VTU.
     #[error("its nodes {from} to {to} are not in the connectivity")]
     NotConnected { from: usize, to: f64 },

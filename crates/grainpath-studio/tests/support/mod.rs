@@ -95,6 +95,7 @@ impl Engine for Planner {
             mesh,
             path: shown,
             stress: None,
+            deck: None,
             directions: None,
             densities: None,
             photos: vec![],

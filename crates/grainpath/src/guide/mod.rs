@@ -6,6 +6,7 @@
 //! smoothed where the stress is nearly the same in all directions. Lengths are in mm, stresses in
 //! MPa.
 
+mod deck;
 mod degenerate;
 pub mod density;
 mod direction;
@@ -36,7 +37,7 @@ use grainpath_fea::resultant::CaseBalance;
 use grainpath_fea::solid::SolidError;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::ply_mix::MOST_SLOTS;
-use grainpath_io::fe::{Element, StressField};
+use grainpath_io::fe::{DeckConditions, Element, StressField};
 use rayon::prelude::*;
 
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
@@ -81,6 +82,17 @@ pub enum GuideError {
         "the imported result is a plane one, which turns about z alone; shape.rotate_deg should be [0, 0, ANGLE]"
     )]
     ImportTurned,
+    #[error(
+        "guide.deck: its part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, and the job's in its file from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm; check guide.import_length_unit and that both are of one part",
+        found[0].x, found[0].y, found[0].z, found[1].x, found[1].y, found[1].z,
+        part[0].x, part[0].y, part[0].z, part[1].x, part[1].y, part[1].z
+    )]
+    DeckElsewhere { found: [DVec3; 2], part: [DVec3; 2] },
+    #[error(
+        "guide.deck: a node of {what} lies at ({:.2}, {:.2}, {:.2}) mm, {off_mm:.2} mm off the part's surface",
+        at_mm.x, at_mm.y, at_mm.z
+    )]
+    DeckOffPart { what: String, at_mm: DVec3, off_mm: f64 },
     #[error("{what}: {source}")]
     Face { what: String, source: FaceError },
     #[error(
@@ -116,6 +128,8 @@ impl GuideError {
                 | Self::FixtureAslant { .. }
                 | Self::NoAxis { .. }
                 | Self::ImportTurned
+                | Self::DeckElsewhere { .. }
+                | Self::DeckOffPart { .. }
                 | Self::NotPlane(_)
                 | Self::Material(_)
         )
@@ -324,11 +338,13 @@ impl Guide {
 }
 
 /// The fixtures and loads of a job, resolved against its part. The loads of each `[[guide.case]]`
-/// form a case; loads outside cases form a first case of their own. Either list may be empty.
+/// form a case; loads outside cases form a first case of their own, and each step of a deck a further
+/// one. Either list may be empty.
 ///
 /// # Errors
 /// [`GuideError::NoFacet`] for a list of facets that the mesh does not have, [`GuideError::Face`] for the
-/// name of a face that it does not have or has several times.
+/// name of a face that it does not have or has several times, [`GuideError::DeckElsewhere`] for a deck of
+/// another part.
 pub fn boundary_conditions(
     typed: &TypedLoads<'_>,
     mesh: &TriMesh,
@@ -356,6 +372,11 @@ pub fn boundary_conditions(
         let loads = places.loads(&case.loads, &format!(" of case {:?}", case.name))?;
         cases.push(LoadCase { name: case.name.clone(), weight: case.weight, loads });
     }
+    if let Some(deck) = typed.deck {
+        let (held, steps) = deck::conditions(deck, mesh, standing, fixtures.len() + 1)?;
+        fixtures.extend(held);
+        cases.extend(steps);
+    }
     let (low, high) = mesh.bounds().unwrap_or_default();
     // 1 g/cm3 is 1e-9 t/mm3.
     let density_t_mm3 = typed.density_g_cm3 * 1e-9;
@@ -378,6 +399,15 @@ impl Places<'_> {
         for (k, load) in loads.iter().enumerate() {
             let name = format!("load {}{of_case}", k + 1);
             let on = load.on.as_ref().map(|on| self.resolved(on, &name)).transpose()?;
+            if let (Push::Preload(total_n), Some(head), Some(nut)) = (load.push, &on, &load.to) {
+                // Both ends are loads of their own, so that what each caught is told.
+                let nut = self.resolved(nut, &name)?;
+                for (end, on, towards) in [("on", head.clone(), nut.clone()), ("to", nut, head.clone())] {
+                    let action = Action::Clamp { on, towards, total_n };
+                    all.push(Load { name: format!("{name}, {end}"), action });
+                }
+                continue;
+            }
             let action = match (load.push, on) {
                 (Push::Acceleration(a), _) => Action::Acceleration { mm_s2: self.vector(a) },
                 (Push::Centrifugal { point_mm, axis, speed_rpm }, _) => Action::Centrifugal {
@@ -401,7 +431,7 @@ impl Places<'_> {
                 (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
                 (Push::Moment(m), Some(on)) => Action::Moment { on, total_nmm: self.vector(m) },
                 // The job's reader refuses a load on the surface without a place.
-                (_, None) => continue,
+                (_, None) | (Push::Preload(_), _) => continue,
             };
             all.push(Load { name, action });
         }
@@ -527,6 +557,8 @@ pub struct TypedLoads<'a> {
     pub density_g_cm3: f64,
     /// Coordinates of places and vectors.
     pub frame: LoadFrame,
+    /// Supports and loads of `guide.deck`.
+    pub deck: Option<&'a DeckConditions>,
 }
 
 /// Settings of a guide by stress.
@@ -634,10 +666,10 @@ fn solve(
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
     if conditions.cases.is_empty() {
-        return Err(GuideError::Missing("a [[guide.load]]"));
+        return Err(GuideError::Missing("a [[guide.load]], or a guide.deck with loads"));
     }
     if conditions.fixtures.is_empty() {
-        return Err(GuideError::Missing("a [[guide.fixture]]"));
+        return Err(GuideError::Missing("a [[guide.fixture]], or a guide.deck with supports"));
     }
     match settings.analysis {
         Analysis::Plane => plane::solve(settings, part, conditions),

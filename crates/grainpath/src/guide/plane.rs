@@ -58,6 +58,9 @@ pub(super) fn solve(
     if !conditions.cases.iter().all(LoadCase::is_in_plane) {
         return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
     }
+    if conditions.are_held_in_space() {
+        return Err(GuideError::NotPlane("a fixture is that of a deck"));
+    }
     // Slices carry many short edges, each of which would force small triangles.
     let section = section.simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));

@@ -51,6 +51,7 @@ pub(super) fn solve(
     diagnostics.check()?;
     let tets = &meshed.mesh;
     let loaded = LoadedSolid::new(tets, part.mesh, conditions);
+    warn_of_uncovered(&loaded, conditions, diagnostics);
     let supports = loaded.supports()?;
     let model = Model::uniform(tets, stiffness(settings)?);
     let mut forces = Vec::new();
@@ -122,6 +123,23 @@ pub(super) fn solve(
         solved.cases.push(CaseStress { name: case.name.clone(), weight: case.weight, stress });
     }
     Ok(solved)
+}
+
+/// Share by which the area of a deck's place on the part may differ from that in the deck without a warning. Source: derived:
+/// chords of a circle of 16 sides miss 0.6 % of its length, of 6 sides 4.5 %.
+const SAME_AREA: f64 = 0.05;
+
+/// Warns of places of a deck that lie on the part only in part, or that catch more of it.
+fn warn_of_uncovered(loaded: &LoadedSolid<'_>, conditions: &BoundaryConditions, diagnostics: &Diagnostics) {
+    let fixtures = conditions.fixtures.iter().map(|f| (&f.name, Some(&f.on)));
+    let loads = conditions.cases.iter().flat_map(|c| &c.loads).map(|l| (&l.name, l.action.on()));
+    for (name, on) in fixtures.chain(loads) {
+        let share = on.and_then(|on| loaded.covered_share(on)).unwrap_or(1.0);
+        if (share - 1.0).abs() > SAME_AREA {
+            let text = format!("{name} of the deck covers {:.1} % of its area on the part", 100.0 * share);
+            diagnostics.warn(WarningId::DeckCovers, text);
+        }
+    }
 }
 
 /// Description of the mesh for the report.

@@ -15,7 +15,7 @@ use grainpath_gcode::{
 };
 use grainpath_io::OutlineOptions;
 use grainpath_io::directions::{AngleUnit, DirectionOptions, GridAxes};
-use grainpath_io::fe::{FeOptions, Order, StressUnit};
+use grainpath_io::fe::{DeckConditions, FeError, FeFile, FeOptions, Order, StressUnit};
 use grainpath_io::volume::RawHeader;
 
 use crate::fibre::FibreSettings;
@@ -369,16 +369,18 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
 }
 
 /// The guide by stress, where the job has one.
-pub fn stress(s: &Settings) -> Option<StressSettings> {
+pub fn stress(s: &Settings, deck: Option<&DeckConditions>) -> Option<StressSettings> {
     let (g, m) = (&s.guide, &s.material);
+    let own = || match g.elasticity {
+        Elasticity::Orthotropic => Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
+        // The bounds keep the isotropic law stable for any material card.
+        Elasticity::Isotropic => Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49)),
+    };
+    let of_deck = deck.and_then(|deck| deck.material);
     (g.kind == GuideKind::Stress).then(|| StressSettings {
         analysis: g.analysis,
         element_mm: g.element_mm,
-        material: match g.elasticity {
-            Elasticity::Orthotropic => Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
-            // The bounds keep the isotropic law stable for any material card.
-            Elasticity::Isotropic => Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49)),
-        },
+        material: of_deck.map_or_else(own, |m| Orthotropic::isotropic(m.young_mpa, m.poisson)),
         elasticity: g.elasticity,
         bead_axis_rad: g.elasticity_deg.to_radians(),
         max_mib: g.memory_mib as f64,
@@ -434,11 +436,24 @@ pub fn strength(s: &Settings) -> StrengthSettings {
     }
 }
 
-/// Fixtures and loads as typed.
-pub fn loads(s: &Settings) -> TypedLoads<'_> {
+/// Fixtures and loads as typed, and those of `guide.deck`.
+pub fn loads<'a>(s: &'a Settings, deck: Option<&'a DeckConditions>) -> TypedLoads<'a> {
     let g = &s.guide;
-    let density_g_cm3 = s.material.density_g_cm3;
-    TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3, frame: g.frame }
+    // 1 t/mm3 is 1e9 g/cm3.
+    let of_deck = deck.and_then(|deck| deck.material?.density_t_mm3).map(|density| 1e9 * density);
+    let density_g_cm3 = of_deck.unwrap_or(s.material.density_g_cm3);
+    TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3, frame: g.frame, deck }
+}
+
+/// The supports and loads of the file of `guide.deck`, with its material only where the job asks for it.
+///
+/// # Errors
+/// [`FeError`] for loads and supports that are not understood, and for a material that is asked for and is not one.
+pub fn deck(s: &Settings, file: &FeFile) -> Result<DeckConditions, FeError> {
+    let options = FeOptions { step: s.guide.deck_step, ..import(s) };
+    let mut found = file.deck_conditions(&options)?;
+    found.material = s.guide.deck_material.then(|| found.needed_material()).transpose()?;
+    Ok(found)
 }
 
 /// Where the part stands that was lowered by `lowered_mm`. Scans and photographs are turned and scaled before
@@ -778,7 +793,7 @@ pub(crate) fn field(s: &Settings, lowered_mm: f64, plate_from_part_mm: DVec3) ->
     }
 }
 
-/// Units and component order of the stress result named by `guide.import`.
+/// Units and component order of the stress result named by `guide.import`; the units are those of `guide.deck` too.
 pub fn import(s: &Settings) -> FeOptions {
     let g = &s.guide;
     FeOptions {

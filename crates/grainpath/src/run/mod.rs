@@ -23,7 +23,7 @@ use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
 use grainpath_io::MeshFile;
 use grainpath_io::directions::{DensitySamples, DirectionSamples};
-use grainpath_io::fe::StressField;
+use grainpath_io::fe::{DeckConditions, StressField};
 
 use crate::error::Error;
 use crate::guide::density::{GradedDensity, stress_share};
@@ -55,6 +55,8 @@ pub struct Inputs {
     pub path: String,
     /// Stress solved elsewhere, for `guide.import`.
     pub stress: Option<StressField>,
+    /// Supports and loads of `guide.deck`.
+    pub deck: Option<DeckConditions>,
     /// The user's own directions, for `guide.kind = "field"`.
     pub directions: Option<DirectionSamples>,
     /// The densities of a file, for `fill.density.by = "file"`.
@@ -88,6 +90,7 @@ pub fn plan_job(
     };
     let source = GuideSource {
         stress: inputs.stress,
+        deck: inputs.deck,
         directions: inputs.directions,
         densities: inputs.densities,
         photos: &inputs.photos,
@@ -108,14 +111,16 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
     // A job may have loads for the strength test alone; they are solved all the same.
     let mut settings = settings.clone();
     settings.guide.kind = GuideKind::Stress;
-    let Inputs { mesh, path, stress, .. } = inputs;
+    let Inputs { mesh, path, stress, deck, .. } = inputs;
     let sliced = mesh_and_layers(&config::placing(&settings), mesh, diagnostics)
         .map_err(|source| Error::Shape { path, source })?;
     let Sliced { stack, mesh, lowered_mm, .. } = sliced;
     let standing = config::standing(&settings, lowered_mm);
-    let conditions = guide::boundary_conditions(&config::loads(&settings), &mesh, &standing)?;
+    warn_of_deck(deck.as_ref(), diagnostics);
+    let loads = config::loads(&settings, deck.as_ref());
+    let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
     let part = GuidedPart { mesh: &mesh, stack: &stack, standing };
-    let wanted = config::stress(&settings).expect("the kind is stress");
+    let wanted = config::stress(&settings, deck.as_ref()).expect("the kind is stress");
     Ok(guide::solved_only(&wanted, &part, &conditions, stress, diagnostics)?)
 }
 
@@ -289,6 +294,7 @@ fn surface_if_wanted(
 #[derive(Default)]
 struct GuideSource<'a> {
     stress: Option<StressField>,
+    deck: Option<DeckConditions>,
     directions: Option<DirectionSamples>,
     densities: Option<DensitySamples>,
     photos: &'a [Photo],
@@ -336,6 +342,11 @@ fn scan_error(e: ScanError, path: &str) -> Error {
     }
 }
 
+/// Tells what of a deck was left out.
+fn warn_of_deck(deck: Option<&DeckConditions>, diagnostics: &Diagnostics) {
+    deck.iter().flat_map(|deck| &deck.warnings).for_each(|w| diagnostics.push(w.clone()));
+}
+
 fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
@@ -366,12 +377,15 @@ fn plan_stack(
     };
     // Resolved once: the guide and the strength test have to mean the same places by the same
     // words.
-    let conditions = guide::boundary_conditions(&config::loads(settings), &mesh, &standing)?;
+    let deck = source.deck;
+    warn_of_deck(deck.as_ref(), diagnostics);
+    let loads = config::loads(settings, deck.as_ref());
+    let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
     // The test runs on the finished program. Its setup keeps what it needs of the mesh.
     let test = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing };
-    let stress_settings = config::stress(settings);
+    let stress_settings = config::stress(settings, deck.as_ref());
     config::warn_of_mix(settings, diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;

@@ -4,12 +4,13 @@
 //! Lengths are in mm, stresses in MPa. Faces are curved, so points, normals and areas come from the
 //! quadratic map.
 
-use grainpath_core::{DMat3, DVec3};
+use grainpath_core::bvh::Bvh;
+use grainpath_core::{DMat3, DVec3, TriMesh};
 
 use super::error::SolidError;
 use super::material_map::Model;
 use super::quadratic_tet::{self as element, FINE_RULE, STIFFNESS_RULE};
-use super::tet_mesh::TetMesh;
+use super::tet_mesh::{Face, TetMesh};
 
 /// Quadrature of a triangle with seven points, exact for degree 5; the weights add up to one half.
 /// Source: `radon1948`.
@@ -170,6 +171,94 @@ pub fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_
     forces.iter_mut().zip(&shape).for_each(|(f, s)| *f += *s * size);
     // The mesh of the wall is not quite symmetric about the force.
     add_force(forces, mesh, faces, force_n - carried * size);
+}
+
+/// Adds tractions in MPa where `traction` states them, and evenly over the faces concerned what their sum misses of a force in
+/// N and of a moment about the origin in N mm. Returned is the area on which they act, mm2.
+pub fn add_carried(
+    forces: &mut [DVec3],
+    mesh: &TetMesh,
+    traction: impl Fn(DVec3, DVec3) -> Option<DVec3>,
+    (force_n, moment_nmm): (DVec3, DVec3),
+) -> f64 {
+    let mut raw = vec![DVec3::ZERO; forces.len()];
+    let (mut faces, mut covered) = (Vec::new(), 0.0);
+    for f in 0..mesh.faces.len() {
+        let before = covered;
+        over_faces(mesh, &[f], |nodes, n, p, area| {
+            let Some(t) = traction(p, area.normalize_or_zero()) else { return };
+            covered += area.length();
+            for (&i, n) in nodes.iter().zip(n) {
+                raw[i as usize] += t * area.length() * *n;
+            }
+        });
+        if covered > before {
+            faces.push(f);
+        }
+    }
+    if faces.is_empty() {
+        return 0.0;
+    }
+    complete(&mut raw, mesh, &faces, (force_n, moment_nmm));
+    forces.iter_mut().zip(raw).for_each(|(f, r)| *f += r);
+    covered
+}
+
+/// The corners of a face, mm.
+fn corners(mesh: &TetMesh, face: &Face) -> [DVec3; 3] {
+    [0, 1, 2].map(|k| mesh.nodes[face.nodes[k] as usize])
+}
+
+/// The faces of the boundary as flat triangles, to look up the nearest one.
+pub fn flat_faces(mesh: &TetMesh) -> Bvh {
+    Bvh::new(&TriMesh {
+        vertices: mesh.faces.iter().flat_map(|face| corners(mesh, face)).collect(),
+        triangles: (0..mesh.faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    })
+}
+
+/// Adds forces in N at points of the surface: each to the nodes of the nearest face by its shape functions there. What moving
+/// them onto the face takes from their moment is added over the faces concerned.
+pub fn add_points(forces: &mut [DVec3], mesh: &TetMesh, points: &[(DVec3, DVec3)]) {
+    let search = flat_faces(mesh);
+    let mut raw = vec![DVec3::ZERO; forces.len()];
+    let mut faces = Vec::new();
+    let (mut force_n, mut moment_nmm) = (DVec3::ZERO, DVec3::ZERO);
+    for &(p, force) in points {
+        let Some(found) = search.closest_point(p, f64::INFINITY) else { return };
+        let face = &mesh.faces[found.triangle as usize];
+        let [a, b, c] = corners(mesh, face);
+        let (u, v, w) = (b - a, c - a, found.point - a);
+        let area = u.cross(v);
+        let square = area.length_squared().max(f64::MIN_POSITIVE);
+        let (second, third) = (w.cross(v).dot(area) / square, u.cross(w).dot(area) / square);
+        let (shapes, _) = face_shapes([1.0 - second - third, second, third]);
+        for (&i, n) in face.nodes.iter().zip(shapes) {
+            raw[i as usize] += force * n;
+        }
+        force_n += force;
+        moment_nmm += p.cross(force);
+        faces.push(found.triangle as usize);
+    }
+    faces.sort_unstable();
+    faces.dedup();
+    complete(&mut raw, mesh, &faces, (force_n, moment_nmm));
+    forces.iter_mut().zip(raw).for_each(|(f, r)| *f += r);
+}
+
+/// Adds to forces on nodes what their sum misses of a force in N and of a moment about the origin in N mm, spread over faces.
+fn complete(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], (force_n, moment_nmm): (DVec3, DVec3)) {
+    let sums = |forces: &[DVec3]| {
+        forces
+            .iter()
+            .zip(&mesh.nodes)
+            .fold((DVec3::ZERO, DVec3::ZERO), |(sum, moment), (f, p)| (sum + *f, moment + p.cross(*f)))
+    };
+    let missing = force_n - sums(forces).0;
+    add_force(forces, mesh, faces, missing);
+    // A moment on its own is the same about every point.
+    let missing = moment_nmm - sums(forces).1;
+    add_moment(forces, mesh, faces, missing);
 }
 
 /// Adds a torque in N mm about an axis (a point of it and a unit vector), by tractions across the radius

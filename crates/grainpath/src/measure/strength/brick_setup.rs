@@ -217,6 +217,10 @@ impl TestSetup {
                         let axes = DVec3::AXES.into_iter().zip(fixed).filter(|a| a.1);
                         holds.extend(axes.map(|a| (points.point(i), self.frame.to_grid_3d(a.0))));
                     }
+                    Held::Turned { axes, fixed } => {
+                        let held = (0..3).filter(|&k| fixed[k]);
+                        holds.extend(held.map(|k| (points.point(i), self.frame.to_grid_3d(axes.col(k)))));
+                    }
                 }
             }
         }
@@ -275,6 +279,9 @@ impl TestSetup {
                 | Action::Bearing { .. }
                 | Action::Torque { .. }
                 | Action::RemoteForce { .. }
+                | Action::Clamp { .. }
+                | Action::Carried { .. }
+                | Action::Points { .. }
                 | Action::Centrifugal { .. } => {}
             }
         }

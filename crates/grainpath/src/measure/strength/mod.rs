@@ -48,7 +48,7 @@ pub enum StrengthError {
     )]
     NoCard(String),
     #[error(
-        "strength.fidelity = \"plane\" wants loads in the layers' plane, and a load has a part out of it"
+        "strength.fidelity = \"plane\" wants loads and fixtures in the layers' plane, and one has a part out of it"
     )]
     NotFlat,
     #[error(

@@ -138,7 +138,7 @@ impl TestSetup {
         if conditions.fixtures.is_empty() {
             return Err(StrengthError::Missing("a [[guide.fixture]]"));
         }
-        let flat = conditions.cases[case].is_in_plane();
+        let flat = conditions.cases[case].is_in_plane() && !conditions.are_held_in_space();
         let layers = stack.layers();
         let same = constant_section(stack);
         let fidelity = match settings.fidelity {
@@ -382,6 +382,8 @@ impl TestSetup {
             let own = match f.held {
                 Held::Normal => [normal.try_normalize(), None],
                 Held::Axes([x, y, _]) => [x.then_some(DVec2::X), y.then_some(DVec2::Y)],
+                // Parts that are held so are tested as solids.
+                Held::Turned { .. } => [None; 2],
             };
             for along in own.into_iter().flatten() {
                 if n < all.len() && !all.contains(&Some(along)) {
@@ -444,6 +446,9 @@ impl TestSetup {
                 | Action::Bearing { .. }
                 | Action::Torque { .. }
                 | Action::RemoteForce { .. }
+                | Action::Clamp { .. }
+                | Action::Carried { .. }
+                | Action::Points { .. }
                 | Action::Centrifugal { .. } => {}
             }
         }
