@@ -204,8 +204,14 @@ impl<'a> Plate<'a> {
 
     /// What a selection holds of the border's sides.
     fn sides(&self, on: &Selection) -> Vec<LoadedSide> {
-        // A plane and listed triangles select whole faces; at their rims they touch the next ones.
-        let cuts = !matches!(on, Selection::Plane { .. } | Selection::Triangles(_) | Selection::Near { .. });
+        // Planes, triangles and patches select whole faces; at their rims they touch the next ones.
+        let cuts = matches!(
+            on,
+            Selection::Box { .. }
+                | Selection::TurnedBox { .. }
+                | Selection::Cylinder { .. }
+                | Selection::Sphere { .. }
+        );
         self.mesh.border.iter().filter_map(|&nodes| self.loaded(nodes, on, cuts)).collect()
     }
 
@@ -217,6 +223,8 @@ impl<'a> Plate<'a> {
             return holds(m).then(|| nodes.into());
         }
         let at = |s: f64| (1.0 - s) * (1.0 - 2.0 * s) * a + s * (2.0 * s - 1.0) * b + 4.0 * s * (1.0 - s) * m;
+        // Places are convex, so a side is held over one stretch; one that is shorter than a quarter of a side and lies
+        // between these points is missed.
         let shares = [0.0, 0.25, 0.5, 0.75, 1.0];
         let inside = shares.map(|s| holds(at(s)));
         let first = inside.iter().position(|i| *i)?;

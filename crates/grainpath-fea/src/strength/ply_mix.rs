@@ -102,6 +102,7 @@ impl<'a> PlyMixes<'a> {
         diagnostics: &Diagnostics,
     ) -> Result<Vec<usize>, Interrupted> {
         let (mut least, mut found) = (f64::INFINITY, Vec::new());
+        // Short mixes come first, so that the bound is low before the many long ones are tried.
         for mix in mixes(&self.picked()) {
             diagnostics.check()?;
             let shares = shares(mix.len());
@@ -109,6 +110,7 @@ impl<'a> PlyMixes<'a> {
             if shares.iter().any(|share| *share <= 0.0) {
                 continue;
             }
+            // Turns of one family are one ply: the order of layers does not count in the plane.
             let mut plies: Vec<(usize, f64)> = Vec::new();
             for (&family, share) in mix.iter().zip(shares) {
                 match plies.iter_mut().find(|p| p.0 == family) {

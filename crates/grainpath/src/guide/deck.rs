@@ -61,6 +61,7 @@ pub(super) fn conditions(
     part.check_place(deck, mesh)?;
     let mut fixtures = Vec::with_capacity(deck.supports.len());
     for (k, support) in deck.supports.iter().enumerate() {
+        // Numbers go on after the job's own fixtures, so that a message names one place.
         let name = format!("fixture {}", first + k);
         let on = match &support.on {
             DeckPlace::Faces(triangles) => Selection::Patch(part.patch(triangles)),
@@ -72,6 +73,7 @@ pub(super) fn conditions(
         };
         fixtures.push(Fixture { name, on, held, displacement_mm: part.vector(support.displacement_mm) });
     }
+    // A step of the deck holds all loads that act in it, those of earlier steps that stay on included.
     let mut cases = Vec::with_capacity(deck.steps.len());
     for step in &deck.steps {
         let mut loads = Vec::with_capacity(step.loads.len());
@@ -124,6 +126,7 @@ impl OnPart<'_> {
     /// Nodes of the deck on the part's surface.
     fn points(&self, points: impl Iterator<Item = DVec3>, name: &str) -> Result<Selection, GuideError> {
         let mut all = Vec::new();
+        // Nodes are brought to the surface: between them the part's mesh may lie a chord error off the deck's.
         for p in points.map(|p| self.point(p)) {
             let found = self.surface.closest_point(p, f64::INFINITY);
             let off_mm = found.map_or(f64::INFINITY, |f| f.distance);

@@ -34,6 +34,7 @@ const OTHERS: f64 = 0.5;
 /// The layers of a solid that get one mix. Source: derived: the smallest number that holds each length of turns, from 1 to
 /// [`MOST_SLOTS`](grainpath_fea::strength::ply_mix::MOST_SLOTS), a whole number of times.
 pub(super) const LAYERS_OF_A_MIX: usize = 12;
+
 /// A family of directions: which case it serves, and how much each case counts in it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Family {
@@ -96,6 +97,8 @@ pub(super) fn mixes_of<'a>(
     sections: &'a [Fields<'_>],
     counts: &dyn Fn(DVec3) -> bool,
 ) -> Result<PlyMixes<'a>, Unstable> {
+    // Nodes keep their places until those at fixtures and loads are sorted out: stress is singular there, and would
+    // decide alone.
     let mut all: Vec<(DVec3, MixNode<'a>)> = Vec::new();
     for (section, fields) in sections.iter().enumerate() {
         let node = |(node, (p, stresses))| (p, MixNode { section, node, stresses });

@@ -74,6 +74,8 @@ impl Infill for SeedLines {
         let mut free =
             FreeArea { infill_region: &infill_region, free: infill_region.clone(), step, axis: &axis };
         let (mut seeds, mut offsets) = (Vec::new(), Vec::new());
+        // Seeds from border to border part the region as in the paper. Later ones may end inside it: they go
+        // where offsets have left the field, which is where the field itself begins to diverge.
         let mut more = free.seeds(true);
         for round in 0..=SEED_ROUNDS {
             offsets.extend(free.grown_from(&more));
@@ -174,6 +176,8 @@ impl FreeArea<'_> {
         let mut front = lines.to_vec();
         while !front.is_empty() {
             let mut next = Vec::new();
+            // One line at a time, in the order of the seeds: what grows towards each other meets in the middle,
+            // and the result does not depend on the number of threads.
             for line in &front {
                 let offsets = self.offsets(line);
                 // The next line of the round has to keep clear of these.
@@ -190,6 +194,8 @@ impl FreeArea<'_> {
     fn offsets(&self, line: &Line) -> Vec<Line> {
         let around = Region::around_line(&self.drawn_out(line), line.closed, self.step);
         let clipper = LineClipper::new(&self.free);
+        // The line before this one blocks its own side, so a front only grows onwards. Round caps at the ends of
+        // a line run across the field and are cut off below.
         let mut pieces = Vec::new();
         for contour in around.contours() {
             push_inside(&clipper, contour.clone(), true, self.step, &mut pieces);
@@ -261,6 +267,7 @@ impl FreeArea<'_> {
 
     /// Keeps further centrelines a bead away from a line.
     fn take(&mut self, line: &Line) {
+        // Drawn out as for the offset, or a sliver would stay free where a line meets the border aslant.
         let points = self.drawn_out(line);
         let taken = Region::around_line(&points, line.closed, KEPT_FREE.value() * self.step);
         self.free = self.free.difference(&taken);
@@ -285,6 +292,8 @@ fn widest_place(region: &Region, step: f64) -> DVec2 {
     let Some(largest) = left.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2())) else {
         return bounds.centre();
     };
+    // What is left of a bar is a thin strip along its middle, whose centroid is the middle of the bar; of a ring
+    // it is a ring, whose centroid lies outside of it.
     let middle = centroid(&largest.outer);
     if largest.contains(middle) {
         return middle;
