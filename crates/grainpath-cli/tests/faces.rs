@@ -100,7 +100,7 @@ fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
             std::fs::write(dir.join("job.toml"), job).expect("a job");
             let seen = json(&grainpath(&dir, &["run", "job.toml", "--check", "--json"]));
             assert_eq!(seen["ok"].as_bool(), Some(true), "{analysis}, {turn_deg}: {seen}");
-            let number = |v: &serde_json::Value| v.as_f64().expect("a number");
+            let number = |v: &Value| v.as_f64().expect("a number");
             let found = [
                 number(&seen["stress"]["loads"][0]["area_mm2"]),
                 number(&seen["stress"]["max_displacement_mm"]),
