@@ -24,6 +24,7 @@ export const CLASS_COLOURS: Rgb[] = [
   [125, 125, 125], // brim
   [185, 185, 150], // support
   [160, 160, 110], // interface of the support
+  [16, 44, 84], // seed line
   [120, 130, 140], // travel
 ];
 

@@ -144,13 +144,13 @@ test("travels are drawn when asked for", async () => {
   // The travel from the end of one line of fill to the start of the next: (44, 59) to (48, 41).
   const at = [[46, 50, 1.2]];
   const [without] = await colours(page, at);
-  await page.click("#class-13");
+  await page.click("#class-14");
   const [where] = await places(page, at);
   const hit = await page.evaluate(async ([x, y]) => x > 0 && y > 0, where);
   assert.ok(hit);
   const shades = await colours(page, [[46, 50, 1.2], [45.95, 50, 1.2], [46.05, 50, 1.2]]);
   assert.ok(shades.some((c) => far(c, without) > 12), `${shades} beside ${without}`);
-  await page.click("#class-13");
+  await page.click("#class-14");
 });
 
 test("the bead under the pointer tells its numbers", async () => {

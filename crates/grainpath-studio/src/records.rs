@@ -302,6 +302,15 @@ mod tests {
         }
     }
 
+    /// The page's list of colours is in the order of the roles, with travels last.
+    #[test]
+    fn the_page_has_a_colour_for_every_class() {
+        let text = include_str!("../../../web/src/colours.ts");
+        let list = text.split("CLASS_COLOURS: Rgb[] = [").nth(1).and_then(|t| t.split("];").next());
+        let colours = list.expect("the list").lines().filter(|l| l.trim_start().starts_with('['));
+        assert_eq!(colours.count(), usize::from(TRAVEL) + 1);
+    }
+
     /// Points, widths, roles and speeds come back from the bytes.
     #[test]
     fn records_hold_the_beads_and_the_travels_between_them() {

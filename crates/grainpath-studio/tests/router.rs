@@ -838,7 +838,7 @@ fn the_index_tells_layers_roles_and_the_box_of_the_part() {
         (Some(0.2), Some(4))
     );
     assert_eq!(index["speeds_mm_s"], json!([30.0, 50.0]));
-    assert_eq!(index["classes"].as_array().expect("classes").len(), 15);
+    assert_eq!(index["classes"].as_array().expect("classes").len(), 16);
     assert_eq!(index["generator"], "Squares 1");
     let part = &index["part_mm"];
     // E 0.7 over 20 mm and 0.2 mm high is 0.464 mm wide.
