@@ -262,10 +262,10 @@ choices! {
         Joined = "joined", "ends that lie close together are joined along the border: few paths, with turns that lie off the guide.";
         Open = "open", "every bead runs up to the border and ends there: all of it lies along the guide, in more paths.";
     }
-    /// Bead widths of the pattern `continuous` (`fill.widths`).
+    /// Widths of the beads of patterns that follow a guide (`fill.widths`).
     enum BeadWidths {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";
-        Constant = "constant", "one width everywhere, as continuous fibre needs.";
+        Constant = "constant", "one width everywhere, as continuous fibre needs: lines end where there is no room for another, and begin where there is.";
     }
     /// Rule by which the pattern `continuous` joins its cells into one path (`fill.tree`).
     enum CellTree {

@@ -10,7 +10,7 @@ use grainpath_core::{
     Bounds2, DVec2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Region, Role, Toolpath,
     UniformField,
 };
-use grainpath_job::choices::{BeadEnds, Choice, Pattern};
+use grainpath_job::choices::{BeadEnds, BeadWidths, Choice, Pattern};
 use grainpath_job::parse_job;
 
 static FIELD: UniformField = UniformField { axis_rad: 0.4 };
@@ -36,6 +36,7 @@ fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> 
         role: Role::SparseFill,
         border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
         ends: BeadEnds::Joined,
+        widths: BeadWidths::Variable,
         field: Some(&FIELD),
     }
 }

@@ -342,7 +342,7 @@ fn divide(path: &mut Toolpath) {
 mod tests {
     use super::*;
     use grainpath_core::{Bounds2, Role, UniformField};
-    use grainpath_job::choices::{BeadEnds, Choice};
+    use grainpath_job::choices::{BeadEnds, BeadWidths, Choice};
 
     static FIELD: UniformField = UniformField { axis_rad: 0.3 };
 
@@ -364,6 +364,7 @@ mod tests {
             role: Role::SparseFill,
             border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
             ends: BeadEnds::Joined,
+            widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }
     }

@@ -26,7 +26,7 @@ pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub use field::{SeedLines, Streamlines, Stripes};
-use grainpath_job::choices::{BeadEnds, Pattern};
+use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
@@ -55,6 +55,8 @@ pub struct FillContext<'a> {
     pub border_mm: f64,
     /// Ends of beads along a field where they meet the border.
     pub ends: BeadEnds,
+    /// Whether beads along a field widen and narrow with the space they have.
+    pub widths: BeadWidths,
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }
@@ -135,6 +137,7 @@ mod tests {
             role,
             border_mm,
             ends: BeadEnds::Joined,
+            widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }
     }

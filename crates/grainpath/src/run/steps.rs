@@ -30,7 +30,7 @@ use grainpath_core::{
     BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role,
     SpeedClass, Toolpath, UniformField, Warning,
 };
-use grainpath_job::choices::{BeadEnds, Pattern};
+use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
@@ -134,6 +134,8 @@ pub struct InfillSettings {
     pub matrix_density: Density,
     /// Ends of beads along a guide.
     pub ends: BeadEnds,
+    /// Widths of beads along a guide.
+    pub widths: BeadWidths,
     /// Whether closed rings are opened into each other.
     pub spiral: bool,
     /// Cells and widths of the pattern `continuous`.
@@ -582,6 +584,7 @@ impl<'a> Steps<'a> {
             role,
             border_mm: self.border_mm(layer),
             ends: self.settings.infill.ends,
+            widths: self.settings.infill.widths,
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

@@ -166,6 +166,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         role: Role::Support,
         border_mm: 0.0,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        widths: grainpath_job::choices::BeadWidths::Variable,
         field: None,
     };
     beads::lay(layer, &context, k < settings.dense_layers, &settings)

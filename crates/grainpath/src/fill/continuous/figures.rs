@@ -38,6 +38,7 @@ fn the_figure_of_strips_and_cells() {
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&Waves),
     };
     let fill = Continuous::DEFAULT;

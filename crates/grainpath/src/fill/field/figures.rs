@@ -130,6 +130,7 @@ fn the_figure_of_stripes() {
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&flow),
     };
     let room = part.offset(-0.5 * width_mm, Join::Miter(3.0));

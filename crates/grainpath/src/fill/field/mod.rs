@@ -14,12 +14,15 @@
 //!    joins ends along the border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!
+//! Where all beads are to have one width, [`one_width`] takes the place of steps 4 and 5.
+//!
 //! Sparse fill is the same with lines farther apart, down to a density of [`LEAST_STRIPES`]. Below
 //! it, and where a field asks for distances of its own, [`streamlines`] places evenly spaced
 //! streamlines (`Jobard1997`); [`seed_lines`] is the published principal stress line method, kept
 //! for comparison. Lengths are in mm, phases in radians; the sign of the axis carries no meaning.
 
 mod levels;
+mod one_width;
 pub(super) mod phase;
 mod seed_lines;
 mod streamlines;

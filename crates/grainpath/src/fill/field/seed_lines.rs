@@ -28,7 +28,6 @@
 //! Degenerate cases: a field without an axis anywhere in the region lays nothing; a region narrower
 //! than a bead has no area for centrelines and is never passed here.
 
-use grainpath_core::math::cos;
 use grainpath_core::poly::{Join, LineClipper, centroid, simplify_contour, simplify_line};
 use grainpath_core::polyline;
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
@@ -37,7 +36,7 @@ use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
 use super::axis_of;
 use super::stripes::{WideBead, ended, push_inside};
-use super::widths::{Line, Neighbours};
+use super::widths::{Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
 
 /// Seed lines and offsets.
@@ -200,7 +199,9 @@ impl FreeArea<'_> {
         for contour in around.contours() {
             push_inside(&clipper, contour.clone(), true, self.step, &mut pieces);
         }
-        pieces.into_iter().flat_map(|piece| self.along_field(piece)).collect()
+        let shortest_mm = SHORTEST.value() * self.step;
+        let along = |piece| stretches_along(piece, self.axis, FARTHEST_RAD, shortest_mm);
+        pieces.into_iter().flat_map(along).collect()
     }
 
     /// The points of a line, drawn out straight where it ends on the border of the infill region.
@@ -222,47 +223,6 @@ impl FreeArea<'_> {
             points.reverse();
         }
         points
-    }
-
-    /// The stretches of a line that follow the field, unless they are too short.
-    fn along_field(&self, line: Line) -> Vec<Line> {
-        let least = cos(FARTHEST_RAD);
-        let follows = |a: DVec2, b: DVec2| {
-            (b - a).try_normalize().is_none_or(|along| (self.axis)(0.5 * (a + b)).dot(along).abs() >= least)
-        };
-        let mut points = line.points;
-        if line.closed {
-            points.extend(points.first().copied());
-        }
-        let good: Vec<bool> = points.windows(2).map(|w| follows(w[0], w[1])).collect();
-        if good.iter().all(|g| *g) {
-            if line.closed {
-                points.pop();
-            }
-            return vec![Line { points, closed: line.closed }];
-        }
-        if line.closed {
-            // The ring is opened where it leaves the field.
-            let bad = good.iter().position(|g| !g).unwrap_or(0);
-            points.pop();
-            points.rotate_left(bad);
-            points.extend(points.first().copied());
-        }
-        let mut out = Vec::new();
-        let mut stretch: Vec<DVec2> = Vec::new();
-        for w in points.windows(2) {
-            if follows(w[0], w[1]) {
-                if stretch.is_empty() {
-                    stretch.push(w[0]);
-                }
-                stretch.push(w[1]);
-            } else {
-                out.push(std::mem::take(&mut stretch));
-            }
-        }
-        out.push(stretch);
-        out.retain(|points| polyline::length_mm(points, false) > SHORTEST.value() * self.step);
-        out.into_iter().map(|points| Line { points, closed: false }).collect()
     }
 
     /// Keeps further centrelines a bead away from a line.

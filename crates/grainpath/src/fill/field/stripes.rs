@@ -11,6 +11,8 @@
 //!    width along its medial axis
 //!    ([`single_beads`]).
 //!
+//! Beads of one width are laid by [`one_width`] instead of steps 2 and 3.
+//!
 //! Below full density the same lines lie farther apart, each bead takes its share of the strip, and
 //! all widths are fitted to the volume asked for.
 //!
@@ -37,13 +39,14 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 
 use super::axis_of;
 use super::levels::trace;
+use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{Line, Neighbours, Reach, smooth};
+use super::widths::{Line, Neighbours, Reach, smooth, stretches_along};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
 use grainpath_core::math::cross;
-use grainpath_job::choices::BeadEnds;
+use grainpath_job::choices::{BeadEnds, BeadWidths};
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
 /// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
@@ -107,20 +110,57 @@ pub(crate) fn spaced(
         smooth(&mut points, level.closed, 3);
         push_inside(&clipper, points, level.closed, spacing, &mut lines);
     }
+    let roomed = match context.widths {
+        BeadWidths::Variable => centred(lines, &clipper, &border, context, share),
+        BeadWidths::Constant => drawn_on(lines, &clipper, &border, context, share, field),
+    };
+    lay(roomed, &infill_region, &border, context, share, out);
+}
+
+/// Lines in the middle of the space they have, without those that no bead fits.
+fn centred(
+    mut lines: Vec<Line>,
+    clipper: &LineClipper,
+    border: &Region,
+    context: &FillContext<'_>,
+    share: f64,
+) -> Roomed {
+    let spacing = context.spacing_mm() / share;
     for _ in 0..CENTRINGS.value() {
-        centre(&mut lines, &border, spacing);
+        centre(&mut lines, border, spacing);
     }
     // Centring may push points of a line out of the area for centrelines, so lines are clipped once
     // more.
-    lines = lines
-        .into_iter()
-        .flat_map(|l| {
-            let mut inside = Vec::new();
-            push_inside(&clipper, l.points, l.closed, spacing, &mut inside);
-            inside
-        })
-        .collect();
-    lay(without_crowded(lines, &border, context, share), &infill_region, &border, context, share, out);
+    let clipped = |l: Line| {
+        let mut inside = Vec::new();
+        push_inside(clipper, l.points, l.closed, spacing, &mut inside);
+        inside
+    };
+    lines = lines.into_iter().flat_map(clipped).collect();
+    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
+    without_crowded(lines, border, spacing, 0.95 * least)
+}
+
+/// Lines for beads of one width: each as long as there is room for it.
+fn drawn_on(
+    lines: Vec<Line>,
+    clipper: &LineClipper,
+    border: &Region,
+    context: &FillContext<'_>,
+    share: f64,
+    field: &dyn DirectionField,
+) -> Roomed {
+    let spacing = context.spacing_mm() / share;
+    let axis = |p: DVec2| axis_of(field, context, p);
+    let shortest_mm = SHORTEST.value() * spacing;
+    let along = |line| stretches_along(line, &axis, one_width::FARTHEST_RAD, shortest_mm);
+    let lines = lines.into_iter().flat_map(along).collect();
+    let Roomed { mut lines, neighbours, .. } =
+        without_crowded(lines, border, spacing, one_width::LEAST_ROOM * spacing);
+    one_width::drawn_on(&mut lines, &neighbours, clipper, &axis, spacing);
+    let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
+    let strips = strips(&lines, &neighbours, spacing);
+    Roomed { lines, neighbours, strips }
 }
 
 /// What is asked of the phase for lines this far apart, mm.
@@ -132,7 +172,10 @@ pub(super) fn phase_input(
     spacing: f64,
 ) -> PhaseInput {
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
-    let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
+    let frequency = match context.widths {
+        BeadWidths::Variable => drift(mesh, &axes).into_iter().map(|f| f / spacing).collect(),
+        BeadWidths::Constant => vec![1.0 / spacing; axes.len()],
+    };
     let near = NearBorder::new(border, 1.6 * spacing);
     let wanted =
         mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing, -0.5)).collect();
@@ -293,11 +336,9 @@ struct Roomed {
     strips: Vec<Vec<f64>>,
 }
 
-/// Takes beads out where they have less space than the narrowest bead; their neighbours then widen.
-fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>, share: f64) -> Roomed {
-    let spacing = context.spacing_mm() / share;
-    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
-    let crowded = |width: &f64| *width < 0.95 * least;
+/// Takes lines out where they have less space than `least_mm`.
+fn without_crowded(mut lines: Vec<Line>, border: &Region, spacing: f64, least_mm: f64) -> Roomed {
+    let crowded = |width: &f64| *width < least_mm;
     let mut round = 0;
     loop {
         let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
@@ -332,8 +373,8 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
     }
 }
 
-/// Turns lines into beads as wide as the space they have, joins ends where the way is short, and
-/// puts single beads where a gap is left.
+/// Turns lines into beads, as wide as the space they have unless all are to have one width; joins ends
+/// where the way is short, and puts single beads where a gap is left.
 fn lay(
     roomed: Roomed,
     infill_region: &Region,
@@ -343,7 +384,10 @@ fn lay(
     out: &mut Vec<Toolpath>,
 ) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
-    let width = |strip: f64| bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
+    let width = |strip: f64| match context.widths {
+        BeadWidths::Variable => bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal),
+        BeadWidths::Constant => nominal,
+    };
     let Roomed { lines, neighbours, strips } = roomed;
     let mut beads = Vec::with_capacity(lines.len());
     for (line, strips) in lines.iter().zip(strips) {
@@ -395,7 +439,14 @@ fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mu
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
     let mut singles = Vec::new();
-    single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
+    let narrowest = match context.widths {
+        BeadWidths::Variable => NARROWEST,
+        BeadWidths::Constant => one_width::LEAST_GAP,
+    };
+    single_beads(&left, nominal, narrowest * nominal, h, context.role, &mut singles);
+    if context.widths == BeadWidths::Constant {
+        singles.iter_mut().for_each(|single| single.width = BeadWidth::Constant(nominal));
+    }
     // Where branches of a gap meet, their beads may cross. The later one is dropped.
     let mut laid: Vec<[DVec2; 2]> = Vec::new();
     for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {

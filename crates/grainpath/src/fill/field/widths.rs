@@ -20,8 +20,9 @@
 //! the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::math::cross;
+use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::edges;
+use grainpath_core::polyline;
 use grainpath_core::segment::{self, Meeting};
 use grainpath_core::{Bounds2, DVec2, Region};
 
@@ -62,6 +63,41 @@ impl Line {
         };
         (self.points[after] - self.points[before]).normalize_or(DVec2::X)
     }
+}
+
+/// The stretches of a line that lie within `farthest_rad` of the field's axis, unless they are shorter
+/// than `shortest_mm`.
+pub(super) fn stretches_along(
+    line: Line,
+    axis: &dyn Fn(DVec2) -> DVec2,
+    farthest_rad: f64,
+    shortest_mm: f64,
+) -> Vec<Line> {
+    let least = cos(farthest_rad);
+    let follows = |(a, b): (DVec2, DVec2)| {
+        (b - a).try_normalize().is_none_or(|along| axis(0.5 * (a + b)).dot(along).abs() >= least)
+    };
+    let n = line.n_segments();
+    let good: Vec<bool> = (0..n).map(|s| follows(line.segment(s))).collect();
+    let Some(bad) = good.iter().position(|good| !good) else { return vec![line] };
+    // A ring is opened where it leaves the field.
+    let first = if line.closed { bad } else { 0 };
+    let mut out = Vec::new();
+    let mut stretch: Vec<DVec2> = Vec::new();
+    for s in (first..n).chain(0..first) {
+        if !good[s] {
+            out.push(std::mem::take(&mut stretch));
+            continue;
+        }
+        let (a, b) = line.segment(s);
+        if stretch.is_empty() {
+            stretch.push(a);
+        }
+        stretch.push(b);
+    }
+    out.push(stretch);
+    out.retain(|points| polyline::length_mm(points, false) > shortest_mm);
+    out.into_iter().map(|points| Line { points, closed: false }).collect()
 }
 
 /// The space of a bead at a point: its reach to the left and to the right, mm.
