@@ -129,7 +129,7 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
 function kindOf(name: string): api.FileKind {
   const ending = name.split(".").pop()?.toLowerCase() ?? "";
   if (ending === "toml") return "job";
-  if (["stl", "obj", "ply", "off", "3mf"].includes(ending)) return "mesh";
+  if (["stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs"].includes(ending)) return "mesh";
   if (["svg", "dxf"].includes(ending)) return "outline";
   if (["png", "jpg", "jpeg", "bmp"].includes(ending)) return "photo";
   if (["nrrd", "nhdr", "mhd", "mha", "nii", "tif", "tiff", "dcm"].includes(ending) || /\.nii\.gz$/i.test(name)) return "scan";

@@ -23,7 +23,7 @@ const PYTHON_PACKAGE: [&str; 8] =
     ["numpy", "maturin>=1.7", "pytest>=8", "hypothesis>=6", "mypy>=1.11", "dask", "distributed", "zarr>=3"];
 
 /// Needs of tests; a test names its own in `#[ignore = "needs ..."]`.
-pub const NEEDS: [&str; 4] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk"];
+pub const NEEDS: [&str; 5] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk", "gmsh"];
 
 /// The needs that are missing, and how to meet each.
 pub struct Found {
@@ -54,6 +54,9 @@ pub fn tests(install: bool) -> Result<Found, String> {
     }
     if let Err(problem) = environment(install, &["vtk"]) {
         missing.push(("vtk", format!("{problem} (100 MB, for one test)")));
+    }
+    if let Err(problem) = apt(&[("gmsh", "gmsh")], install) {
+        missing.push(("gmsh", problem));
     }
     for (need, how) in &missing {
         println!("missing: {need}: {how}");

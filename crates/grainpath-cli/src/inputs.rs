@@ -18,13 +18,13 @@ use grainpath_io::directions::{
 use grainpath_io::fe::{DeckConditions, FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
-use grainpath_io::{MeshFile, parse_mesh, parse_outline};
+use grainpath_io::{MeshFile, parse_outline};
 use grainpath_job::choices::GuideKind;
 use grainpath_job::regions::RegionPlace;
 use grainpath_job::{Settings, parse_job};
 
 use crate::claims::Claims;
-use crate::{Failure, files};
+use crate::{Failure, cad, files};
 
 /// A job's text and overrides as settings.
 pub(crate) fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
@@ -40,9 +40,9 @@ pub(crate) fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf
 }
 
 /// Endings of files that hold a shape, which people give in the place of a job.
-const MODELS: [&str; 16] = [
-    "stl", "obj", "ply", "off", "3mf", "svg", "dxf", "png", "jpg", "jpeg", "bmp", "tif", "tiff", "nrrd",
-    "nii", "dcm",
+const MODELS: [&str; 20] = [
+    "stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs", "svg", "dxf", "png", "jpg", "jpeg",
+    "bmp", "tif", "tiff", "nrrd", "nii", "dcm",
 ];
 
 /// The settings of a job, and the folder to which its paths are relative. The job need not have a shape.
@@ -285,15 +285,8 @@ pub fn read_body(
     let shown = path.display().to_string();
     let file = if settings.shape.outline.is_empty() {
         let path = path.to_owned();
-        // A parser knows no flag, and a million triangles take it 0.4 s.
-        let read = move || {
-            let bytes = files::read(&path)?;
-            Ok(parse_mesh(&bytes, Some(&shown))
-                .map_err(|source| grainpath::Error::Mesh { path: shown, source })?)
-        };
-        let read: Result<MeshFile, Failure> =
-            diagnostics.leave_at_stop(read).map_err(grainpath::Error::from)?;
-        read?
+        let bytes = diagnostics.leave_at_stop(move || files::read(&path)).map_err(grainpath::Error::from)?;
+        cad::mesh(bytes?, &shown, diagnostics)?
     } else {
         let bytes = files::read(path)?;
         let outline = parse_outline(&bytes, &grainpath::run::config::outline(settings))
@@ -310,9 +303,8 @@ pub(crate) fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<
     for (k, region) in settings.regions.iter().enumerate() {
         if let RegionPlace::Mesh(file) = &region.on {
             let path = base.join(file);
-            let (bytes, shown) = (files::read(&path)?, path.display().to_string());
-            let mesh = parse_mesh(&bytes, Some(&shown));
-            all.insert(k, mesh.map_err(|source| grainpath::Error::Mesh { path: shown, source })?);
+            let shown = path.display().to_string();
+            all.insert(k, cad::mesh(files::read(&path)?, &shown, &Diagnostics::default())?);
         }
     }
     Ok(all)

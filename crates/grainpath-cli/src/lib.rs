@@ -4,6 +4,7 @@
 //! reads, plans and writes by the same code.
 
 mod args;
+mod cad;
 mod claims;
 mod commands;
 mod files;

@@ -45,18 +45,30 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
     Ok(file)
 }
 
+/// The format of a file that holds exact surfaces, which have to be triangulated by another program.
+///
+/// ```
+/// use grainpath_io::sniff_exact_surfaces;
+/// assert_eq!(sniff_exact_surfaces(b"ISO-10303-21;\nHEADER;\n"), Some("STEP"));
+/// assert_eq!(sniff_exact_surfaces(b"solid part\n"), None);
+/// ```
+pub fn sniff_exact_surfaces(bytes: &[u8]) -> Option<&'static str> {
+    if skip_space(bytes).starts_with(b"ISO-10303-21") {
+        return Some("STEP");
+    }
+    // Every line of an IGES file has its section in column 73 and its number after it; the first section is `S`.
+    let first = bytes.get(72..80)?;
+    (first[0] == b'S' && first[1..].trim_ascii() == b"1" || first == b"S0000001").then_some("IGES")
+}
+
 /// Recognises formats of parts that are not read, to refuse them by name.
 fn known_and_not_read(bytes: &[u8]) -> Option<MeshError> {
     let text = skip_space(bytes);
     // 1024 bytes are enough for an XML declaration, a comment and the root element.
     let head = &text[..text.len().min(1024)];
     let has = |word: &[u8]| head.windows(word.len()).any(|w| w.eq_ignore_ascii_case(word));
-    if text.starts_with(b"ISO-10303-21") {
-        return Some(MeshError::ExactSurfaces { format: "STEP" });
-    }
-    // Every line of an IGES file has its section in column 73 and its number after it; the first section is `S`.
-    if bytes.get(72..80).is_some_and(|c| c[0] == b'S' && c[1..].trim_ascii() == b"1" || c == b"S0000001") {
-        return Some(MeshError::ExactSurfaces { format: "IGES" });
+    if let Some(format) = sniff_exact_surfaces(bytes) {
+        return Some(MeshError::ExactSurfaces { format });
     }
     let format = match text {
         t if t.starts_with(b"#VRML") => "VRML",

@@ -119,13 +119,17 @@ enum FileKind {
 }
 
 /// Endings of files that the studio opens. Scans of many files (DICOM, TIFF, PNG) are opened as their folder.
-const ENDINGS: [(&str, FileKind); 28] = [
+const ENDINGS: [(&str, FileKind); 32] = [
     ("toml", FileKind::Job),
     ("stl", FileKind::Mesh),
     ("obj", FileKind::Mesh),
     ("ply", FileKind::Mesh),
     ("off", FileKind::Mesh),
     ("3mf", FileKind::Mesh),
+    ("step", FileKind::Mesh),
+    ("stp", FileKind::Mesh),
+    ("iges", FileKind::Mesh),
+    ("igs", FileKind::Mesh),
     ("svg", FileKind::Outline),
     ("dxf", FileKind::Outline),
     ("png", FileKind::Photo),

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::args::Doctor;
-use crate::{Failure, files, memory};
+use crate::{Failure, cad, files, memory};
 
 /// `grainpath doctor`
 pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
@@ -51,6 +51,13 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
     text += &line("working folder", writable("working_folder"));
     text += &line("temporary folder", writable("temporary_folder"));
     text += &line(
+        "gmsh",
+        match value["gmsh"].as_str() {
+            Some(version) => format!("{version}, through which STEP and IGES are read"),
+            None => "not found; without it STEP and IGES are refused".to_owned(),
+        },
+    );
+    text += &line(
         "colours",
         if value["colours"] == true { "on" } else { "off (NO_COLOR, or no terminal)" }.to_owned(),
     );
@@ -71,6 +78,7 @@ fn survey() -> Value {
         "memory_mib": memory::of_machine("MemTotal"),
         "memory_free_mib": memory::of_machine("MemAvailable"),
         "memory_limit_mib": memory::limit_mib(),
+        "gmsh": cad::gmsh_version(),
         "working_folder": match &working {
             Ok(folder) => folder_json(folder),
             Err(e) => json!({ "path": "", "problem": e.to_string() }),

@@ -18,8 +18,8 @@ use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
 use grainpath_io::volume::RawHeader;
 use grainpath_io::{
-    Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh,
-    sniff_outline,
+    Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_exact_surfaces,
+    sniff_mesh, sniff_outline,
 };
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ use super::{inspect_faces as faces, inspect_scan as scan};
 use crate::args::Inspect;
 use crate::claims::Claims;
 use crate::inputs::{self, FILAMENT_MM};
-use crate::{Failure, files};
+use crate::{Failure, cad, files};
 
 /// Runs the command.
 pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
@@ -87,6 +87,11 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     } else if (sniff_image(&bytes).is_some() || sniff_other_image(&bytes).is_some()) && !named_gcode {
         let image = decode(&bytes);
         image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
+    } else if !named_gcode && let Some(format) = sniff_exact_surfaces(&bytes) {
+        let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
+        let by =
+            cad::gmsh_version().map_or(String::new(), |version| format!(", triangulated by gmsh {version}"));
+        mesh_json(&name, &format!("{format}{by}"), &file)
     } else if !named_gcode && is_fe(&bytes, &name) {
         let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::input(format!("{name}: {e}")))?;
         fe_json(&name, &file)

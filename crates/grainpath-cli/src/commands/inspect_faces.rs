@@ -9,12 +9,12 @@ use grainpath::shape::{Repair, mend};
 use grainpath_core::faces::{Face, Faces, Surface};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
-use grainpath_io::{MeshFile, parse_mesh};
+use grainpath_io::MeshFile;
 use grainpath_view::faces::faces_png;
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
-use crate::{Failure, files};
+use crate::{Failure, cad, files};
 
 /// Faces that are listed; a mesh without flat and round faces may have one for each facet.
 /// Source: derived: a list that a person still reads to its end.
@@ -26,8 +26,7 @@ const IMAGE_PX: u32 = 1600;
 pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let bytes = files::read(&args.file)?;
-    let file = parse_mesh(&bytes, Some(&name));
-    let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
+    let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
     let unit = file.unit.map_or("mm (assumed)".to_owned(), |u| format!("{} (the file says so)", u.name()));
     let (mesh, faces) = of_file(file, &name)?;
     let shown = faces.len().min(LISTED);

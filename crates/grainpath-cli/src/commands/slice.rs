@@ -64,7 +64,7 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
 pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     let file = serde_json::Value::from(model.display().to_string());
     let (job, assumed) = job_of(model)?;
-    let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf"]);
+    let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs"]);
     let shape = if has_ending(model, &["svg", "dxf"]) {
         format!(
             "[shape]\noutline = {file}\nthickness_mm = 4    # a drawing has no height: say how thick the part is\n"

@@ -92,8 +92,8 @@ pub enum MeshError {
     #[error("not a mesh: neither STL, OBJ, PLY, OFF nor 3MF")]
     Unknown,
     #[error(
-        "a {format} file holds exact surfaces, not triangles; export STL or 3MF from the CAD program, or run gmsh: \
-         gmsh part.step -2 -o part.stl"
+        "a {format} file holds exact surfaces, not triangles; install gmsh, through which grainpath reads it (Debian: apt \
+         install gmsh), or export STL or 3MF from the CAD program"
     )]
     ExactSurfaces { format: &'static str },
     #[error("{format} is not read; export STL, OBJ, PLY or 3MF instead")]
