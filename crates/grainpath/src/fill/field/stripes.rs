@@ -1,13 +1,11 @@
 //! Dense fill along a field: evenly spaced beads whose width follows their spacing.
 //!
-//! Lines from the phase ([`super::phase`]) are turned into beads in five steps:
+//! Lines from the phase ([`super::phase`]) are turned into beads in four steps:
 //!
 //! 1. lines are clipped to where centrelines may lie, and pieces too short to be worth a start are left out;
 //! 2. every bead moves towards the middle between its neighbours, a few rounds over;
-//! 3. a bead with less space than the narrowest that can be printed is taken out there, and its
-//!    neighbours widen;
-//! 4. ends that lie close together on the border are joined, so that the beads become few long paths;
-//! 5. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
+//! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
+//! 4. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
 //!    width along its medial axis
 //!    ([`single_beads`]).
 //!
@@ -17,7 +15,7 @@
 //! Along the border the phase is asked to be half a bead from it where the field runs along it, so
 //! that the outermost bead touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends
 //! as in hatching. Cost: linear in the length of all beads but for the phase. Degenerate cases: a
-//! region narrower than a bead gets no line and is left to step 5; a field that crosses the border
+//! region narrower than a bead gets no line and is left to step 4; a field that crosses the border
 //! at a right angle ends its beads there and joins them by short turns, which are off the field.
 //!
 //! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within
@@ -60,9 +58,6 @@ static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT"
 /// Rounds of moving beads to the middle between their neighbours.
 /// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
 static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
-/// Rounds of removing beads that lie too close to their neighbours.
-/// Measured: row `fill.field.stripes.THINNINGS` of `cargo xtask bench constants`.
-static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
 /// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the
 /// strip of the narrowest bead is about 0.55 of the spacing wide, and cells of 0.33 have a centre
 /// in every gap of that width, however it lies.
@@ -120,7 +115,10 @@ pub(crate) fn spaced(
             inside
         })
         .collect();
-    lay(without_crowded(lines, &border, context, share), &infill_region, &border, context, share, out);
+    let neighbours = Neighbours::new(&lines, &border, 1.5 * spacing);
+    let strips = strips(&lines, &neighbours, spacing);
+    let roomed = Roomed { lines, neighbours, strips };
+    lay(roomed, &infill_region, &border, context, share, out);
 }
 
 /// What is asked of the phase for lines this far apart, mm.
@@ -291,45 +289,6 @@ struct Roomed {
     neighbours: Neighbours,
     /// Widths of the strips at the lines' points.
     strips: Vec<Vec<f64>>,
-}
-
-/// Takes beads out where they have less space than the narrowest bead; their neighbours then widen.
-fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>, share: f64) -> Roomed {
-    let spacing = context.spacing_mm() / share;
-    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
-    let crowded = |width: &f64| *width < 0.95 * least;
-    let mut round = 0;
-    loop {
-        let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
-        let strips = strips(&lines, &neighbours, spacing);
-        if round == THINNINGS.value() || !strips.iter().flatten().any(crowded) {
-            return Roomed { lines, neighbours, strips };
-        }
-        round += 1;
-        let mut kept = Vec::with_capacity(lines.len());
-        // All crowded stretches of a round go at once, also those of two lines beside each other.
-        // The space goes to the strips of the lines that stay and, where it is wide enough, to
-        // single beads.
-        for (line, widths) in lines.into_iter().zip(strips) {
-            if !widths.iter().any(crowded) {
-                kept.push(line);
-                continue;
-            }
-            let mut run: Vec<DVec2> = Vec::new();
-            let mut flush = |run: &mut Vec<DVec2>| {
-                let points = std::mem::take(run);
-                let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                if length > SHORTEST.value() * spacing {
-                    kept.push(Line { points, closed: false });
-                }
-            };
-            for (width, &p) in widths.iter().zip(&line.points) {
-                if crowded(width) { flush(&mut run) } else { run.push(p) }
-            }
-            flush(&mut run);
-        }
-        lines = kept;
-    }
 }
 
 /// Turns lines into beads as wide as the space they have, joins ends where the way is short, and
@@ -610,7 +569,7 @@ pub(super) fn joined(
 
 /// How far a vertex may lie off the line without it and stay dropped, mm. Source: derived. A motor of 200 steps, divided
 /// by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show half of that.
-const SIMPLIFY_MM: f64 = 0.005;
+pub(crate) const SIMPLIFY_MM: f64 = 0.005;
 /// How much the width at a dropped vertex may differ from the width between its neighbours, mm. Source: derived. Around
 /// the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average; a filament of 1.75 mm that is 0.02 mm too thick
 /// changes it by 2.3 %.
