@@ -8,7 +8,7 @@
 //!
 //! Ordinary builds read the value that stands in the source and nothing else. In builds with the
 //! feature `sweep`, which the bench makes for itself, the command line hands over the environment
-//! variable `GRAINPATH_SWEEP` (`fill.continuous.finish.GAP=1.5`).
+//! variable `GRAINPATH_SWEEP` (`fill.continuous.finish.GAP=1.5`, or several with commas between them).
 //!
 //! ```
 //! use grainpath_core::tuned::Tuned;
@@ -57,22 +57,20 @@ impl<T: Copy + std::str::FromStr> Tuned<T> {
     }
 }
 
-/// Name and value of the one constant that is swept.
+/// Names and values of the constants that are swept.
 #[cfg(feature = "sweep")]
-static SWEPT: std::sync::OnceLock<(String, String)> = std::sync::OnceLock::new();
+static SWEPT: std::sync::OnceLock<Vec<(String, String)>> = std::sync::OnceLock::new();
 
-/// Takes another value for one constant from here on: `name=value`. The first call counts, and it
-/// has to come before the constant is read.
+/// Takes other values for constants from here on: `name=value`, with commas between several. The first
+/// call counts, and it has to come before the constants are read.
 #[cfg(feature = "sweep")]
 pub fn sweep(text: &str) {
-    if let Some((name, value)) = text.split_once('=') {
-        SWEPT.get_or_init(|| (name.to_owned(), value.to_owned()));
-    }
+    let pairs = text.split(',').filter_map(|pair| pair.split_once('='));
+    SWEPT.get_or_init(|| pairs.map(|(name, value)| (name.to_owned(), value.to_owned())).collect());
 }
 
 /// The value that was set for the constant of this name.
 #[cfg(feature = "sweep")]
 fn swept<T: std::str::FromStr>(name: &str) -> Option<T> {
-    let (swept, value) = SWEPT.get()?;
-    (swept == name).then(|| value.parse().ok()).flatten()
+    SWEPT.get()?.iter().find(|(swept, _)| swept == name)?.1.parse().ok()
 }

@@ -130,9 +130,6 @@ pub(super) struct StepControl {
     pub max_work: f64,
 }
 
-/// A part has failed when its flexibility is this multiple of the first one. Measured: row
-/// `fea.strength.load_stepping.FAILED_FLEXIBILITY` of `cargo xtask bench constants`.
-static FAILED_FLEXIBILITY: Tuned<f64> = Tuned::new("fea.strength.load_stepping.FAILED_FLEXIBILITY", 2.5);
 /// Steps become this many times smaller after the part has failed. Measured: row
 /// `fea.strength.load_stepping.STEP_REFINEMENT` of `cargo xtask bench constants`.
 static STEP_REFINEMENT: Tuned<f64> = Tuned::new("fea.strength.load_stepping.STEP_REFINEMENT", 4.0);
@@ -188,9 +185,8 @@ pub(super) fn run_to_failure(
             let highest = |e: usize| indices[e].iter().flat_map(|p| p.index).fold(0.0, f64::max);
             first_index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
         }
-        let collapsed = critical < control.collapse_load * history.max_factor()
+        let failed = critical < control.collapse_load * history.max_factor()
             && flexibility > control.collapse_softening * equilibrium.flexibility;
-        let failed = collapsed || flexibility > FAILED_FLEXIBILITY.value() * history.flexibilities[0];
         let exhausted = part.n_solutions() >= control.max_solutions || part.solver_work() >= control.max_work;
         if exhausted || (failed && step <= control.min_step) {
             break !exhausted;

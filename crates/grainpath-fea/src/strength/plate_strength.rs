@@ -21,8 +21,7 @@ use super::laminate::Laminate;
 use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
 use super::plate_system::PlateSystem;
 use super::wall_bending::{
-    BendingSample, CELLS_ACROSS, MAX_THIN_SHARE, MIN_CELLS_ACROSS, UnresolvedBending, highest_index,
-    unresolved_bending,
+    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, highest_index, unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Unstable, plane_strain_along, rotated_plane};
@@ -114,13 +113,10 @@ impl PlateTest<'_> {
         filled(cell) + above + below
     }
 
-    /// Whether more than a few elements lie in walls that are thin for the size of the cells.
+    /// Whether an element lies in a wall that is thin for the size of the cells.
     fn has_thin_walls(&self) -> bool {
         let cells = (self.elements.cells.par_iter().zip(self.unbreakable)).filter(|(_, u)| !**u);
-        let thin = cells
-            .clone()
-            .filter(|(c, _)| (0..2).any(|axis| self.cells_across(**c as usize, axis) < MIN_CELLS_ACROSS));
-        thin.count() as f64 > MAX_THIN_SHARE.value() * cells.count() as f64
+        cells.any(|(c, _)| (0..2).any(|axis| self.cells_across(*c as usize, axis) < MIN_CELLS_ACROSS))
     }
 
     fn loaded(&self) -> Result<LoadedPlate<'_>, TestError> {

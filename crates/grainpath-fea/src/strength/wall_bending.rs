@@ -22,9 +22,6 @@ pub const CELLS_ACROSS: f64 = 4.0;
 /// Walls with fewer full cells across count as thin. Source: derived. Half a cell is the rounding to whole cells: a wall
 /// meant to be [`CELLS_ACROSS`] thick that is a little underfilled has at least this, and one of three cells has less.
 pub(super) const MIN_CELLS_ACROSS: f64 = CELLS_ACROSS - 0.5;
-/// The share of the elements that may lie in thin walls before these are looked at: rims and corners have some. Measured:
-/// row `fea.strength.wall_bending.MAX_THIN_SHARE` of `cargo xtask bench constants`.
-pub(super) static MAX_THIN_SHARE: Tuned<f64> = Tuned::new("fea.strength.wall_bending.MAX_THIN_SHARE", 0.01);
 /// The share of the elements that are most loaded, over which indices are averaged so that a single corner does not
 /// decide. Measured: row `fea.strength.wall_bending.MOST_LOADED` of `cargo xtask bench constants`.
 static MOST_LOADED: Tuned<f64> = Tuned::new("fea.strength.wall_bending.MOST_LOADED", 1e-3);

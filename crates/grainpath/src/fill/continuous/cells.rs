@@ -112,12 +112,6 @@ impl Taken {
         self.range(ring, from_mm, to_mm).all(|k| !self.marks[k])
     }
 
-    fn set(&mut self, (ring, from_mm, to_mm): (usize, f64, f64), taken: bool) {
-        for k in self.range(ring, from_mm, to_mm) {
-            self.marks[k] = taken;
-        }
-    }
-
     /// Both stretches of an exchange, `half_mm` to either side of their middles.
     fn stretches(f: &Facing, half_mm: f64) -> [(usize, f64, f64); 2] {
         [
@@ -131,13 +125,11 @@ impl Taken {
     }
 
     pub(super) fn take_both(&mut self, f: &Facing, half_mm: f64) {
-        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, true));
-    }
-
-    /// Frees both stretches. Call it only for stretches that were taken with the same `half_mm`: no
-    /// other joint overlaps those.
-    pub(super) fn release_both(&mut self, f: &Facing, half_mm: f64) {
-        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, false));
+        for (ring, from_mm, to_mm) in Self::stretches(f, half_mm) {
+            for k in self.range(ring, from_mm, to_mm) {
+                self.marks[k] = true;
+            }
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
-use super::super::field::stripes::simplified;
+use super::super::field::stripes::{SIMPLIFY_MM, simplified};
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::{CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
@@ -54,12 +54,10 @@ static UNEVEN: Tuned<f64> = Tuned::new("fill.continuous.finish.UNEVEN", 0.08);
 /// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
 /// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const ON_EDGE_MM: f64 = 0.002;
-/// A loop of a line over itself up to this length is cut off, in beads.
-/// Measured: row `fill.continuous.finish.SMALL_LOOP` of `cargo xtask bench constants`.
-static SMALL_LOOP: Tuned<f64> = Tuned::new("fill.continuous.finish.SMALL_LOOP", 5.0);
-/// A line that returns to within this distance of itself at once is cut short there, mm.
-/// Measured: row `fill.continuous.finish.SPIKE_MM` of `cargo xtask bench constants`.
-static SPIKE_MM: Tuned<f64> = Tuned::new("fill.continuous.finish.SPIKE_MM", 0.005);
+/// A loop of a line over itself up to this length is cut off, in beads. Source: derived. A round loop
+/// of five beads is 1.6 across, so its own bead covers all but a spot of 0.6, and cutting it off
+/// leaves at most two square beads open. A longer loop goes around an area that needs it.
+const SMALL_LOOP: f64 = 5.0;
 /// One of two points of a line that lie closer than this is dropped, in beads.
 /// Measured: row `fill.continuous.finish.CLOSEST` of `cargo xtask bench constants`.
 static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015);
@@ -401,7 +399,7 @@ fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
             let outer = || line.points[j + 1..].iter().chain(&line.points[..=i]).copied().chain([at]);
             let length = |points: Vec<DVec2>| perimeter_mm(&points);
             let (inside, outside) = (length(inner().collect()), length(outer().collect()));
-            if inside.min(outside) < SMALL_LOOP.value() * spacing_mm {
+            if inside.min(outside) < SMALL_LOOP * spacing_mm {
                 let kept = if inside < outside { outer().collect() } else { inner().collect() };
                 lines[l].points = kept;
                 changed = true;
@@ -460,9 +458,10 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
 }
 
-/// Takes the tips of spikes out of a closed line, together with their widths.
+/// Takes the tips of spikes out of a closed line, together with their widths. A spike thinner than what
+/// a printer can show is a point too many, as on a straight line.
 fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
-    let keep = unspiked(points, SPIKE_MM.value());
+    let keep = unspiked(points, SIMPLIFY_MM);
     let each = || keep.iter().copied();
     let (mut of_points, mut of_widths) = (each(), each());
     points.retain(|_| of_points.next().unwrap_or(true));

@@ -136,9 +136,10 @@ pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> 
 /// Rings run against each other where the cosine between them is below the negative of this.
 /// Measured: row `fill.continuous.rings.AGAINST` of `cargo xtask bench constants`.
 static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
-/// Rings that lie apart are joined over at most this distance, in beads.
-/// Measured: row `fill.continuous.rings.FURTHEST` of `cargo xtask bench constants`.
-static FURTHEST: Tuned<f64> = Tuned::new("fill.continuous.rings.FURTHEST", 5.0);
+/// Segments further than this from every shorter ring are left out of the search for joints, in beads.
+/// Source: derived. The widest search looks 3.2 beads far, and the ways between the ends of two
+/// stretches, each half a bead long, lie within a bead of that. More changes speed alone.
+const FURTHEST: f64 = 5.0;
 
 fn longest(arcs: &[Vec<f64>]) -> usize {
     let length = |r: usize| arcs[r].last().copied().unwrap_or(0.0);
@@ -167,7 +168,7 @@ impl Rings {
     pub(super) fn around_short(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, infill_region, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
-            Neighbours::around(lines, |l| l != longest, FURTHEST.value() * spacing_mm, cell_mm)
+            Neighbours::around(lines, |l| l != longest, FURTHEST * spacing_mm, cell_mm)
         })
     }
 

@@ -17,7 +17,7 @@
 //! Outlines are cut at the border of the infill region by an arrangement of polylines and contours
 //! ([`cut_by`]); places too thin for two strips side by side become strips of their own, whatever
 //! the field says. Where rounding makes the arrangement unclear the whole region becomes one strip.
-//! Cost: the phase on at most [`MANY_NODES`] nodes, then linear in the outlines.
+//! Cost: the phase on about [`MANY_NODES`] nodes, more where [`MESH_MAX`] bounds its squares, then linear in the outlines.
 
 use std::f64::consts::{PI, TAU};
 
@@ -41,16 +41,17 @@ const NONE: u32 = u32::MAX;
 static MESH_MIN: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MIN", 1.0);
 /// Coarsest square of the grid that the phase is found on, in beads, however large the region.
 /// Measured: row `fill.continuous.strips.MESH_MAX` of `cargo xtask bench constants`.
-static MESH_MAX: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MAX", 6.0);
+static MESH_MAX: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MAX", 3.0);
 /// The grid has at most about so many nodes; a larger region gets coarser squares.
 /// Measured: row `fill.continuous.strips.MANY_NODES` of `cargo xtask bench constants`.
 static MANY_NODES: Tuned<f64> = Tuned::new("fill.continuous.strips.MANY_NODES", 20_000.0);
 /// Parts of a region narrower than this are strips by themselves, in beads.
 /// Measured: row `fill.continuous.strips.THIN_BEADS` of `cargo xtask bench constants`.
 static THIN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_BEADS", 1.5);
-/// Strips that touch are cut back by this much, in beads.
-/// Measured: row `fill.continuous.strips.PARTED_BEADS` of `cargo xtask bench constants`.
-static PARTED_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.PARTED_BEADS", 0.25);
+/// Strips that touch are cut back by this much, in beads. Source: derived. The two beads of a strip
+/// lie one bead apart, so squares that reach half a bead would cut the strip through from both sides;
+/// a quarter leaves half of it whole.
+const PARTED_BEADS: f64 = 0.25;
 /// Distance of the points of a strip's outline, in beads.
 /// Measured: row `fill.continuous.strips.STEP_BEADS` of `cargo xtask bench constants`.
 static STEP_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STEP_BEADS", 1.0);
@@ -175,7 +176,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
 
 /// Outlines of strips, taken apart at the places `at` where they meet.
 pub(super) fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
-    let half = DVec2::splat(PARTED_BEADS.value() * spacing_mm);
+    let half = DVec2::splat(PARTED_BEADS * spacing_mm);
     let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
     let squares: Vec<Vec<DVec2>> = squares.map(|p| p.outer).collect();
     let all = Region::from_contours(loops, FillRule::Positive)

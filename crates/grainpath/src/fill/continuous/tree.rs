@@ -4,8 +4,7 @@
 //! the angle that its joint adds to the path, times length and the field's weight at that place.
 //! Two rules of the published method (`ContinuousPath`) hold: along the field where that is
 //! possible, and not across an edge that is the shortest of both its cells, unless nothing else
-//! joins them. Afterwards every joint between two strips is moved along them to the place where
-//! beads turn least. The two strips stay joined once, so the path stays one.
+//! joins them.
 //!
 //! [`TreeKind::Undirected`] gives every edge a number from a hash instead of a weight. It is the
 //! baseline for the directed tree (20 to 92 % better on ten sections, `cargo xtask bench
@@ -18,7 +17,6 @@ use grainpath_core::DVec2;
 use grainpath_core::DisjointSets;
 use grainpath_core::hash;
 use grainpath_core::math::{atan2, cross};
-use grainpath_core::tuned::Tuned;
 
 use super::cells::{Cells, Edge, Taken, beside};
 use super::rings::{Facing, Rings, Side};
@@ -42,7 +40,7 @@ fn turned(axis: DVec2, way: DVec2) -> f64 {
 }
 
 /// The angle to the field that an exchange adds to the path: radians times mm, weighted.
-pub(super) fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
+fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
     let [a0, a1, b0, b1] = f.corners;
     let (u, weight) = axis(0.25 * (a0 + a1 + b0 + b1));
     weight * (turned(u, b1 - a0) + turned(u, a1 - b0) - turned(u, a1 - a0) - turned(u, b1 - b0))
@@ -83,15 +81,6 @@ impl Ranked {
         Self(u64::from(last) << 63 | u64::from(ordered) << 31 | edge as u64)
     }
 
-    fn is_last(self) -> bool {
-        self.0 >> 63 == 1
-    }
-
-    fn weight(self) -> f64 {
-        let ordered = (self.0 >> 31) as u32;
-        f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered }).into()
-    }
-
     fn edge(self) -> usize {
         (self.0 & ((1 << 31) - 1)) as usize
     }
@@ -119,10 +108,7 @@ pub(super) fn join(
     let mut order: Vec<Ranked> = cells.edges.iter().enumerate().map(rank).collect();
     order.sort_unstable();
     let mut sets = DisjointSets::new(cells.n);
-    // Strips: sets of cells that are connected along the field.
-    let mut strips = DisjointSets::new(cells.n);
     let mut exchanges = Vec::new();
-    let mut beside_of: Vec<(usize, usize)> = Vec::new();
     for &ranked in &order {
         let e = &cells.edges[ranked.edge()];
         let [a, b] = e.cells;
@@ -130,9 +116,7 @@ pub(super) fn join(
             Some(k) => {
                 // A cut inside the tree leaves the strip whole there, which needs no exchange. The
                 // exchange is made where the tree does not pass.
-                if sets.union(a as usize, b as usize) {
-                    strips.union(a as usize, b as usize);
-                } else {
+                if !sets.union(a as usize, b as usize) {
                     exchanges.push(cells.cuts[k as usize]);
                 }
             }
@@ -144,71 +128,11 @@ pub(super) fn join(
                 let Some(f) = beside(rings, e).filter(|f| taken.fits(f, 0.6 * spacing_mm)) else { continue };
                 taken.take_both(&f, 0.6 * spacing_mm);
                 sets.union(a as usize, b as usize);
-                beside_of.push((exchanges.len(), ranked.edge()));
                 exchanges.push(f);
             }
         }
     }
-    if kind == TreeKind::Directed {
-        let between = |strips: &mut DisjointSets, i: usize| {
-            pair(cells.edges[i].cells.map(|c| strips.lowest(c as usize) as u32))
-        };
-        let mut passed: Vec<u64> = beside_of.iter().map(|&(_, i)| between(&mut strips, i)).collect();
-        passed.sort_unstable();
-        // Only places between two strips that are already joined are candidates, in the order of
-        // their estimates.
-        let mut others: Vec<(u64, Ranked)> = order
-            .iter()
-            .filter(|o| cells.edges[o.edge()].cut.is_none() && !o.is_last())
-            .map(|o| (between(&mut strips, o.edge()), *o))
-            .filter(|o| passed.binary_search(&o.0).is_ok())
-            .collect();
-        others.sort_unstable();
-        for (k, i) in beside_of {
-            let pair = between(&mut strips, i);
-            let first = others.partition_point(|o| o.0 < pair);
-            let same = others[first..].iter().take_while(|o| o.0 == pair).take(TRIED.value()).map(|o| o.1);
-            flip(rings, cells, same, &mut exchanges[k], spacing_mm, axis, taken);
-        }
-    }
     exchanges
-}
-
-/// Largest number of other places that are tried for the passage between two strips.
-/// Measured: row `fill.continuous.tree.TRIED` of `cargo xtask bench constants`.
-static TRIED: Tuned<usize> = Tuned::new("fill.continuous.tree.TRIED", 12);
-/// A place is tried if it promises to save at least this much turning, in radians times beads.
-/// Measured: row `fill.continuous.tree.WORTH` of `cargo xtask bench constants`.
-static WORTH: Tuned<f64> = Tuned::new("fill.continuous.tree.WORTH", 0.05);
-
-/// Moves the joint between two strips to another place along them if beads turn less there. The
-/// strips stay joined once, so the path stays one ring.
-fn flip(
-    rings: &Rings,
-    cells: &Cells,
-    others: impl Iterator<Item = Ranked>,
-    passage: &mut Facing,
-    spacing_mm: f64,
-    axis: Axis<'_>,
-    taken: &mut Taken,
-) {
-    let mut best = (cost(passage, axis) - 1e-6, None);
-    for other in others {
-        // Places come in the order of their estimates, so none of the rest can gain more.
-        if other.weight() > best.0 - WORTH.value() * spacing_mm {
-            break;
-        }
-        let Some(f) = beside(rings, &cells.edges[other.edge()]) else { continue };
-        let c = cost(&f, axis);
-        if c < best.0 && taken.fits(&f, 0.6 * spacing_mm) {
-            best = (c, Some(f));
-        }
-    }
-    if let Some(f) = best.1 {
-        taken.release_both(passage, 0.6 * spacing_mm);
-        taken.take_both(&f, 0.6 * spacing_mm);
-        *passage = f;
-    }
 }
 
 /// For each edge between two strips, whether it is the shortest of both its cells.
@@ -308,10 +232,7 @@ mod tests {
         };
         assert!(sorted == ranks);
         for (k, rank) in ranks.iter().enumerate() {
-            let weight = weights[k % weights.len()];
             assert_eq!(rank.edge(), 1_000_000 * (k % weights.len()));
-            assert_eq!(rank.is_last(), k >= weights.len());
-            assert!(rank.weight() == f64::from(weight as f32));
         }
         assert!(Ranked::new(false, 1.0, 3) < Ranked::new(false, 1.0, 4));
     }

@@ -1,17 +1,15 @@
 //! Dense fill along a field: evenly spaced beads whose width follows their spacing.
 //!
-//! Lines from the phase ([`super::phase`]) are turned into beads in five steps:
+//! Lines from the phase ([`super::phase`]) are turned into beads in four steps:
 //!
 //! 1. lines are clipped to where centrelines may lie, and pieces too short to be worth a start are left out;
 //! 2. every bead moves towards the middle between its neighbours, a few rounds over;
-//! 3. a bead with less space than the narrowest that can be printed is taken out there, and its
-//!    neighbours widen;
-//! 4. ends that lie close together on the border are joined, so that the beads become few long paths;
-//! 5. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
+//! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
+//! 4. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
 //!    width along its medial axis
 //!    ([`single_beads`]).
 //!
-//! Beads of one width are laid by [`one_width`] instead of steps 2 and 3.
+//! Beads of one width are packed by [`one_width`] instead of step 2.
 //!
 //! Below full density the same lines lie farther apart, each bead takes its share of the strip, and
 //! all widths are fitted to the volume asked for.
@@ -19,7 +17,7 @@
 //! Along the border the phase is asked to be half a bead from it where the field runs along it, so
 //! that the outermost bead touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends
 //! as in hatching. Cost: linear in the length of all beads but for the phase. Degenerate cases: a
-//! region narrower than a bead gets no line and is left to step 5; a field that crosses the border
+//! region narrower than a bead gets no line and is left to step 4; a field that crosses the border
 //! at a right angle ends its beads there and joins them by short turns, which are off the field.
 //!
 //! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within
@@ -41,7 +39,7 @@ use super::axis_of;
 use super::levels::trace;
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{Line, Neighbours, Reach, smooth, stretches_along};
+use super::widths::{Line, Neighbours, Reach, smooth};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
@@ -63,9 +61,6 @@ static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT"
 /// Rounds of moving beads to the middle between their neighbours.
 /// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
 static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
-/// Rounds of removing beads that lie too close to their neighbours.
-/// Measured: row `fill.field.stripes.THINNINGS` of `cargo xtask bench constants`.
-static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
 /// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the
 /// strip of the narrowest bead is about 0.55 of the spacing wide, and cells of 0.33 have a centre
 /// in every gap of that width, however it lies.
@@ -110,22 +105,21 @@ pub(crate) fn spaced(
         smooth(&mut points, level.closed, 3);
         push_inside(&clipper, points, level.closed, spacing, &mut lines);
     }
-    let roomed = match context.widths {
-        BeadWidths::Variable => centred(lines, &clipper, &border, context, share),
-        BeadWidths::Constant => drawn_on(lines, &clipper, &border, context, share, field),
+    let lines = match context.widths {
+        BeadWidths::Variable => centred(lines, &clipper, &border, spacing),
+        BeadWidths::Constant => {
+            let axis = |p: DVec2| axis_of(field, context, p);
+            one_width::packed(lines, &clipper, &border, &axis, spacing, SHORTEST.value() * spacing)
+        }
     };
+    let neighbours = Neighbours::new(&lines, &border, 1.5 * spacing);
+    let strips = neighbours.strips(&lines, spacing);
+    let roomed = Roomed { lines, neighbours, strips };
     lay(roomed, &infill_region, &border, context, share, out);
 }
 
-/// Lines in the middle of the space they have, without those that no bead fits.
-fn centred(
-    mut lines: Vec<Line>,
-    clipper: &LineClipper,
-    border: &Region,
-    context: &FillContext<'_>,
-    share: f64,
-) -> Roomed {
-    let spacing = context.spacing_mm() / share;
+/// Lines in the middle of the space they have.
+fn centred(mut lines: Vec<Line>, clipper: &LineClipper, border: &Region, spacing: f64) -> Vec<Line> {
     for _ in 0..CENTRINGS.value() {
         centre(&mut lines, border, spacing);
     }
@@ -136,31 +130,7 @@ fn centred(
         push_inside(clipper, l.points, l.closed, spacing, &mut inside);
         inside
     };
-    lines = lines.into_iter().flat_map(clipped).collect();
-    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
-    without_crowded(lines, border, spacing, 0.95 * least)
-}
-
-/// Lines for beads of one width: each as long as there is room for it.
-fn drawn_on(
-    lines: Vec<Line>,
-    clipper: &LineClipper,
-    border: &Region,
-    context: &FillContext<'_>,
-    share: f64,
-    field: &dyn DirectionField,
-) -> Roomed {
-    let spacing = context.spacing_mm() / share;
-    let axis = |p: DVec2| axis_of(field, context, p);
-    let shortest_mm = SHORTEST.value() * spacing;
-    let along = |line| stretches_along(line, &axis, one_width::FARTHEST_RAD, shortest_mm);
-    let lines = lines.into_iter().flat_map(along).collect();
-    let Roomed { mut lines, neighbours, .. } =
-        without_crowded(lines, border, spacing, one_width::LEAST_ROOM * spacing);
-    one_width::drawn_on(&mut lines, &neighbours, clipper, &axis, spacing);
-    let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
-    let strips = strips(&lines, &neighbours, spacing);
-    Roomed { lines, neighbours, strips }
+    lines.into_iter().flat_map(clipped).collect()
 }
 
 /// What is asked of the phase for lines this far apart, mm.
@@ -311,66 +281,12 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     lines.iter_mut().zip(moved).for_each(|(line, points)| line.points = points);
 }
 
-/// Widths of the strips of all lines.
-fn strips(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64) -> Vec<Vec<f64>> {
-    let of_line = |(l, line): (usize, &Line)| {
-        let reaches = neighbours.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
-        let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
-        let n = widths.len();
-        if !line.closed && n > 3 {
-            // At its very end a line looks along the border, not across to its neighbour. The next
-            // point's strip is taken instead.
-            (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
-        }
-        smooth(&mut widths, line.closed, 1);
-        widths
-    };
-    lines.iter().enumerate().map(of_line).collect()
-}
-
 /// Lines with the space that each has.
 struct Roomed {
     lines: Vec<Line>,
     neighbours: Neighbours,
     /// Widths of the strips at the lines' points.
     strips: Vec<Vec<f64>>,
-}
-
-/// Takes lines out where they have less space than `least_mm`.
-fn without_crowded(mut lines: Vec<Line>, border: &Region, spacing: f64, least_mm: f64) -> Roomed {
-    let crowded = |width: &f64| *width < least_mm;
-    let mut round = 0;
-    loop {
-        let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
-        let strips = strips(&lines, &neighbours, spacing);
-        if round == THINNINGS.value() || !strips.iter().flatten().any(crowded) {
-            return Roomed { lines, neighbours, strips };
-        }
-        round += 1;
-        let mut kept = Vec::with_capacity(lines.len());
-        // All crowded stretches of a round go at once, also those of two lines beside each other.
-        // The space goes to the strips of the lines that stay and, where it is wide enough, to
-        // single beads.
-        for (line, widths) in lines.into_iter().zip(strips) {
-            if !widths.iter().any(crowded) {
-                kept.push(line);
-                continue;
-            }
-            let mut run: Vec<DVec2> = Vec::new();
-            let mut flush = |run: &mut Vec<DVec2>| {
-                let points = std::mem::take(run);
-                let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                if length > SHORTEST.value() * spacing {
-                    kept.push(Line { points, closed: false });
-                }
-            };
-            for (width, &p) in widths.iter().zip(&line.points) {
-                if crowded(width) { flush(&mut run) } else { run.push(p) }
-            }
-            flush(&mut run);
-        }
-        lines = kept;
-    }
 }
 
 /// Turns lines into beads, as wide as the space they have unless all are to have one width; joins ends
@@ -661,7 +577,7 @@ pub(super) fn joined(
 
 /// How far a vertex may lie off the line without it and stay dropped, mm. Source: derived. A motor of 200 steps, divided
 /// by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show half of that.
-const SIMPLIFY_MM: f64 = 0.005;
+pub(crate) const SIMPLIFY_MM: f64 = 0.005;
 /// How much the width at a dropped vertex may differ from the width between its neighbours, mm. Source: derived. Around
 /// the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average; a filament of 1.75 mm that is 0.02 mm too thick
 /// changes it by 2.3 %.

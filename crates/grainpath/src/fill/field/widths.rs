@@ -334,6 +334,23 @@ impl Neighbours {
         left.into_iter().zip(right).map(|(left_mm, right_mm)| Reach { left_mm, right_mm }).collect()
     }
 
+    /// Widths of the strips of all lines at their vertices, mm, where lines lie about `spacing_mm` apart.
+    pub(crate) fn strips(&self, lines: &[Line], spacing_mm: f64) -> Vec<Vec<f64>> {
+        let of_line = |(l, line): (usize, &Line)| {
+            let reaches = self.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
+            let n = widths.len();
+            if !line.closed && n > 3 {
+                // At its very end a line looks along the border, not across to its neighbour. The next
+                // point's strip is taken instead.
+                (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
+            }
+            smooth(&mut widths, line.closed, 1);
+            widths
+        };
+        lines.iter().enumerate().map(of_line).collect()
+    }
+
     /// What lies to the left and to the right of a vertex; `None` where nothing is met within `far_mm`.
     fn sides(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Option<Side>; 2] {
         let l = &lines[line];
