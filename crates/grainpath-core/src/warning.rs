@@ -67,6 +67,9 @@ warning_ids! {
     RegionsSeam = "regions-seam",
         "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
         "lay borders of regions where little load passes, or where infill is sparse on one side at least";
+    WallsLevel = "walls-level",
+        "process.stagger_walls is on, and no wall could be raised.",
+        "lay two walls or more, of which the second continues from layer to layer";
     MaterialMixed = "material-mixed",
         "The job states some strengths of the material; the others come from the profile.",
         "state all strengths of the material, or none";

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
@@ -459,6 +459,13 @@ fn plan_stack(
         let islands = filled.layers.iter().flat_map(|l| &l.islands);
         let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
+    }
+    if step_settings.stagger_walls {
+        let walls = filled.layers.iter().flat_map(|l| &l.islands).flat_map(|i| &i.walls);
+        if !walls.clone().any(|w| w.path.raise.top_mm > 0.0) {
+            let text = "process.stagger_walls: no wall was raised, for none below the outermost continues from layer to layer";
+            diagnostics.push(Warning::new(WarningId::WallsLevel, text));
+        }
     }
     steps.report_notes(diagnostics);
     clock.stop(Stage::Fill);
