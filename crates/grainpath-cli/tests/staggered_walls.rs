@@ -131,6 +131,7 @@ fn planned_of_plate(more: &[&str]) -> (Planned, Vec<String>) {
 
 #[test]
 fn the_program_has_the_volume_heights_and_layers_of_level_walls() {
+    // The same part twice: what differs comes from the heights of walls alone.
     let (level, _) = planned_of_plate(&[]);
     let (staggered, _) = planned_of_plate(&["process.stagger_walls=true"]);
     let (level_text, level) = program(&level);
@@ -167,6 +168,7 @@ fn the_program_has_the_volume_heights_and_layers_of_level_walls() {
     }
     assert!(first > 0 && first == last && usual > 5 * first, "{first} {usual} {last}");
     // The nozzle is half a layer up while it lays them, and never comes down within a layer.
+    // Read line by line, without our own reader of G-code.
     let (mut z, mut raised, mut layer, mut n) = (0.0, false, 0.0, 0);
     for line in text.lines() {
         if let Some(at) = line.strip_prefix(";Z:") {
@@ -204,6 +206,7 @@ fn only_the_second_and_fourth_wall_rise() {
     let step_settings = config::steps(&settings);
     let n = stack.layers().len();
     let walls = Steps::new(&step_settings, &stack).walls(0..n, &Diagnostics::default()).expect("not stopped");
+    // A plan no longer says which wall is which, so the walls are taken before they are put in order.
     let mut by_depth = [0; 4];
     for wall in walls.iter().flat_map(|l| &l.islands).flat_map(|i| &i.walls) {
         by_depth[wall.depth] += usize::from(wall.path.raise != BeadRaise::default());

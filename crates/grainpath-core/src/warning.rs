@@ -82,6 +82,9 @@ warning_ids! {
     MeshFileDamaged = "mesh-file-damaged",
         "A mesh file ends too early or has data after its end; what could be read was used.",
         "export the mesh again";
+    ThreemfVolumes = "threemf-volumes",
+        "A 3MF project has volumes or settings of volumes that are not used: negative volumes, support enforcers and blockers, and settings of modifiers without a word here.",
+        "say what matters in the job: [[region]] with mesh, support, or a body cut in the CAD program";
     MeshRepaired = "mesh-repaired",
         "Defects of the mesh were repaired before slicing.",
         "repair the mesh where it was made, or set shape.repair = \"strict\" to refuse it";

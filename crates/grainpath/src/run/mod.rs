@@ -36,7 +36,7 @@ use crate::measure::density::{AskedDensity, LaidDensity};
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::{LayerPaths, order_stack};
-use crate::region::{RegionAreas, RegionPart};
+use crate::region::{self, RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
@@ -80,6 +80,9 @@ pub fn plan_job(
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock::start(diagnostics);
+    let with_modifiers = (!inputs.mesh.modifiers.is_empty())
+        .then(|| region::with_modifiers(settings, &mut inputs.mesh, &mut inputs.regions, diagnostics));
+    let settings = with_modifiers.as_ref().unwrap_or(settings);
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let sliced =
         mesh_and_layers(&config::placing(settings), inputs.mesh, diagnostics).map_err(shape_error)?;

@@ -54,6 +54,7 @@ pub fn stagger(walls: &mut [Vec<&mut [Wall]>], sections: &[Layer], lower: Option
         })
         .collect();
     for (k, joints) in joints.into_iter().enumerate() {
+        // Both sides of a joint move by the same height, so nothing opens and nothing overlaps.
         let raise_mm = half_mm(&sections[k + 1]);
         for Joint { below, above } in joints {
             walls[k][below.0][below.1].path.raise.top_mm = raise_mm;
@@ -103,6 +104,7 @@ fn joints(
         });
         all.collect()
     };
+    // Walls of one place lie a strip apart, so at most one of them is near enough.
     let above = numbered(upper);
     for (a, bounds) in numbered(lower) {
         let wall = &lower[a.0][a.1];
@@ -117,6 +119,7 @@ fn joints(
                 && lies_on(&wall.path, &upper.path, apart_mm)
                 && lies_on(&upper.path, &wall.path, apart_mm)
         };
+        // Where it hangs over, the first bead would sag more, being half as high again.
         let held = || under.is_none_or(|l| wall.path.points.iter().all(|p| l.region().contains(*p)));
         if let Some((b, _)) = above.iter().find(|b| on_it(b))
             && held()
