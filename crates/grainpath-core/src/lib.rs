@@ -47,5 +47,5 @@ pub use layer::{Layer, LayerStack};
 pub use mesh::TriMesh;
 pub use poly::{Contour, Polygon, Region};
 pub use slices::{SliceError, SliceSource, VolumeInfo};
-pub use toolpath::{BeadWidth, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
+pub use toolpath::{BeadRaise, BeadWidth, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
 pub use warning::{Place, Warning, WarningId};

@@ -118,10 +118,28 @@ pub enum BeadWidth {
     PerVertex(Vec<f64>),
 }
 
+/// How far the ends in height of a bead lie above those of its layer, mm. Both are 0 but for staggered walls, which stand
+/// half a layer higher than their neighbours.
+///
+/// ```text
+///          ┌────┐ <- top_mm above the layer
+///     ┌────┤    ├────┐ top of the layer
+///     │    │    │    │
+///     │    └────┘ <- bottom_mm above the layer's bottom
+///     └────┘    └────┘ bottom of the layer
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BeadRaise {
+    /// Of its lower end.
+    pub bottom_mm: f64,
+    /// Of its upper end, where the nozzle is.
+    pub top_mm: f64,
+}
+
 /// A polyline along the middle of a bead.
 ///
 /// ```
-/// use grainpath_core::{BeadWidth, DVec2, Role, SpeedClass, Toolpath};
+/// use grainpath_core::{BeadRaise, BeadWidth, DVec2, Role, SpeedClass, Toolpath};
 ///
 /// let path = Toolpath {
 ///     points: vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::new(10.0, 10.0), DVec2::new(0.0, 10.0)],
@@ -131,6 +149,7 @@ pub enum BeadWidth {
 ///     flow: 1.0,
 ///     closed: true,
 ///     rank: 0,
+///     raise: BeadRaise::default(),
 /// };
 /// assert_eq!((path.n_segments(), path.length_mm()), (4, 40.0));
 /// ```
@@ -152,13 +171,21 @@ pub struct Toolpath {
     /// Fill of lower rank is printed first, island by island; 0 unless a pattern prescribes an
     /// order.
     pub rank: u8,
+    /// How far it stands above its layer.
+    pub raise: BeadRaise,
 }
 
 impl Toolpath {
     /// A path of one width at its role's normal speed.
     pub fn new(points: Vec<DVec2>, width_mm: f64, role: Role, closed: bool) -> Self {
         let width = BeadWidth::Constant(width_mm);
-        Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed, rank: 0 }
+        let raise = BeadRaise::default();
+        Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed, rank: 0, raise }
+    }
+
+    /// Height of the bead in a layer of this height, mm.
+    pub fn height_mm(&self, layer_mm: f64) -> f64 {
+        layer_mm + (self.raise.top_mm - self.raise.bottom_mm)
     }
 
     /// Width at vertex `i`, mm. For a closed path `i` may be the number of points: the first again.
@@ -186,7 +213,8 @@ impl Toolpath {
     }
 
     /// Volume laid in a layer of this height, mm3.
-    pub fn volume_mm3(&self, height_mm: f64) -> f64 {
+    pub fn volume_mm3(&self, layer_mm: f64) -> f64 {
+        let height_mm = self.height_mm(layer_mm);
         let segments = (0..self.n_segments()).map(|i| self.segment(i));
         // Volume is linear in the mean width, except for beads narrower than they are high; there
         // it is off by a term of second order in the change of width.
@@ -256,7 +284,7 @@ pub struct LayerPlan {
 /// A whole print.
 ///
 /// ```
-/// use grainpath_core::{BeadWidth, DVec2, DVec3, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
+/// use grainpath_core::{BeadRaise, BeadWidth, DVec2, DVec3, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
 ///
 /// let path = Toolpath {
 ///     points: vec![DVec2::ZERO, DVec2::new(20.0, 0.0)],
@@ -266,6 +294,7 @@ pub struct LayerPlan {
 ///     speed: SpeedClass::Normal,
 ///     closed: false,
 ///     rank: 0,
+///     raise: BeadRaise::default(),
 /// };
 /// let travel = Travel { via: Vec::new(), retract: false };
 /// let layer = LayerPlan { z_top_mm: 0.2, height_mm: 0.2, paths: vec![PlannedPath { travel, path }] };

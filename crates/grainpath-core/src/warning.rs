@@ -67,6 +67,9 @@ warning_ids! {
     RegionsSeam = "regions-seam",
         "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
         "lay borders of regions where little load passes, or where infill is sparse on one side at least";
+    WallsLevel = "walls-level",
+        "process.stagger_walls is on, and no wall could be raised.",
+        "lay two walls or more, of which the second continues from layer to layer";
     MaterialMixed = "material-mixed",
         "The job states some strengths of the material; the others come from the profile.",
         "state all strengths of the material, or none";
@@ -79,6 +82,9 @@ warning_ids! {
     MeshFileDamaged = "mesh-file-damaged",
         "A mesh file ends too early or has data after its end; what could be read was used.",
         "export the mesh again";
+    ThreemfVolumes = "threemf-volumes",
+        "A 3MF project has volumes or settings of volumes that are not used: negative volumes, support enforcers and blockers, and settings of modifiers without a word here.",
+        "say what matters in the job: [[region]] with mesh, support, or a body cut in the CAD program";
     MeshRepaired = "mesh-repaired",
         "Defects of the mesh were repaired before slicing.",
         "repair the mesh where it was made, or set shape.repair = \"strict\" to refuse it";

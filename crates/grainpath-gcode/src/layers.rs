@@ -20,6 +20,9 @@ pub struct Bead {
     pub role: Role,
     /// Whether a path begins with this bead.
     pub starts: bool,
+    /// How far its lower and its upper end lie above those of its layer, micrometres; 0 but for staggered walls of our
+    /// own programs.
+    pub raise_um: [i16; 2],
 }
 
 impl Bead {
@@ -33,8 +36,15 @@ impl Bead {
         DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
     }
 
+    /// Its own height in a layer of this height, mm.
+    pub fn height_mm(&self, layer_mm: f64) -> f64 {
+        let [bottom, top] = self.raise_um.map(i32::from);
+        layer_mm + f64::from(top - bottom) * 1e-3
+    }
+
     /// Full width of the stadium in a layer of this height, mm.
-    pub fn width_mm(&self, height_mm: f64) -> f64 {
+    pub fn width_mm(&self, layer_mm: f64) -> f64 {
+        let height_mm = self.height_mm(layer_mm).max(1e-3);
         let length = self.start().distance(self.end()).max(1e-9);
         bead_width_mm(f64::from(self.volume_mm3) / (length * height_mm), height_mm)
     }

@@ -99,6 +99,12 @@ struct Areas {
     inside: f64,
 }
 
+/// The volume that a bead has in a layer of this height, if it goes on above and below as it is, mm3.
+fn in_layer(bead: &Bead, layer_mm: f64) -> f64 {
+    let volume = f64::from(bead.volume_mm3);
+    if bead.raise_um == [0; 2] { volume } else { volume * layer_mm / bead.height_mm(layer_mm).max(1e-3) }
+}
+
 fn measure(layer: &BeadLayer, section: &Region) -> Areas {
     let back = direction(-ASLANT_RAD);
     let turn = |p: DVec2| rotated(p, back);
@@ -119,7 +125,12 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
     let step = (tall / CROSSINGS).clamp(0.01, 0.3);
     let mut areas = Areas {
         part: section.area_mm2(),
-        beads: layer.beads.iter().filter(|b| b.role.is_part()).map(|b| f64::from(b.volume_mm3)).sum::<f64>()
+        beads: layer
+            .beads
+            .iter()
+            .filter(|b| b.role.is_part())
+            .map(|b| in_layer(b, layer.height_mm))
+            .sum::<f64>()
             / layer.height_mm,
         ..Areas::default()
     };
@@ -270,6 +281,7 @@ mod tests {
             speed_mm_s: 50.0,
             role: Role::SolidFill,
             starts: true,
+            raise_um: [0; 2],
         });
         let layer = BeadLayer { z_mm: 0.2, height_mm: 0.2, beads: beads.collect(), ..BeadLayer::default() };
         let program = Program { layers: vec![layer], ..Program::default() };

@@ -127,6 +127,8 @@ struct Machine {
     travels: Vec<[[f32; 2]; 2]>,
     /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
+    /// How far beads stand above their layer, micrometres: below and above.
+    raise_um: [i16; 2],
     time: TimeEstimator,
     program: Program,
     n_broken: usize,
@@ -153,6 +155,7 @@ impl Machine {
             layers: LayerCollector::default(),
             travels: Vec::new(),
             fibre_starts: 0,
+            raise_um: [0; 2],
             time: TimeEstimator::new(limits),
             program: Program::default(),
             n_broken: 0,
@@ -246,6 +249,7 @@ impl Machine {
         if let Some(kind) = LayerMark::from_comment(text) {
             self.layers.mark(kind);
             self.path_open = false;
+            self.raise_um = [0; 2];
             return;
         }
         let after = |key: &str| {
@@ -272,6 +276,11 @@ impl Machine {
                 self.layers.layer_at(z).cuts.push([x as f32, y as f32]);
             }
             _ => {}
+        }
+        // A mark of our own writer too: beads that stand above their layer.
+        if let Some((bottom, top)) = after("RAISED:").and_then(|mm| mm.split_once(' ')) {
+            let um = |mm: &str| mm.trim().parse().map_or(0, |mm: f64| (mm * 1e3).round() as i16);
+            self.raise_um = [um(bottom), um(top)];
         }
         // The fibre's filament may be thinner than the matrix's, and volumes follow from it.
         if let Some(d) = after("fibre_filament_mm =").and_then(|d| d.parse::<f64>().ok())
@@ -353,7 +362,10 @@ impl Machine {
                 self.program.filament_mm += de * share * mm;
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
-                self.layers.count(z, p.distance(q));
+                // The height of a layer is that of the beads that stand at it.
+                if self.raise_um[1] == 0 {
+                    self.layers.count(z, p.distance(q));
+                }
                 let layer = self.layers.layer_at(z);
                 layer.fibre_starts += std::mem::take(&mut self.fibre_starts);
                 layer.paths += usize::from(!self.path_open);
@@ -366,6 +378,7 @@ impl Machine {
                     speed_mm_s: self.feed as f32,
                     role: self.role,
                     starts: !self.path_open,
+                    raise_um: self.raise_um,
                 });
                 self.path_open = true;
             } else if !prints && q != p {

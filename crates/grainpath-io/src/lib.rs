@@ -18,7 +18,9 @@ mod xml;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
 pub use layers::{write_cli, write_svg_layers};
-pub use mesh::model::{MeshBody, MeshError, MeshFile, MeshFormat, MeshProblem, PaintedSupports};
+pub use mesh::model::{
+    MeshBody, MeshError, MeshFile, MeshFormat, MeshProblem, ModifierVolume, PaintedSupports,
+};
 pub use mesh::stl::write_stl;
 pub use mesh_formats::{parse_mesh, sniff_exact_surfaces, sniff_mesh};
 pub use outline::{Outline, OutlineError, OutlineOptions, OutlineProblem, parse_outline, sniff_outline};

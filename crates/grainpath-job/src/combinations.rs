@@ -79,6 +79,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     check_lines(s)?;
     check_graded(s)?;
     check_walls(s)?;
+    check_staggered(s)?;
     check_regions(s)
 }
 
@@ -148,6 +149,36 @@ fn check_walls(s: &Settings) -> Result<(), String> {
         WallCount::ByStress { .. } => return Ok(()),
     };
     Err(format!("process.walls {problem}"))
+}
+
+/// Checks what walls that stand half a layer higher than others need.
+fn check_staggered(s: &Settings) -> Result<(), String> {
+    let p = &s.process;
+    if !p.stagger_walls {
+        return Ok(());
+    }
+    // The first bead of a raised wall.
+    let layer_mm = if p.adaptive_layers { p.adaptive_min_mm } else { p.layer_height_mm };
+    let highest_mm = 1.5 * layer_mm;
+    let problem = if s.fibre.enabled {
+        "is not for fibre.enabled = true, whose fibre lies level".to_owned()
+    } else if p.chain {
+        "is not for process.chain = true, whose path joins walls and infill at one height".to_owned()
+    } else if p.walls.most() < 2 {
+        format!(
+            "needs two walls at least, since the outermost stays level; process.walls is {}",
+            p.walls.most()
+        )
+    } else if highest_mm > p.bead_width_mm {
+        format!(
+            "begins with beads of {} mm, 1.5 layers, which a bead of {} mm cannot be high; make layers thinner or beads wider",
+            (highest_mm * 1e3).round() * 1e-3,
+            p.bead_width_mm
+        )
+    } else {
+        return Ok(());
+    };
+    Err(format!("process.stagger_walls {problem}"))
 }
 
 /// Checks what a graded density needs.

@@ -36,6 +36,7 @@ mod layer_angles;
 pub mod loads;
 mod parse;
 mod profiles;
+pub mod modifiers;
 pub mod regions;
 mod renamed;
 mod schema;

@@ -215,6 +215,7 @@ sections! {
         bead_width_mm: f64 = 0.45, "mm", Range(0.05, 10.0), "Full width of a bead.";
         min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "Width of the narrowest single bead that is laid in thin places.";
         walls: WallCount = WallCount::Even(2), "", Range(0.0, 1000.0), "Number of walls; or from `min` to as many as `max` where the stress is highest, as `{ min = 2, max = 6, by = \"stress\" }`.";
+        stagger_walls: bool = false, "", Any, "Print every other wall half a layer higher than its neighbours, as bricks are laid: the second, fourth and so on from outside.";
         wall_order: WallOrder = WallOrder::InnerFirst, "", Any, "Order in which the walls of a contour are printed.";
         seam: Seam = Seam::Nearest, "", Any, "Where outer walls begin and end.";
         thin_walls: bool = true, "", Any, "Lay one bead of variable width where two walls do not fit.";

@@ -23,7 +23,14 @@ impl MeshData {
     /// One body in mm.
     pub fn from_mesh(mesh: TriMesh) -> Self {
         let bodies = vec![MeshBody { mesh, ..MeshBody::default() }];
-        Self { file: MeshFile { bodies, unit: Some(LengthUnit::Millimetre), warnings: Vec::new() } }
+        Self {
+            file: MeshFile {
+                bodies,
+                unit: Some(LengthUnit::Millimetre),
+                modifiers: Vec::new(),
+                warnings: Vec::new(),
+            },
+        }
     }
 }
 
@@ -118,7 +125,7 @@ pub(crate) fn mesh_from_arrays(
         None => None,
     };
     let (mut points, mut corners) = (points.chunks_exact(3), corners.chunks_exact(3));
-    let mut file = MeshFile { bodies: Vec::new(), unit, warnings: Vec::new() };
+    let mut file = MeshFile { bodies: Vec::new(), unit, modifiers: Vec::new(), warnings: Vec::new() };
     let mut first = 0u32;
     for (name, n_vertices, n_triangles) in bodies {
         let vertices: Vec<DVec3> = points.by_ref().take(n_vertices).map(DVec3::from_slice).collect();

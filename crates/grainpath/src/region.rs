@@ -15,9 +15,10 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{
     Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Region, TriMesh, Warning, WarningId,
 };
-use grainpath_io::MeshFile;
-use grainpath_job::JobRegion;
+use grainpath_io::{MeshBody, MeshFile};
+use grainpath_job::modifiers::region_of_modifier;
 use grainpath_job::regions::RegionPlace;
+use grainpath_job::{JobRegion, Settings};
 use rayon::prelude::*;
 
 use crate::guide::faces_as_in_file;
@@ -219,6 +220,62 @@ fn placed(file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
         whole.triangles.extend(body.mesh.triangles.iter().map(|t| t.map(|i| i + first)));
     }
     whole
+}
+
+/// The settings of a job with the modifiers of its mesh as its last regions; `meshes` gets their surfaces. Told is what of
+/// a modifier is not used.
+pub(crate) fn with_modifiers(
+    settings: &Settings,
+    mesh: &mut MeshFile,
+    meshes: &mut BTreeMap<usize, MeshFile>,
+    diagnostics: &Diagnostics,
+) -> Settings {
+    let mut all = settings.clone();
+    let bounds = |mesh: &TriMesh| {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        mesh.vertices.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
+    };
+    let parts: Vec<(DVec3, DVec3)> = mesh.bodies.iter().map(|b| bounds(&b.mesh)).collect();
+    for modifier in std::mem::take(&mut mesh.modifiers) {
+        let name = modifier.name.unwrap_or_else(|| "without a name".to_owned());
+        let tell = |what: String| {
+            let text = format!("modifier {name:?} {what}");
+            diagnostics.push(Warning::new(WarningId::ThreemfVolumes, text));
+        };
+        let (region, unread) = region_of_modifier(&name, &modifier.settings);
+        if !unread.is_empty() {
+            tell(format!("has settings that no region has, which are not used: {}", unread.join(", ")));
+        }
+        let (low, high) = bounds(&modifier.mesh);
+        // Such a region would be an error of the job, but a project may hold a modifier of a part that is gone.
+        let meets = parts.iter().any(|(a, b)| (low.max(*a)).cmplt(high.min(*b)).all());
+        let Some(region) = region else {
+            if unread.is_empty() {
+                tell("changes no setting and is not used".to_owned());
+            }
+            continue;
+        };
+        if !meets {
+            tell("lies outside the part and is not used".to_owned());
+            continue;
+        }
+        // Modifiers are tried one by one: what one asks for does not keep the others out.
+        match all.with_region(region) {
+            Ok(more) => {
+                let body = MeshBody { mesh: modifier.mesh, ..MeshBody::default() };
+                let file = MeshFile {
+                    bodies: vec![body],
+                    unit: mesh.unit,
+                    modifiers: Vec::new(),
+                    warnings: Vec::new(),
+                };
+                meshes.insert(more.regions.len() - 1, file);
+                all = more;
+            }
+            Err(problem) => tell(format!("is not used: {problem}")),
+        }
+    }
+    all
 }
 
 /// The closed body between some triangles of a mesh and the same triangles moved inwards.

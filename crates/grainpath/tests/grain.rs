@@ -150,7 +150,12 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
         let settings = parse_job(&job, "job.toml", &[], &|_| Err(String::new())).expect("a good job");
         let block = block(DVec3::new(1.0, 1.0, 0.0), DVec3::new(w - 1.0, h - 1.0, 0.2));
         let body = grainpath_io::MeshBody { mesh: block, ..Default::default() };
-        let mesh = grainpath_io::MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() };
+        let mesh = grainpath_io::MeshFile {
+            bodies: vec![body],
+            unit: None,
+            modifiers: Vec::new(),
+            warnings: Vec::new(),
+        };
         let inputs = grainpath::Inputs {
             directions: None,
             densities: None,

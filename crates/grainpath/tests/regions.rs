@@ -47,6 +47,7 @@ fn planned(job: &str, turn_rad: f64, mesh: Option<TriMesh>) -> Result<Outcome, R
     let stack = LayerStack::new((0..LAYERS).map(layer).collect()).expect("heights rise");
     let surface = block(&section, 0.0, 0.2 * LAYERS as f64);
     let file = |mesh| MeshFile {
+        modifiers: Vec::new(),
         bodies: vec![MeshBody { mesh, ..MeshBody::default() }],
         unit: None,
         warnings: vec![],

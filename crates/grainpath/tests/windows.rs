@@ -50,6 +50,8 @@ fn windows_of_any_size_give_the_same_layers() {
         // Equal layers are planned once and copied.
         &["fill.pattern=stripes", "guide.kind=angle", "guide.angle_deg=30"],
         &["fill.pattern=continuous", "guide.kind=angle"],
+        // Whether a wall rises depends on the layers below and above it.
+        &["process.stagger_walls=true", "process.walls=4"],
     ] {
         let all: Vec<&str> = small.iter().chain(more).copied().collect();
         let settings = settings(&all);

@@ -476,7 +476,7 @@ mod tests {
 
     fn file(meshes: Vec<TriMesh>) -> MeshFile {
         let bodies = meshes.into_iter().map(|mesh| MeshBody { mesh, ..MeshBody::default() }).collect();
-        MeshFile { bodies, unit: None, warnings: Vec::new() }
+        MeshFile { bodies, unit: None, modifiers: Vec::new(), warnings: Vec::new() }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::io;
 use base64::Engine;
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::bead_area_mm2;
-use grainpath_core::{DVec2, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath};
+use grainpath_core::{BeadRaise, DVec2, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath};
 
 use super::arcs::{Arc, arc_from};
 use super::fibre_runs::{InRun, runs as fibre_runs};
@@ -52,6 +52,7 @@ pub(super) struct Writer<'a> {
     retracted: bool,
     hopped: bool,
     z_mm: f64,
+    raise: BeadRaise,
     time: TimeEstimator,
     pub(super) written: Written,
 }
@@ -93,6 +94,7 @@ impl<'a> Writer<'a> {
             retracted: false,
             hopped: false,
             z_mm: 0.0,
+            raise: BeadRaise::default(),
             time: TimeEstimator::new(config.machine.limits),
             written: Written::default(),
         }
@@ -217,9 +219,10 @@ impl<'a> Writer<'a> {
         // Viewers that jump to a layer need its type and width restated.
         self.role = None;
         self.width_mm = 0.0;
+        self.raise = BeadRaise::default();
         let pace = self.pace(i, layer);
         for (k, planned) in layer.paths.iter().enumerate() {
-            self.path(planned, runs.get(k).copied().unwrap_or_default(), layer.height_mm, &pace);
+            self.path(planned, runs.get(k).copied().unwrap_or_default(), layer, &pace);
             if self.buffer.len() > CHUNK {
                 self.flush()?;
             }
@@ -236,7 +239,7 @@ impl<'a> Writer<'a> {
         let printed = || layer.paths.iter().filter(|p| p.path.n_segments() > 0);
         let mut at = printed().next().map_or(DVec2::ZERO, |p| p.path.start());
         for p in printed() {
-            let speed = self.speed(&p.path, layer.height_mm, first_layer);
+            let speed = self.speed(&p.path, p.path.height_mm(layer.height_mm), first_layer);
             printing += p.path.length_mm() / speed;
             moving += at.distance(p.path.start()) / self.config.speeds.travel;
             at = p.path.end();
@@ -269,14 +272,16 @@ impl<'a> Writer<'a> {
         speed.min(material.max_volumetric_mm3_s / section.max(1e-9))
     }
 
-    fn path(&mut self, planned: &PlannedPath, run: InRun, height_mm: f64, pace: &Pace) {
+    fn path(&mut self, planned: &PlannedPath, run: InRun, layer: &LayerPlan, pace: &Pace) {
         let path = &planned.path;
         if path.n_segments() == 0 {
             return;
         }
+        let height_mm = path.height_mm(layer.height_mm);
+        self.z_mm = layer.z_top_mm + path.raise.top_mm;
         self.take_tool(path.role == Role::Fibre);
         self.travel(planned);
-        self.announce(path, pace);
+        self.announce(path, height_mm, pace);
         let full = self.speed(path, height_mm, pace.first_layer);
         // A path that is slower than the least speed by its role stays so.
         let slow = (full * pace.slow_down).max(self.config.cooling.min_speed_mm_s.min(full));
@@ -405,11 +410,17 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes type, width and fan speed for a path, where they change.
-    fn announce(&mut self, path: &Toolpath, pace: &Pace) {
+    fn announce(&mut self, path: &Toolpath, height_mm: f64, pace: &Pace) {
         if self.role != Some(path.role) {
             self.role = Some(path.role);
             let text = format!(";TYPE:{}", path.role.gcode_name());
             self.line(&text);
+        }
+        if self.raise != path.raise {
+            self.raise = path.raise;
+            // Viewers read the height; our own reader, to which layer the bead belongs.
+            let [bottom, top] = [path.raise.bottom_mm, path.raise.top_mm].map(trimmed);
+            self.line(&format!(";HEIGHT:{}\n;RAISED:{bottom} {top}", trimmed(height_mm)));
         }
         self.width(path.segment(0).2);
         let over_air = path.role == Role::Bridge || path.speed == SpeedClass::Overhang;

@@ -72,6 +72,17 @@ impl PaintedSupports {
     }
 }
 
+/// A volume in which a project of another slicer has settings of its own. It is no part of the solid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ModifierVolume {
+    /// The name that the project gives it.
+    pub name: Option<String>,
+    /// Its surface in the file's unit, where the body is.
+    pub mesh: TriMesh,
+    /// Keys and values of its settings, as the project has them.
+    pub settings: Vec<(String, String)>,
+}
+
 /// The bodies of a part, as a mesh file holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
@@ -79,6 +90,8 @@ pub struct MeshFile {
     pub bodies: Vec<MeshBody>,
     /// The unit that the file states; `None` where the format has none.
     pub unit: Option<LengthUnit>,
+    /// Modifier volumes. Only 3MF carries them.
+    pub modifiers: Vec<ModifierVolume>,
     /// Warnings about contents that are odd but readable.
     pub warnings: Vec<Warning>,
 }

@@ -55,7 +55,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     let body = soup.finish(None);
-    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
+    Ok(MeshFile { bodies: vec![body], unit: None, modifiers: Vec::new(), warnings: Vec::new() })
 }
 
 /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; negative numbers count from the last.

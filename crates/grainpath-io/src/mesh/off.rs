@@ -67,5 +67,5 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         words.next_line();
     }
     let body = merge(mesh)?;
-    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
+    Ok(MeshFile { bodies: vec![body], unit: None, modifiers: Vec::new(), warnings: Vec::new() })
 }

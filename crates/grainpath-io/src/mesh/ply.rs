@@ -102,7 +102,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         rest = after;
     }
     let body = merge(mesh)?;
-    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
+    Ok(MeshFile { bodies: vec![body], unit: None, modifiers: Vec::new(), warnings: Vec::new() })
 }
 
 fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> {

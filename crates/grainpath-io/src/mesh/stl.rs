@@ -79,7 +79,7 @@ pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     } else {
         vec![]
     };
-    Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, warnings })
+    Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, modifiers: Vec::new(), warnings })
 }
 
 pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
@@ -124,7 +124,7 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         warnings.push(Warning::new(WarningId::MeshFileDamaged, text));
         bodies.push(soup.finish(name));
     }
-    Ok(MeshFile { bodies, unit: None, warnings })
+    Ok(MeshFile { bodies, unit: None, modifiers: Vec::new(), warnings })
 }
 
 /// Reads the rest of a facet after the word `facet`.

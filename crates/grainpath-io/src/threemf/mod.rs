@@ -2,7 +2,7 @@
 //!
 //! Source: 3MF Core Specification 1.4, Production Extension (objects in other parts), Materials and Properties Extension
 //! (checked, not used). Painted supports follow the project files of PrusaSlicer, OrcaSlicer and Bambu
-//! Studio ([`paint`]).
+//! Studio ([`paint`]), and so do modifiers and other volumes that are not solid ([`volumes`]).
 //!
 //! [`package`] opens the archive and finds the root model part, [`part`] reads a model part as a stream of XML events, and
 //! this module places the objects that the build refers to: transforms, nested components and several items become bodies
@@ -17,6 +17,7 @@ mod paint;
 mod part;
 mod properties;
 mod transform;
+mod volumes;
 mod write;
 
 pub use write::write_3mf;
@@ -25,10 +26,11 @@ use std::collections::BTreeMap;
 
 use grainpath_core::{TriMesh, Warning, WarningId};
 
-use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile, MeshProblem};
+use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile, MeshProblem, ModifierVolume};
 use package::Package;
 use part::{Component, Content, ModelPart, ObjectType};
 use transform::Transform;
+use volumes::{VolumeKind, Volumes, divided};
 
 /// Limit on the nesting of components. The specification forbids circles; a deeper nesting is damage or
 /// malice. Source: chosen; files of real programs stay far below it.
@@ -40,6 +42,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut package = Package::open(bytes)?;
     let mut warnings = Vec::new();
     let root_path = package.root_model(&mut warnings)?;
+    let volumes = Volumes::read(&mut package, &mut warnings);
     let mut parts: BTreeMap<String, ModelPart> = BTreeMap::new();
     // Parts may refer to parts (production extension). Each is read once, whatever the number of
     // references.
@@ -57,14 +60,22 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         parts.insert(path, part);
     }
     let root = &parts[&root_path];
-    let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0, warnings: Vec::new() };
+    let mut assembly = Assembly {
+        parts: &parts,
+        volumes: &volumes,
+        bodies: Vec::new(),
+        modifiers: Vec::new(),
+        in_modifier: false,
+        n_triangles: 0,
+        warnings: Vec::new(),
+    };
     for item in &root.items {
         // One body for each build item, as slicers show them; components of an item are merged into it.
         let mut body = MeshBody::default();
         assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
         assembly.bodies.push(body);
     }
-    let bodies = assembly.bodies;
+    let (bodies, modifiers) = (assembly.bodies, assembly.modifiers);
     warnings.extend(assembly.warnings);
     // A build without items is legal, but nothing would be printed and the error would otherwise name no
     // cause.
@@ -72,13 +83,17 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         let text = "the build has no items, so nothing is to be printed (3MF core 3.4.3)";
         warnings.push(Warning::new(WarningId::ThreemfRule, text));
     }
-    Ok(MeshFile { bodies, unit: Some(root.unit), warnings })
+    Ok(MeshFile { bodies, unit: Some(root.unit), modifiers, warnings })
 }
 
 /// Resolves build items into bodies.
 struct Assembly<'a> {
     parts: &'a BTreeMap<String, ModelPart>,
+    volumes: &'a Volumes,
     bodies: Vec<MeshBody>,
+    modifiers: Vec<ModifierVolume>,
+    /// Whether what is added belongs to a modifier.
+    in_modifier: bool,
     n_triangles: u64,
     /// Broken rules that show only where objects are used.
     warnings: Vec<Warning>,
@@ -121,6 +136,8 @@ impl Assembly<'_> {
                 );
                 return Ok(());
             }
+            // OrcaSlicer and Bambu Studio write modifiers so.
+            ObjectType::Other if self.in_modifier => {}
             ObjectType::Other => {
                 let text = "is not meant to be printed, though the build refers to it; it is left out";
                 self.warn(path, format!("object {id} {text} (3MF core 3.4.3.1)"));
@@ -151,13 +168,39 @@ impl Assembly<'_> {
                 {
                     append(to, from, &place, path)?;
                 }
-                append(&mut body.mesh, mesh, &place, path)
+                // The ranges are those of the objects that the build names.
+                let ranges = if depth == 0 { self.volumes.ranges(id) } else { None };
+                let Some(ranges) = ranges else { return append(&mut body.mesh, mesh, &place, path) };
+                let (solid, modifiers) = divided(mesh, &ranges);
+                for (volume, mesh) in modifiers {
+                    let (name, settings) = (volume.name.clone(), volume.settings.clone());
+                    let mut modifier = ModifierVolume { name, settings, ..ModifierVolume::default() };
+                    append(&mut modifier.mesh, &mesh, &place, path)?;
+                    self.modifiers.push(modifier);
+                }
+                append(&mut body.mesh, &solid, &place, path)
             }
             Content::Components(components) => {
                 // Each level may multiply the one below. Triangles bound the number of uses, and this
                 // counts uses of empty objects.
                 self.n_triangles += 1;
-                components.iter().try_for_each(|c| self.add(c, path, place, depth + 1, body))
+                for c in components {
+                    let volume = if depth == 0 { self.volumes.of_component(id, c.object) } else { None };
+                    let Some(volume) = volume else {
+                        self.add(c, path, place, depth + 1, body)?;
+                        continue;
+                    };
+                    if volume.kind == VolumeKind::Modifier {
+                        // The component's own transform places it, as it does the solid ones.
+                        let mut apart = MeshBody::default();
+                        self.in_modifier = true;
+                        self.add(c, path, place, depth + 1, &mut apart)?;
+                        self.in_modifier = false;
+                        let (name, settings) = (volume.name.clone(), volume.settings.clone());
+                        self.modifiers.push(ModifierVolume { name, mesh: apart.mesh, settings });
+                    }
+                }
+                Ok(())
             }
         }
     }

@@ -111,7 +111,7 @@ impl<'a> Package<'a> {
     }
 
     /// Whether the archive holds a part of this name.
-    fn has(&self, path: &str) -> bool {
+    pub(crate) fn has(&self, path: &str) -> bool {
         let name = path.trim_start_matches('/');
         self.zip.file_names().filter_map(Result::ok).any(|n| n.eq_ignore_ascii_case(name))
     }

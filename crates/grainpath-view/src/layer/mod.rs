@@ -34,6 +34,8 @@ pub struct DrawnBead {
     pub speed_mm_s: f64,
     /// Angle to the direction of the guide, degrees from 0 to 90; `None` where the guide asks for none.
     pub off_deg: Option<f64>,
+    /// How far its lower and its upper end lie above those of the layer, mm.
+    pub raise_mm: [f64; 2],
 }
 
 impl DrawnBead {
@@ -76,6 +78,7 @@ impl From<&BeadLayer> for LayerPicture {
             speed_mm_s: f64::from(b.speed_mm_s),
             // Directions are known to a plan only; `render --job` fills them in.
             off_deg: None,
+            raise_mm: b.raise_um.map(|um| f64::from(um) * 1e-3),
         });
         let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
         Self {
@@ -138,6 +141,7 @@ mod tests {
             role,
             speed_mm_s: 50.0,
             off_deg: (role == Role::TopSkin).then_some(30.0),
+            raise_mm: [0.0; 2],
         };
         let mut beads: Vec<DrawnBead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
         beads.push(bead(&[(1.0, 5.0), (19.0, 5.0)], Role::TopSkin));

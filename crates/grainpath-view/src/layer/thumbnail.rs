@@ -344,11 +344,13 @@ fn mitre(before: DVec2, after: DVec2) -> DVec2 {
 /// The cross-section of a bead at a point, from the left side over the top to the right and below: pixels and light.
 fn rings(view: &View, layer: &LayerPicture, bead: &DrawnBead, at: DVec2, side: DVec2) -> [Corner; SECTION] {
     let half = 0.5 * bead.width_mm;
-    let bevel = (BEVEL * layer.height_mm).min(0.9 * half);
-    let (low, high) = (layer.z_mm - layer.height_mm, layer.z_mm);
+    let [bottom, top] = bead.raise_mm;
+    let height_mm = layer.height_mm + (top - bottom);
+    let bevel = (BEVEL * height_mm).min(0.9 * half);
+    let (low, high) = (layer.z_mm - layer.height_mm + bottom, layer.z_mm + top);
     let out = side.normalize_or_zero().extend(0.0);
     // Offsets to the left, heights, and the outward normal in the plane of the section.
-    let third = layer.height_mm / 3.0;
+    let third = height_mm / 3.0;
     let section = [
         (half, low + third, DVec2::new(1.0, -0.2)),
         (half, high - third, DVec2::new(1.0, 0.3)),
@@ -445,6 +447,7 @@ mod tests {
                 role: Role::SolidFill,
                 speed_mm_s: 50.0,
                 off_deg: None,
+                raise_mm: [0.0; 2],
             };
             let z_mm = 0.2 * (k + 1) as f64;
             LayerPicture {

@@ -149,6 +149,7 @@ mod tests {
             role,
             speed_mm_s: 30.0,
             off_deg: None,
+            raise_mm: [0.0; 2],
         };
         let mut beads: Vec<DrawnBead> =
             (0..4).map(|i| bead(p[i], p[(i + 1) % 4], 0.45, Role::OuterWall)).collect();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use grainpath_core::{BeadWidth, Plan};
+use grainpath_core::{BeadRaise, BeadWidth, Plan};
 
 /// Layers, paths, points and widths as JSON. Coordinates are those of the part, in mm, rounded to
 /// the micrometre.
@@ -38,6 +38,10 @@ pub fn plan_json(plan: &Plan) -> String {
                     let all: Vec<String> = w.iter().map(|w| micro(*w).to_string()).collect();
                     let _ = write!(out, "[{}]", all.join(","));
                 }
+            }
+            if path.raise != BeadRaise::default() {
+                let BeadRaise { bottom_mm, top_mm } = path.raise;
+                let _ = write!(out, ",\"raise_mm\":[{},{}]", micro(bottom_mm), micro(top_mm));
             }
             let points: Vec<String> =
                 path.points.iter().map(|p| format!("[{},{}]", micro(p.x), micro(p.y))).collect();

@@ -3,23 +3,24 @@
 //! Every number keeps its bits, so that the program is the same. All are little-endian:
 //!
 //! ```text
-//! layers   "GPLP"  version: u8 = 1  n: u32  layer*
+//! layers   "GPLP"  version: u8 = 2  n: u32  layer*
 //! layer    adhesion: paths  n_supports: u32  island*  n_islands: u32  island*
 //! island   n_walls: u32  (depth: u32  path)*  fills: paths
 //! paths    n: u32  path*
-//! path     role: u8  speed: u8  closed: u8  rank: u8  flow: f64  n_widths: u32  each: u8  width: f64*
+//! path     role: u8  speed: u8  closed: u8  rank: u8  flow: f64  bottom: f64  top: f64
+//!          n_widths: u32  each: u8  width: f64*
 //!          n_points: u32  (x: f64  y: f64)*
 //! ```
 //!
-//! `each` is 1 where every point has a width, and 0 where one holds for all. Reading takes time
+//! `bottom` and `top` say how far the bead stands above its layer. `each` is 1 where every point has a width, and 0 where one holds for all. Reading takes time
 //! and memory in proportion to the bytes, whatever counts they promise.
 
-use grainpath_core::{BeadWidth, DVec2, Role, SpeedClass, Toolpath};
+use grainpath_core::{BeadRaise, BeadWidth, DVec2, Role, SpeedClass, Toolpath};
 
 use super::{Island, LayerPaths};
 use crate::wall::Wall;
 
-const MAGIC: &[u8; 5] = b"GPLP\x01";
+const MAGIC: &[u8; 5] = b"GPLP\x02";
 const SPEEDS: [SpeedClass; 4] =
     [SpeedClass::Normal, SpeedClass::SmallWall, SpeedClass::Overhang, SpeedClass::Bridge];
 
@@ -94,7 +95,9 @@ fn put_path(out: &mut Vec<u8>, path: &Toolpath) {
     let role = Role::ALL.iter().position(|r| *r == path.role).unwrap_or_default() as u8;
     let speed = SPEEDS.iter().position(|s| *s == path.speed).unwrap_or_default() as u8;
     out.extend([role, speed, u8::from(path.closed), path.rank]);
-    out.extend(path.flow.to_le_bytes());
+    for mm in [path.flow, path.raise.bottom_mm, path.raise.top_mm] {
+        out.extend(mm.to_le_bytes());
+    }
     let widths = match &path.width {
         BeadWidth::Constant(mm) => std::slice::from_ref(mm),
         BeadWidth::PerVertex(all) => all.as_slice(),
@@ -156,6 +159,7 @@ impl Reader<'_> {
         let role = Role::ALL.get(usize::from(role)).copied().ok_or_else(|| self.wrong("a role"))?;
         let speed = SPEEDS.get(usize::from(speed)).copied().ok_or_else(|| self.wrong("a class of speed"))?;
         let flow = self.float()?;
+        let raise = BeadRaise { bottom_mm: self.float()?, top_mm: self.float()? };
         let n_widths = self.n()?;
         let [each] = self.take("a kind of width")?;
         let widths = (0..n_widths).map(|_| self.float()).collect::<Result<Vec<_>, _>>()?;
@@ -168,7 +172,7 @@ impl Reader<'_> {
         if points.is_empty() {
             return Err(self.wrong("a point"));
         }
-        Ok(Toolpath { points, width, flow, role, speed, closed: closed != 0, rank })
+        Ok(Toolpath { points, width, flow, role, speed, closed: closed != 0, rank, raise })
     }
 }
 
@@ -189,7 +193,8 @@ mod tests {
                     BeadWidth::Constant(0.45)
                 };
                 let (role, speed) = (Role::ALL[role], SPEEDS[speed]);
-                Toolpath { points, width, flow, role, speed, closed, rank }
+                let raise = BeadRaise { bottom_mm: 0.1 * flow, top_mm: 0.2 * flow };
+                Toolpath { points, width, flow, role, speed, closed, rank, raise }
             },
         )
     }

@@ -184,6 +184,11 @@ fn order_layer(
     // its paths are in order.
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
     let mut fibre: Vec<Vec<Toolpath>> = vec![Vec::new(); islands.len()];
+    // What rises above the layer comes after all else of it: the nozzle would hit it.
+    let mut raised: Vec<Vec<Wall>> = vec![Vec::new(); islands.len()];
+    for (island, raised) in islands.iter_mut().flatten().zip(&mut raised) {
+        *raised = island.walls.extract_if(.., |w| w.path.raise.top_mm > 0.0).collect();
+    }
     // A chain continues in the island in which the one below ended.
     let here = settings.chain_mm.and_then(|_| nearest_outline(&outlines[..places.len()], *at));
     let tour = sequence::tour(&places, here.map_or(*at, |i| places[i][0]), None);
@@ -220,6 +225,15 @@ fn order_layer(
             None => sequence::fills(std::mem::take(&mut fibre[i]), at, None, &mut paths),
         }
         out.push(Ordered { island: Some(i), paths });
+    }
+    if raised.iter().any(|walls| !walls.is_empty()) {
+        for (i, _) in sequence::tour(&places, *at, None) {
+            let mut paths = Vec::new();
+            sequence::walls(std::mem::take(&mut raised[i]), settings.wall_order, seams, at, &mut paths);
+            if !paths.is_empty() {
+                out.push(Ordered { island: Some(i), paths });
+            }
+        }
     }
     out
 }

@@ -501,6 +501,7 @@ pub fn steps(s: &Settings) -> StepSettings {
             fill_overlap: f.overlap,
         },
         most_walls: p.walls.most(),
+        stagger_walls: p.stagger_walls,
         skins: SkinSettings {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,

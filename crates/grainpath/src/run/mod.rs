@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
@@ -36,7 +36,7 @@ use crate::measure::density::{AskedDensity, LaidDensity};
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::{LayerPaths, order_stack};
-use crate::region::{RegionAreas, RegionPart};
+use crate::region::{self, RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
@@ -80,6 +80,9 @@ pub fn plan_job(
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock::start(diagnostics);
+    let with_modifiers = (!inputs.mesh.modifiers.is_empty())
+        .then(|| region::with_modifiers(settings, &mut inputs.mesh, &mut inputs.regions, diagnostics));
+    let settings = with_modifiers.as_ref().unwrap_or(settings);
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let sliced =
         mesh_and_layers(&config::placing(settings), inputs.mesh, diagnostics).map_err(shape_error)?;
@@ -459,6 +462,13 @@ fn plan_stack(
         let islands = filled.layers.iter().flat_map(|l| &l.islands);
         let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
+    }
+    if step_settings.stagger_walls {
+        let walls = filled.layers.iter().flat_map(|l| &l.islands).flat_map(|i| &i.walls);
+        if !walls.clone().any(|w| w.path.raise.top_mm > 0.0) {
+            let text = "process.stagger_walls: no wall was raised, for none below the outermost continues from layer to layer";
+            diagnostics.push(Warning::new(WarningId::WallsLevel, text));
+        }
     }
     steps.report_notes(diagnostics);
     clock.stop(Stage::Fill);

@@ -43,11 +43,12 @@ use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::region::RegionAreas;
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
-use crate::wall::WallSettings;
 use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
 use crate::wall::divided::{Share, lay_divided};
 use crate::wall::graded::lay_graded;
 use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
+use crate::wall::stagger::stagger;
+use crate::wall::{Wall, WallSettings};
 
 /// Closed walls shorter than this are printed at the speed of small walls, mm.
 const SMALL_WALL_MM: f64 = 30.0;
@@ -75,6 +76,8 @@ pub struct StepSettings {
     pub walls: WallSettings,
     /// Number of walls where the stress is highest; that of `walls` where all places have the same.
     pub most_walls: usize,
+    /// Whether every other wall stands half a layer higher.
+    pub stagger_walls: bool,
     /// Skins.
     pub skins: SkinSettings,
     /// Infill.
@@ -324,7 +327,13 @@ impl<'a> Steps<'a> {
         window: Range<usize>,
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerWalls>, Interrupted> {
-        let first = window.start;
+        // Whether a wall rises depends on the walls below and above it.
+        let laid = if self.settings.stagger_walls {
+            window.start.saturating_sub(1)..(window.end + 1).min(self.stack.layers().len())
+        } else {
+            window.clone()
+        };
+        let first = laid.start;
         let lay = |(k, layer): (usize, &Layer)| {
             diagnostics.check()?;
             let settings = WallSettings { height_mm: layer.height_mm(), ..self.settings.walls };
@@ -353,13 +362,27 @@ impl<'a> Steps<'a> {
                     wall.path.speed = SpeedClass::SmallWall;
                 }
             }
-            diagnostics.advance(1);
+            if window.contains(&(first + k)) {
+                diagnostics.advance(1);
+            }
             Ok(LayerWalls { islands, fill, regions })
         };
         // At least two layers a task: walls of one layer take too little time to be worth a task.
         let all: Vec<Result<_, Interrupted>> =
-            self.stack.layers()[window].par_iter().enumerate().with_min_len(2).map(lay).collect();
-        all.into_iter().collect()
+            self.stack.layers()[laid.clone()].par_iter().enumerate().with_min_len(2).map(lay).collect();
+        let mut all: Vec<LayerWalls> = all.into_iter().collect::<Result<_, _>>()?;
+        if self.settings.stagger_walls {
+            let mut walls: Vec<Vec<&mut [Wall]>> = Vec::with_capacity(all.len());
+            for layer in &mut all {
+                walls.push(layer.islands.iter_mut().map(|i| i.walls.as_mut_slice()).collect());
+            }
+            let sections = self.stack.layers();
+            let below = laid.start.checked_sub(1).map(|k| &sections[k]);
+            stagger(&mut walls, &sections[laid], below, self.settings.walls.bead_width_mm);
+            all.drain(..window.start - first);
+            all.truncate(window.len());
+        }
+        Ok(all)
     }
 
     /// Where a layer gets one wall more than the least number, two more and so on; each area lies in the one before.

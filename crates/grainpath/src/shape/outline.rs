@@ -19,6 +19,7 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
     let mut mesh = TriMesh::default();
     prism(&outline.region, 0.0, thickness_mm, &mut mesh)?;
     Ok(MeshFile {
+        modifiers: Vec::new(),
         bodies: vec![MeshBody { mesh, ..MeshBody::default() }],
         unit: Some(LengthUnit::Millimetre),
         warnings: outline.warnings,

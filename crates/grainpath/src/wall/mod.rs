@@ -17,6 +17,7 @@ pub mod adhesion;
 pub mod divided;
 pub mod graded;
 pub mod skin;
+pub mod stagger;
 
 use grainpath_core::math::{atan2, cross, tan};
 use grainpath_core::medial::medial_axis;

@@ -23,7 +23,7 @@ use grainpath_gcode::Program;
 use serde::Serialize;
 
 use super::frame::Frame;
-use super::setup::{Fidelity, layers_of_part, sheets_of};
+use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};
 
@@ -137,6 +137,8 @@ enum Untold {
 /// The beads of a part as cells, and where they lie.
 struct LaidCells<'a> {
     sheets: Vec<BeadSheet>,
+    /// Sheets of each layer.
+    sheets_a_layer: usize,
     frame: Frame,
     cards: Vec<Vec<StrengthCard>>,
     fidelity: Fidelity,
@@ -162,6 +164,7 @@ impl<'a> LaidCells<'a> {
         }
         let (layers, heights, _) = layers_of_part(program);
         let sheets = sheets_of(&layers, &heights, shift, settings.fibre.is_some(), &|_| true);
+        let sheets_a_layer = 1 + usize::from(is_staggered(&layers));
         let frame = Frame::new(&sheets);
         let sheets = frame.beads(&sheets);
         let of_stack = stack.layers();
@@ -176,7 +179,18 @@ impl<'a> LaidCells<'a> {
         let window_mm = (!density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
         let grips = guide.grips(cell_mm);
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
-        Ok(Self { sheets, frame, cards, fidelity, cell_mm, floor_mm, stack, window_mm, grips })
+        Ok(Self {
+            sheets,
+            sheets_a_layer,
+            frame,
+            cards,
+            fidelity,
+            cell_mm,
+            floor_mm,
+            stack,
+            window_mm,
+            grips,
+        })
     }
 
     fn reserve(&self, guide: &Guide) -> Result<ReserveReport, Untold> {
@@ -307,7 +321,7 @@ impl<'a> LaidCells<'a> {
                 off <= (0.5 * wide + self.cell_mm).powi(2) && d.dot(along).abs() >= 0.92 * d.length()
             })
         };
-        self.sheets.iter().position(near).map_or(1, |k| k + 1)
+        self.sheets.iter().position(near).map_or(1, |k| k / self.sheets_a_layer + 1)
     }
 
     /// The share of the part that is filled around each cell: 1 where infill is dense.

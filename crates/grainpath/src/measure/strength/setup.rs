@@ -88,7 +88,13 @@ pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f
     (layers, heights, first)
 }
 
-/// The beads of a part's layers, moved by `-shift`.
+/// Whether beads of the program stand above their layers.
+pub(super) fn is_staggered(layers: &[&BeadLayer]) -> bool {
+    layers.iter().flat_map(|l| &l.beads).any(|b| b.raise_um != [0; 2])
+}
+
+/// The beads of a part's layers, moved by `-shift`. Layers with walls half a layer higher than others become two sheets,
+/// so that each sheet holds what lies at its height.
 pub(super) fn sheets_of(
     layers: &[&BeadLayer],
     heights: &[f64],
@@ -106,7 +112,32 @@ pub(super) fn sheets_of(
         height_mm: *h,
         beads: l.beads.iter().filter(|b| b.role.is_part() && taken(b)).map(piece).collect(),
     };
-    layers.iter().zip(heights).map(sheet).collect()
+    if !is_staggered(layers) {
+        return layers.iter().zip(heights).map(sheet).collect();
+    }
+    let half = |h: &f64| BeadSheet { height_mm: 0.5 * h, beads: Vec::new() };
+    let mut sheets: Vec<BeadSheet> = heights.iter().flat_map(|h| [half(h), half(h)]).collect();
+    for (i, (l, h)) in layers.iter().zip(heights).enumerate() {
+        for b in l.beads.iter().filter(|b| b.role.is_part() && taken(b)) {
+            // The ends of the bead above the lower end of its layer.
+            let [low, high] = [f64::from(b.raise_um[0]) * 1e-3, h + f64::from(b.raise_um[1]) * 1e-3];
+            let mut bottom = 0.0;
+            for sheet in &mut sheets[2 * i..] {
+                let top = bottom + sheet.height_mm;
+                let share = ((high.min(top) - low.max(bottom)) / (high - low).max(1e-9)).max(0.0);
+                if bottom >= high {
+                    break;
+                }
+                // Heights are rounded to a micrometre, which leaves slivers.
+                if share > 0.02 {
+                    let whole = piece(b);
+                    sheet.beads.push(BeadPiece { volume_mm3: share * whole.volume_mm3, ..whole });
+                }
+                bottom = top;
+            }
+        }
+    }
+    sheets
 }
 
 impl TestSetup {
@@ -530,7 +561,7 @@ fn contact(on: &Selection, elements: &PlateElements, frame: Frame, reach: f64) -
 fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
     let length = bead.start().distance(bead.end()).max(1e-9);
     // The bound keeps a blob, extruded without motion, from making an enormous strip.
-    (f64::from(bead.volume_mm3) / (length * height_mm)).min(5.0)
+    (f64::from(bead.volume_mm3) / (length * bead.height_mm(height_mm).max(1e-3))).min(5.0)
 }
 
 /// Material around each node, as a share of the thickness of its elements.
@@ -558,4 +589,44 @@ fn unbreakable(grid: &CellGrid, elements: &PlateElements, nodes: &[DVec2], marke
         }
     }
     elements.cells.iter().map(|c| near[*c as usize]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three layers of 0.2 mm, each with a level bead and one of a staggered wall beside it.
+    #[test]
+    fn beads_half_a_layer_higher_lie_in_the_sheets_of_their_height() {
+        let bead = |y: f32, raise_um: [i16; 2]| {
+            let height = 0.2 + f32::from(raise_um[1] - raise_um[0]) * 1e-3;
+            Bead {
+                a: [0.0, y],
+                b: [10.0, y],
+                volume_mm3: 10.0 * 0.4 * height,
+                speed_mm_s: 50.0,
+                role: Role::InnerWall,
+                starts: true,
+                raise_um,
+            }
+        };
+        let layer = |k: usize, raise_um| {
+            let beads = vec![bead(0.0, [0, 0]), bead(0.4, raise_um)];
+            BeadLayer { z_mm: 0.2 * (k + 1) as f64, height_mm: 0.2, beads, ..BeadLayer::default() }
+        };
+        let layers = [layer(0, [0, 100]), layer(1, [100, 100]), layer(2, [100, 0])];
+        let layers: Vec<&BeadLayer> = layers.iter().collect();
+        let sheets = sheets_of(&layers, &[0.2; 3], DVec2::ZERO, false, &|_| true);
+        assert_eq!(sheets.len(), 6);
+        for sheet in &sheets {
+            // In each half layer both walls fill their strips.
+            let walls = [0.0, 0.4].map(|y| {
+                let own = sheet.beads.iter().filter(|b| (b.a.y - y).abs() < 1e-3);
+                own.map(|b| b.volume_mm3).sum::<f64>()
+            });
+            assert!(walls.iter().all(|mm3| (mm3 - 10.0 * 0.4 * 0.1).abs() < 1e-5), "{walls:?}");
+        }
+        let level = [layer(0, [0, 0])];
+        assert_eq!(sheets_of(&[&level[0]], &[0.2], DVec2::ZERO, false, &|_| true).len(), 1);
+    }
 }

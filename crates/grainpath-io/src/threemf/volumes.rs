@@ -1,0 +1,208 @@
+//! Volumes of project files that are no part of the solid: modifiers, negative volumes, support enforcers and blockers.
+//!
+//! Source: files written by PrusaSlicer 2.x and by OrcaSlicer and Bambu Studio; neither format has a specification.
+//! PrusaSlicer keeps all volumes of an object in one mesh, and `Metadata/Slic3r_PE_model.config` says which triangles belong
+//! to which (`firstid` to `lastid`). OrcaSlicer and Bambu Studio make each volume a component, and
+//! `Metadata/model_settings.config` names the object of each (`part id`). Both give volumes a type and settings of their own:
+//!
+//! ```text
+//! <object id="1"><volume firstid="12" lastid="23"><metadata key="volume_type" value="ParameterModifier"/>
+//!                                                 <metadata key="fill_density" value="80%"/></volume></object>
+//! <object id="3"><part id="2" subtype="modifier_part"><metadata key="sparse_infill_density" value="80%"/></part></object>
+//! ```
+//!
+//! Limits: ids of Orca's files name components of the build's own objects; components of components are solid.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{TriMesh, Warning, WarningId};
+use quick_xml::events::{BytesStart, Event};
+
+use super::package::{Package, events};
+use crate::mesh::model::MeshError;
+use crate::xml::attribute;
+
+/// Where PrusaSlicer, and OrcaSlicer and Bambu Studio, describe volumes.
+const CONFIGS: [&str; 2] = ["/Metadata/Slic3r_PE_model.config", "/Metadata/model_settings.config"];
+
+/// What a volume is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum VolumeKind {
+    Solid,
+    Modifier,
+    Negative,
+    Enforcer,
+    Blocker,
+}
+
+impl VolumeKind {
+    fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "ModelPart" | "normal_part" => Self::Solid,
+            "ParameterModifier" | "modifier_part" => Self::Modifier,
+            "NegativeVolume" | "negative_part" => Self::Negative,
+            "SupportEnforcer" | "support_enforcer" => Self::Enforcer,
+            "SupportBlocker" | "support_blocker" => Self::Blocker,
+            _ => return None,
+        })
+    }
+
+    /// What is told of volumes that are left out.
+    fn left_out(self) -> Option<&'static str> {
+        Some(match self {
+            Self::Solid | Self::Modifier => return None,
+            Self::Negative => "a negative volume, which is not cut out of the part",
+            Self::Enforcer => "a support enforcer; only painted ones are read",
+            Self::Blocker => "a support blocker; only painted ones are read",
+        })
+    }
+}
+
+/// A volume of an object.
+#[derive(Debug, Clone)]
+pub(super) struct Volume {
+    pub(super) kind: VolumeKind,
+    pub(super) name: Option<String>,
+    /// Its settings as the file has them.
+    pub(super) settings: Vec<(String, String)>,
+    /// First and last triangle in the object's mesh.
+    triangles: Option<[usize; 2]>,
+    /// The object of the component.
+    part: Option<u32>,
+}
+
+/// The volumes of all objects that a project describes.
+#[derive(Debug, Default)]
+pub(super) struct Volumes(BTreeMap<u32, Vec<Volume>>);
+
+impl Volumes {
+    /// Reads the descriptions of a package; a damaged one is told of, and all of its volumes are solid.
+    pub(super) fn read(package: &mut Package<'_>, warnings: &mut Vec<Warning>) -> Self {
+        let mut all = Self::default();
+        for path in CONFIGS.into_iter().filter(|path| package.has(path)).collect::<Vec<_>>() {
+            let mut builder = Builder::default();
+            // A project is often made by a chain of programs, and one damaged description should not cost the part.
+            match package.read(path, |r| events(r, path, |event| builder.event(event))) {
+                Ok(()) => all.0.append(&mut builder.objects),
+                Err(e) => {
+                    let text = format!("{e}; modifiers of the project are taken for solid bodies");
+                    warnings.push(Warning::new(WarningId::ThreemfVolumes, text));
+                }
+            }
+        }
+        let volumes = all.0.values().flatten();
+        for (volume, why) in volumes.filter_map(|v| Some((v, v.kind.left_out()?))) {
+            let name = volume.name.as_deref().unwrap_or("without a name");
+            let text = format!("volume {name:?} is {why}; it is left out");
+            warnings.push(Warning::new(WarningId::ThreemfVolumes, text));
+        }
+        all
+    }
+
+    /// The volume that a component of an object is, unless it is solid.
+    pub(super) fn of_component(&self, object: u32, component: u32) -> Option<&Volume> {
+        let volumes = self.0.get(&object)?;
+        volumes.iter().find(|v| v.part == Some(component) && v.kind != VolumeKind::Solid)
+    }
+
+    /// The volumes of an object that are ranges of triangles of its mesh, unless all of it is solid.
+    pub(super) fn ranges(&self, object: u32) -> Option<Vec<(&Volume, [usize; 2])>> {
+        // A file of Orca has no ranges, so its volumes are found as components.
+        let ranges = self.0.get(&object)?.iter().filter_map(|v| Some((v, v.triangles?)));
+        let ranges: Vec<_> = ranges.filter(|(v, _)| v.kind != VolumeKind::Solid).collect();
+        (!ranges.is_empty()).then_some(ranges)
+    }
+}
+
+/// Some triangles of a mesh, with the vertices that they use.
+fn piece(mesh: &TriMesh, keep: impl Fn(usize) -> bool) -> TriMesh {
+    let mut to: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut out = TriMesh::default();
+    for (_, triangle) in mesh.triangles.iter().enumerate().filter(|(k, _)| keep(*k)) {
+        out.triangles.push(triangle.map(|v| {
+            *to.entry(v).or_insert_with(|| {
+                out.vertices.push(mesh.vertices[v as usize]);
+                out.vertices.len() as u32 - 1
+            })
+        }));
+    }
+    out
+}
+
+/// The solid part of an object's mesh, and its modifiers.
+pub(super) fn divided<'v>(
+    mesh: &TriMesh,
+    ranges: &[(&'v Volume, [usize; 2])],
+) -> (TriMesh, Vec<(&'v Volume, TriMesh)>) {
+    let within = |k: usize, [first, last]: [usize; 2]| (first..=last).contains(&k);
+    // What no range names stays solid: a file may describe some of its volumes only.
+    let solid = piece(mesh, |k| !ranges.iter().any(|(_, range)| within(k, *range)));
+    let modifiers = ranges.iter().filter(|(v, _)| v.kind == VolumeKind::Modifier);
+    (solid, modifiers.map(|(v, range)| (*v, piece(mesh, |k| within(k, *range)))).collect())
+}
+
+#[derive(Default)]
+struct Builder {
+    objects: BTreeMap<u32, Vec<Volume>>,
+    object: Option<u32>,
+    volume: Option<Volume>,
+}
+
+impl Builder {
+    fn event(&mut self, event: &Event<'_>) -> Result<(), MeshError> {
+        match event {
+            Event::Start(e) => self.open(e),
+            Event::Empty(e) => {
+                self.open(e);
+                self.close(e.local_name().as_ref());
+            }
+            Event::End(e) => self.close(e.local_name().as_ref()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, e: &BytesStart<'_>) {
+        let number = |name: &str| attribute(e, name).and_then(|n| n.trim().parse::<u32>().ok());
+        match e.local_name().as_ref() {
+            "object" => self.object = number("id"),
+            // The settings follow as elements inside, so the volume stays open until its end.
+            "volume" | "part" => {
+                let range = number("firstid").zip(number("lastid"));
+                let kind = attribute(e, "subtype").and_then(|word| VolumeKind::from_word(&word));
+                self.volume = Some(Volume {
+                    kind: kind.unwrap_or(VolumeKind::Solid),
+                    name: None,
+                    settings: Vec::new(),
+                    triangles: range.map(|(a, b)| [a as usize, b as usize]),
+                    part: number("id"),
+                });
+            }
+            "metadata" => {
+                // Outside of volumes they are settings of the whole object, which the job states.
+                let Some(volume) = &mut self.volume else { return };
+                let (Some(key), Some(value)) = (attribute(e, "key"), attribute(e, "value")) else { return };
+                match key.as_str() {
+                    "name" => volume.name = Some(value),
+                    "volume_type" => volume.kind = VolumeKind::from_word(&value).unwrap_or(volume.kind),
+                    // Files of PrusaSlicer 1.x and 2.0.
+                    "modifier" if value == "1" => volume.kind = VolumeKind::Modifier,
+                    _ => volume.settings.push((key, value)),
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn close(&mut self, name: &str) {
+        match name {
+            "object" => self.object = None,
+            "volume" | "part" => {
+                if let (Some(object), Some(volume)) = (self.object, self.volume.take()) {
+                    self.objects.entry(object).or_default().push(volume);
+                }
+            }
+            _ => {}
+        }
+    }
+}
