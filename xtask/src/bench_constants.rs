@@ -69,6 +69,7 @@ const THIN_PARTS: &[Piece] = &[(OUTLINES, "ring", &[]), (OUTLINES, "teeth", &[])
 const OUTLINES: &str = "outlines";
 
 /// Drawings in `OUTLINES`: name, width and height, mm, and the path.
+#[allow(clippy::disallowed_methods, reason = "drawn with four digits, for a bench alone")]
 fn drawings() -> [(&'static str, [f64; 2], String); 3] {
     let line = |points: &[[f64; 2]]| {
         let all: Vec<String> = points.iter().map(|[x, y]| format!("{x:.4} {y:.4}")).collect();
