@@ -333,7 +333,7 @@ sections! {
         skin_angles_deg: Option<LayerAngles> = None, "deg", Range(-3600.0, 3600.0), "Raster angles of top and bottom skins over sparse infill, written as angles_deg; skins are then straight lines whatever infill follows. Unset: as angles_deg, or the guide.";
         lines: usize = 1, "", Range(1.0, 8.0), "Number of beads that lie side by side in each line of sparse infill. Lines are that many times as far apart, so that the density stays.";
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the density that gives it is found, to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
-        widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; fibre always has one.";
+        widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; `continuous` with fibre always has one.";
         ends: BeadEnds = BeadEnds::Joined, "", Any, "Ends of the beads of `stripes` and `seed-lines` at the border.";
         spiral: bool = false, "", Any, "Open closed rings of infill into each other, so that rings around one another are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width (two beads).";

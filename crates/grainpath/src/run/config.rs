@@ -464,11 +464,6 @@ pub fn standing(s: &Settings, lowered_mm: f64) -> Standing {
     Standing::new(if is_file { s.shape.scale } else { 1.0 }, turn, lowered_mm)
 }
 
-/// Widths of beads along a guide: a bead with fibre has one.
-fn widths(s: &Settings) -> BeadWidths {
-    if s.fibre.enabled { BeadWidths::Constant } else { s.fill.widths }
-}
-
 /// The pattern `continuous`: one path through each infill region.
 pub(crate) fn continuous(s: &Settings) -> Continuous {
     let isotropic = s.guide.kind == GuideKind::None;
@@ -481,7 +476,8 @@ pub(crate) fn continuous(s: &Settings) -> Continuous {
             CellTree::Directed | CellTree::Undirected => TreeKind::Undirected,
         },
         aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
-        variable: widths(s) == BeadWidths::Variable,
+        // A bead with fibre has a constant width.
+        variable: s.fill.widths == BeadWidths::Variable && !s.fibre.enabled,
     }
 }
 
@@ -586,7 +582,7 @@ fn infill(s: &Settings) -> InfillSettings {
         matrix_pattern: s.fibre.matrix_pattern,
         matrix_density: s.fibre.matrix_density,
         ends: f.ends,
-        widths: widths(s),
+        widths: f.widths,
         spiral: f.spiral,
         continuous: continuous(s),
     }

@@ -1,9 +1,8 @@
 //! Dense fill of one bead width along a field.
 //!
-//! Continuous fibre has one width, and so has every plan that asks for it (`fill.widths =
-//! "constant"`). A bead can then neither widen where the field diverges nor narrow where it
-//! converges, so lines have to end. What is gained or lost by one more bead between two others is
-//! arithmetic: in a space of `d` spacings between their centrelines, `d - 1` of a bead is open
+//! With `fill.widths = "constant"` all beads have one width. A bead can then neither widen where the
+//! field diverges nor narrow where it converges, so lines have to end. What is gained or lost by one
+//! more bead between two others is arithmetic: in a space of `d` spacings between their centrelines, `d - 1` of a bead is open
 //! without it and `2 - d` is laid twice with it. The two are equal at 1.5 spacings, a bead's share
 //! of which is [`LEAST_ROOM`].
 //!
