@@ -152,11 +152,12 @@ fn the_program_has_the_volume_heights_and_layers_of_level_walls() {
     let beads = || read.layers.iter().flat_map(|l| l.beads.iter().map(move |b| (b, l.height_mm)));
     let [mut first, mut usual, mut last] = [0; 3];
     for (b, h) in beads() {
-        match b.raise_um {
+        // Tenths of a millimetre.
+        match b.raise_mm.map(|mm| (10.0 * mm).round() as i32) {
             [0, 0] => continue,
-            [0, 100] => first += 1,
-            [100, 100] => usual += 1,
-            [100, 0] => last += 1,
+            [0, 1] => first += 1,
+            [1, 1] => usual += 1,
+            [1, 0] => last += 1,
             other => panic!("{other:?}"),
         }
         // The strip is that of a level wall, to the rounding of coordinates on short pieces.

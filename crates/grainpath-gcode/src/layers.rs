@@ -20,9 +20,9 @@ pub struct Bead {
     pub role: Role,
     /// Whether a path begins with this bead.
     pub starts: bool,
-    /// How far its lower and its upper end lie above those of its layer, micrometres; 0 but for staggered walls of our
-    /// own programs.
-    pub raise_um: [i16; 2],
+    /// How far its lower and its upper end lie above those of its layer, mm; 0 but for staggered walls of our own
+    /// programs.
+    pub raise_mm: [f32; 2],
 }
 
 impl Bead {
@@ -38,8 +38,8 @@ impl Bead {
 
     /// Its own height in a layer of this height, mm.
     pub fn height_mm(&self, layer_mm: f64) -> f64 {
-        let [bottom, top] = self.raise_um.map(i32::from);
-        layer_mm + f64::from(top - bottom) * 1e-3
+        let [bottom, top] = self.raise_mm.map(f64::from);
+        layer_mm + top - bottom
     }
 
     /// Full width of the stadium in a layer of this height, mm.

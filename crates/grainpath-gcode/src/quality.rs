@@ -102,7 +102,7 @@ struct Areas {
 /// The volume that a bead has in a layer of this height, if it goes on above and below as it is, mm3.
 fn in_layer(bead: &Bead, layer_mm: f64) -> f64 {
     let volume = f64::from(bead.volume_mm3);
-    if bead.raise_um == [0; 2] { volume } else { volume * layer_mm / bead.height_mm(layer_mm).max(1e-3) }
+    if bead.raise_mm == [0.0; 2] { volume } else { volume * layer_mm / bead.height_mm(layer_mm).max(1e-3) }
 }
 
 fn measure(layer: &BeadLayer, section: &Region) -> Areas {
@@ -281,7 +281,7 @@ mod tests {
             speed_mm_s: 50.0,
             role: Role::SolidFill,
             starts: true,
-            raise_um: [0; 2],
+            raise_mm: [0.0; 2],
         });
         let layer = BeadLayer { z_mm: 0.2, height_mm: 0.2, beads: beads.collect(), ..BeadLayer::default() };
         let program = Program { layers: vec![layer], ..Program::default() };

@@ -127,8 +127,8 @@ struct Machine {
     travels: Vec<[[f32; 2]; 2]>,
     /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
-    /// How far beads stand above their layer, micrometres: below and above.
-    raise_um: [i16; 2],
+    /// How far beads stand above their layer, mm: below and above.
+    raise_mm: [f32; 2],
     time: TimeEstimator,
     program: Program,
     n_broken: usize,
@@ -155,7 +155,7 @@ impl Machine {
             layers: LayerCollector::default(),
             travels: Vec::new(),
             fibre_starts: 0,
-            raise_um: [0; 2],
+            raise_mm: [0.0; 2],
             time: TimeEstimator::new(limits),
             program: Program::default(),
             n_broken: 0,
@@ -249,7 +249,7 @@ impl Machine {
         if let Some(kind) = LayerMark::from_comment(text) {
             self.layers.mark(kind);
             self.path_open = false;
-            self.raise_um = [0; 2];
+            self.raise_mm = [0.0; 2];
             return;
         }
         let after = |key: &str| {
@@ -279,8 +279,9 @@ impl Machine {
         }
         // A mark of our own writer too: beads that stand above their layer.
         if let Some((bottom, top)) = after("RAISED:").and_then(|mm| mm.split_once(' ')) {
-            let um = |mm: &str| mm.trim().parse().map_or(0, |mm: f64| (mm * 1e3).round() as i16);
-            self.raise_um = [um(bottom), um(top)];
+            // A hostile program may state any number, and a bead cannot stand higher than a few layers.
+            let raise = |mm: &str| mm.trim().parse().ok().filter(|mm: &f32| mm.abs() < 100.0).unwrap_or(0.0);
+            self.raise_mm = [raise(bottom), raise(top)];
         }
         // The fibre's filament may be thinner than the matrix's, and volumes follow from it.
         if let Some(d) = after("fibre_filament_mm =").and_then(|d| d.parse::<f64>().ok())
@@ -363,7 +364,7 @@ impl Machine {
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
                 // The height of a layer is that of the beads that stand at it.
-                if self.raise_um[1] == 0 {
+                if self.raise_mm[1] == 0.0 {
                     self.layers.count(z, p.distance(q));
                 }
                 let layer = self.layers.layer_at(z);
@@ -378,7 +379,7 @@ impl Machine {
                     speed_mm_s: self.feed as f32,
                     role: self.role,
                     starts: !self.path_open,
-                    raise_um: self.raise_um,
+                    raise_mm: self.raise_mm,
                 });
                 self.path_open = true;
             } else if !prints && q != p {

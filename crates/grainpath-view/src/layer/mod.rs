@@ -78,7 +78,7 @@ impl From<&BeadLayer> for LayerPicture {
             speed_mm_s: f64::from(b.speed_mm_s),
             // Directions are known to a plan only; `render --job` fills them in.
             off_deg: None,
-            raise_mm: b.raise_um.map(|um| f64::from(um) * 1e-3),
+            raise_mm: b.raise_mm.map(f64::from),
         });
         let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
         Self {

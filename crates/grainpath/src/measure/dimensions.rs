@@ -279,7 +279,7 @@ mod tests {
                     speed_mm_s: 40.0,
                     role: Role::OuterWall,
                     starts: k == 0,
-                    raise_um: [0; 2],
+                    raise_mm: [0.0; 2],
                 });
             }
         }

@@ -90,7 +90,7 @@ pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f
 
 /// Whether beads of the program stand above their layers.
 pub(super) fn is_staggered(layers: &[&BeadLayer]) -> bool {
-    layers.iter().flat_map(|l| &l.beads).any(|b| b.raise_um != [0; 2])
+    layers.iter().flat_map(|l| &l.beads).any(|b| b.raise_mm != [0.0; 2])
 }
 
 /// The beads of a part's layers, moved by `-shift`. Layers with walls half a layer higher than others become two sheets,
@@ -120,7 +120,7 @@ pub(super) fn sheets_of(
     for (i, (l, h)) in layers.iter().zip(heights).enumerate() {
         for b in l.beads.iter().filter(|b| b.role.is_part() && taken(b)) {
             // The ends of the bead above the lower end of its layer.
-            let [low, high] = [f64::from(b.raise_um[0]) * 1e-3, h + f64::from(b.raise_um[1]) * 1e-3];
+            let [low, high] = [f64::from(b.raise_mm[0]), h + f64::from(b.raise_mm[1])];
             let mut bottom = 0.0;
             for sheet in &mut sheets[2 * i..] {
                 let top = bottom + sheet.height_mm;
@@ -598,8 +598,8 @@ mod tests {
     /// Three layers of 0.2 mm, each with a level bead and one of a staggered wall beside it.
     #[test]
     fn beads_half_a_layer_higher_lie_in_the_sheets_of_their_height() {
-        let bead = |y: f32, raise_um: [i16; 2]| {
-            let height = 0.2 + f32::from(raise_um[1] - raise_um[0]) * 1e-3;
+        let bead = |y: f32, raise_mm: [f32; 2]| {
+            let height = 0.2 + raise_mm[1] - raise_mm[0];
             Bead {
                 a: [0.0, y],
                 b: [10.0, y],
@@ -607,14 +607,14 @@ mod tests {
                 speed_mm_s: 50.0,
                 role: Role::InnerWall,
                 starts: true,
-                raise_um,
+                raise_mm,
             }
         };
-        let layer = |k: usize, raise_um| {
-            let beads = vec![bead(0.0, [0, 0]), bead(0.4, raise_um)];
+        let layer = |k: usize, raise_mm| {
+            let beads = vec![bead(0.0, [0.0, 0.0]), bead(0.4, raise_mm)];
             BeadLayer { z_mm: 0.2 * (k + 1) as f64, height_mm: 0.2, beads, ..BeadLayer::default() }
         };
-        let layers = [layer(0, [0, 100]), layer(1, [100, 100]), layer(2, [100, 0])];
+        let layers = [layer(0, [0.0, 0.1]), layer(1, [0.1, 0.1]), layer(2, [0.1, 0.0])];
         let layers: Vec<&BeadLayer> = layers.iter().collect();
         let sheets = sheets_of(&layers, &[0.2; 3], DVec2::ZERO, false, &|_| true);
         assert_eq!(sheets.len(), 6);
@@ -624,9 +624,9 @@ mod tests {
                 let own = sheet.beads.iter().filter(|b| (b.a.y - y).abs() < 1e-3);
                 own.map(|b| b.volume_mm3).sum::<f64>()
             });
-            assert!(walls.iter().all(|mm3| (mm3 - 10.0 * 0.4 * 0.1).abs() < 1e-5), "{walls:?}");
+            assert!(walls.iter().all(|mm3| (mm3 - 10.0 * 0.4 * 0.1).abs() < 1e-4), "{walls:?}");
         }
-        let level = [layer(0, [0, 0])];
+        let level = [layer(0, [0.0, 0.0])];
         assert_eq!(sheets_of(&[&level[0]], &[0.2], DVec2::ZERO, false, &|_| true).len(), 1);
     }
 }
