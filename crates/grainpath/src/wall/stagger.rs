@@ -16,7 +16,7 @@
 //!
 //! *Where.* What is raised is the joint between a closed wall and the wall on it: the lower one grows by half of the next
 //! layer's height, the upper one begins as much higher. A joint is raised where both are closed walls of the same place in
-//! the order from outside, whose centrelines lie on each other to within [`APART`], and where the lower one lies on the
+//! the order from outside, whose centrelines lie on each other to within `APART`, and where the lower one lies on the
 //! section below it. Every other joint stays level, so where a wall begins, ends, leans or changes, its column begins and
 //! ends level. No bead lies on air or on another one, since both sides of a joint move alike.
 //!
