@@ -122,6 +122,8 @@ test("holding and loading one place is refused with what to do", async () => {
 test("a mesh, from its file to paths whose G-code is that of the command line", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await choose(page, "bracket.stl");
+  // The page turns to the part once it is read.
+  await shaped(page);
   await page.click("#tab-job");
   await page.waitForSelector("#panel-job textarea");
   await page.selectOption("#panel-job select >> nth=0", "prusa-mk3s");
