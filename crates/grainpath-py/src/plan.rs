@@ -206,7 +206,7 @@ pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, P
 /// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
 pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
-/// What of it may go to another thread.
+/// Stress at points as a result of finite elements: a copy, so that it may go to another thread without the interpreter.
 fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
     let Some((points, stress)) = given else { return Ok(None) };
     let nodes: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();

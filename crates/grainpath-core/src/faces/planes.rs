@@ -20,8 +20,10 @@ pub(super) struct Pieces {
 /// Not yet in a piece.
 const FREE: u32 = u32::MAX;
 
-/// Least cosine between a triangle and the plane that it joins. Triangles narrower than the rounding
-/// have any normal, so this only keeps folds apart. Source: derived: half a right angle.
+/// Least cosine of the angle between a triangle and the plane that it joins, about that of 45 degrees. It only keeps
+/// folds apart: whether a triangle is flat is told by the distances of its corners, since the normal of a triangle
+/// narrower than the rounding says nothing. Source: derived. A fold back lies at more than 90 degrees, and corners
+/// within the tolerance turn a triangle of usual width by far less than 45.
 const NO_FOLD: f64 = 0.7;
 
 /// Grows planes from the largest triangles outwards. The plane is fitted anew whenever its area has
