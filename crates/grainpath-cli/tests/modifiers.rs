@@ -196,3 +196,29 @@ fn a_modifier_that_cannot_be_used_is_told_of() {
         assert!(right < 0.8 * left, "sparse everywhere: {left} {right}");
     }
 }
+
+/// A hostile description names the same triangles over and over, or more volumes than anybody makes. Copies would fill the
+/// memory.
+#[test]
+fn volumes_that_share_triangles_or_are_too_many_are_taken_for_solid() {
+    let volume = |range: [usize; 2]| {
+        format!(
+            r#"<volume firstid="{}" lastid="{}"><metadata type="volume" key="volume_type" value="ParameterModifier"/></volume>"#,
+            range[0], range[1]
+        )
+    };
+    let many = "<volume/>".repeat(1001);
+    for (volumes, reason) in [
+        (volume([0, 11]) + &volume([11, 23]), "share triangles"),
+        (volume([20, 12]), "share triangles"),
+        (many, "1000"),
+    ] {
+        let config = format!(r#"<config><object id="1">{volumes}</object></config>"#);
+        let object = format!(r#"<object id="1" type="model">{}</object>"#, boxes(&[SOLID, RIGHT]));
+        let bytes = package(&object, r#"<item objectid="1"/>"#, ("Metadata/Slic3r_PE_model.config", &config));
+        let file = parse_mesh(&bytes, None).expect("a part");
+        let triangles: usize = file.bodies.iter().map(|b| b.mesh.triangles.len()).sum();
+        assert_eq!((triangles, file.modifiers.len()), (24, 0), "{reason}");
+        assert!(file.warnings.iter().any(|w| w.text.contains(reason)), "{reason}: {:?}", file.warnings);
+    }
+}

@@ -25,6 +25,10 @@ use crate::xml::attribute;
 /// Where PrusaSlicer, and OrcaSlicer and Bambu Studio, describe volumes.
 const CONFIGS: [&str; 2] = ["/Metadata/Slic3r_PE_model.config", "/Metadata/model_settings.config"];
 
+/// Limit on the volumes that a project describes. Source: chosen; projects of real parts have tens. It bounds the work of
+/// finding the volume of a triangle or a component.
+const MAX_VOLUMES: usize = 1000;
+
 /// What a volume is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum VolumeKind {
@@ -83,7 +87,17 @@ impl Volumes {
             let mut builder = Builder::default();
             // A project is often made by a chain of programs, and one damaged description should not cost the part.
             match package.read(path, |r| events(r, path, |event| builder.event(event))) {
-                Ok(()) => all.0.append(&mut builder.objects),
+                Ok(()) => {
+                    for (object, volumes) in builder.objects.iter_mut().filter(|(_, v)| overlap(v)) {
+                        // Each would be a copy of the same triangles, however many there are.
+                        volumes.retain(|v| v.triangles.is_none());
+                        let text = format!(
+                            "volumes of object {object} share triangles; all of it is taken for solid"
+                        );
+                        warnings.push(Warning::new(WarningId::ThreemfVolumes, text));
+                    }
+                    all.0.append(&mut builder.objects);
+                }
                 Err(e) => {
                     let text = format!("{e}; modifiers of the project are taken for solid bodies");
                     warnings.push(Warning::new(WarningId::ThreemfVolumes, text));
@@ -105,20 +119,29 @@ impl Volumes {
         volumes.iter().find(|v| v.part == Some(component) && v.kind != VolumeKind::Solid)
     }
 
-    /// The volumes of an object that are ranges of triangles of its mesh, unless all of it is solid.
+    /// The volumes of an object that are ranges of triangles of its mesh, unless all of it is solid; in rising order and
+    /// apart from each other.
     pub(super) fn ranges(&self, object: u32) -> Option<Vec<(&Volume, [usize; 2])>> {
         // A file of Orca has no ranges, so its volumes are found as components.
         let ranges = self.0.get(&object)?.iter().filter_map(|v| Some((v, v.triangles?)));
-        let ranges: Vec<_> = ranges.filter(|(v, _)| v.kind != VolumeKind::Solid).collect();
+        let mut ranges: Vec<_> = ranges.filter(|(v, _)| v.kind != VolumeKind::Solid).collect();
+        ranges.sort_unstable_by_key(|(_, range)| *range);
         (!ranges.is_empty()).then_some(ranges)
     }
 }
 
-/// Some triangles of a mesh, with the vertices that they use.
-fn piece(mesh: &TriMesh, keep: impl Fn(usize) -> bool) -> TriMesh {
+/// Whether two of the volumes share a triangle, or a range ends before it begins.
+fn overlap(volumes: &[Volume]) -> bool {
+    let mut ranges: Vec<[usize; 2]> = volumes.iter().filter_map(|v| v.triangles).collect();
+    ranges.sort_unstable();
+    ranges.iter().any(|[first, last]| first > last) || ranges.windows(2).any(|w| w[0][1] >= w[1][0])
+}
+
+/// These triangles of a mesh, with the vertices that they use.
+fn piece(mesh: &TriMesh, triangles: impl Iterator<Item = [u32; 3]>) -> TriMesh {
     let mut to: BTreeMap<u32, u32> = BTreeMap::new();
     let mut out = TriMesh::default();
-    for (_, triangle) in mesh.triangles.iter().enumerate().filter(|(k, _)| keep(*k)) {
+    for triangle in triangles {
         out.triangles.push(triangle.map(|v| {
             *to.entry(v).or_insert_with(|| {
                 out.vertices.push(mesh.vertices[v as usize]);
@@ -129,16 +152,24 @@ fn piece(mesh: &TriMesh, keep: impl Fn(usize) -> bool) -> TriMesh {
     out
 }
 
-/// The solid part of an object's mesh, and its modifiers.
+/// The solid part of an object's mesh, and its modifiers. The ranges rise and lie apart from each other.
 pub(super) fn divided<'v>(
     mesh: &TriMesh,
     ranges: &[(&'v Volume, [usize; 2])],
 ) -> (TriMesh, Vec<(&'v Volume, TriMesh)>) {
-    let within = |k: usize, [first, last]: [usize; 2]| (first..=last).contains(&k);
+    let all = &mesh.triangles;
+    let named = |k: usize| {
+        let at = ranges.partition_point(|(_, range)| range[1] < k);
+        ranges.get(at).is_some_and(|(_, range)| range[0] <= k)
+    };
     // What no range names stays solid: a file may describe some of its volumes only.
-    let solid = piece(mesh, |k| !ranges.iter().any(|(_, range)| within(k, *range)));
+    let solid = piece(mesh, all.iter().enumerate().filter(|(k, _)| !named(*k)).map(|(_, t)| *t));
+    let of_range = |[first, last]: [usize; 2]| {
+        let end = last.saturating_add(1).min(all.len());
+        piece(mesh, all[first.min(end)..end].iter().copied())
+    };
     let modifiers = ranges.iter().filter(|(v, _)| v.kind == VolumeKind::Modifier);
-    (solid, modifiers.map(|(v, range)| (*v, piece(mesh, |k| within(k, *range)))).collect())
+    (solid, modifiers.map(|(v, range)| (*v, of_range(*range))).collect())
 }
 
 #[derive(Default)]
@@ -146,6 +177,7 @@ struct Builder {
     objects: BTreeMap<u32, Vec<Volume>>,
     object: Option<u32>,
     volume: Option<Volume>,
+    n_volumes: usize,
 }
 
 impl Builder {
@@ -154,9 +186,9 @@ impl Builder {
             Event::Start(e) => self.open(e),
             Event::Empty(e) => {
                 self.open(e);
-                self.close(e.local_name().as_ref());
+                self.close(e.local_name().as_ref())?;
             }
-            Event::End(e) => self.close(e.local_name().as_ref()),
+            Event::End(e) => self.close(e.local_name().as_ref())?,
             _ => {}
         }
         Ok(())
@@ -194,15 +226,20 @@ impl Builder {
         }
     }
 
-    fn close(&mut self, name: &str) {
+    fn close(&mut self, name: &str) -> Result<(), MeshError> {
         match name {
             "object" => self.object = None,
             "volume" | "part" => {
                 if let (Some(object), Some(volume)) = (self.object, self.volume.take()) {
+                    self.n_volumes += 1;
+                    if self.n_volumes > MAX_VOLUMES {
+                        return Err(MeshError::TooMany { what: "volumes", limit: MAX_VOLUMES as u64 });
+                    }
                     self.objects.entry(object).or_default().push(volume);
                 }
             }
             _ => {}
         }
+        Ok(())
     }
 }
