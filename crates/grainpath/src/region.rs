@@ -231,11 +231,7 @@ pub(crate) fn with_modifiers(
     diagnostics: &Diagnostics,
 ) -> Settings {
     let mut all = settings.clone();
-    let bounds = |mesh: &TriMesh| {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        mesh.vertices.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
-    };
-    let parts: Vec<(DVec3, DVec3)> = mesh.bodies.iter().map(|b| bounds(&b.mesh)).collect();
+    let parts: Vec<(DVec3, DVec3)> = mesh.bodies.iter().filter_map(|b| b.mesh.bounds()).collect();
     for modifier in std::mem::take(&mut mesh.modifiers) {
         let name = modifier.name.unwrap_or_else(|| "without a name".to_owned());
         let tell = |what: String| {
@@ -246,9 +242,11 @@ pub(crate) fn with_modifiers(
         if !unread.is_empty() {
             tell(format!("has settings that no region has, which are not used: {}", unread.join(", ")));
         }
-        let (low, high) = bounds(&modifier.mesh);
         // Such a region would be an error of the job, but a project may hold a modifier of a part that is gone.
-        let meets = parts.iter().any(|(a, b)| (low.max(*a)).cmplt(high.min(*b)).all());
+        let meets = modifier
+            .mesh
+            .bounds()
+            .is_some_and(|(low, high)| parts.iter().any(|(a, b)| low.max(*a).cmplt(high.min(*b)).all()));
         let Some(region) = region else {
             if unread.is_empty() {
                 tell("changes no setting and is not used".to_owned());

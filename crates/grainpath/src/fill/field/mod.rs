@@ -10,7 +10,7 @@
 //! 2. [`phase`] finds the phase; where the field diverges, a bead has to end, and the phase misses
 //!    a turn there;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
-//! 4. [`stripes`] moves the lines to the middle of the space they have, takes crowded ones out,
+//! 4. [`stripes`] moves the lines to the middle of the space they have,
 //!    joins ends along the border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!

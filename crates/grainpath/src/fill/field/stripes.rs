@@ -113,9 +113,17 @@ pub(crate) fn spaced(
         }
     };
     let neighbours = Neighbours::new(&lines, &border, 1.5 * spacing);
-    let strips = neighbours.strips(&lines, spacing);
-    let roomed = Roomed { lines, neighbours, strips };
-    lay(roomed, &infill_region, &border, context, share, out);
+    let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let width = |strip: f64| bead_width_mm(share * strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
+    let widths = match context.widths {
+        BeadWidths::Variable => {
+            let strips = neighbours.strips(&lines, spacing).into_iter();
+            strips.map(|line| line.into_iter().map(width).collect()).collect()
+        }
+        BeadWidths::Constant => lines.iter().map(|l| vec![nominal; l.points.len()]).collect(),
+    };
+    let centrelines = Centrelines { lines, neighbours, widths };
+    lay(centrelines, &infill_region, &border, context, share, out);
 }
 
 /// Lines in the middle of the space they have.
@@ -281,18 +289,17 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     lines.iter_mut().zip(moved).for_each(|(line, points)| line.points = points);
 }
 
-/// Lines with the space that each has.
-struct Roomed {
+/// The lines that beads run on.
+struct Centrelines {
     lines: Vec<Line>,
     neighbours: Neighbours,
-    /// Widths of the strips at the lines' points.
-    strips: Vec<Vec<f64>>,
+    /// Widths of the beads at the lines' points, mm.
+    widths: Vec<Vec<f64>>,
 }
 
-/// Turns lines into beads, as wide as the space they have unless all are to have one width; joins ends
-/// where the way is short, and puts single beads where a gap is left.
+/// Turns lines into beads, joins ends where the way is short, and puts single beads where a gap is left.
 fn lay(
-    roomed: Roomed,
+    centrelines: Centrelines,
     infill_region: &Region,
     border: &Region,
     context: &FillContext<'_>,
@@ -300,14 +307,9 @@ fn lay(
     out: &mut Vec<Toolpath>,
 ) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
-    let width = |strip: f64| match context.widths {
-        BeadWidths::Variable => bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal),
-        BeadWidths::Constant => nominal,
-    };
-    let Roomed { lines, neighbours, strips } = roomed;
+    let Centrelines { lines, neighbours, widths } = centrelines;
     let mut beads = Vec::with_capacity(lines.len());
-    for (line, strips) in lines.iter().zip(strips) {
-        let widths: Vec<f64> = strips.into_iter().map(|strip| width(share * strip)).collect();
+    for (line, widths) in lines.iter().zip(widths) {
         let (points, widths) = simplified(&line.points, &widths, line.closed);
         beads.push(WideBead { points, widths, closed: line.closed });
     }
