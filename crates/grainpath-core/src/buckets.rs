@@ -12,6 +12,7 @@
 //! cell at its border, so they are found as surely but less quickly.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
@@ -74,12 +75,15 @@ impl CellGrid {
         let (nx, ring) = (self.nx, ring as i64);
         let (column, row) = (column as i64, row as i64);
         let rows = (row - ring).max(0)..=(row + ring).min(self.ny as i64 - 1);
+        // The first and the last row of a ring are whole, of those between only the ends belong to it.
         rows.flat_map(move |y| {
-            let step = if y == row - ring || y == row + ring { 1 } else { (2 * ring).max(1) };
-            (column - ring..=column + ring).step_by(step as usize).map(move |x| (x, y))
+            let (left, right) = (column - ring, column + ring);
+            let whole = y == row - ring || y == row + ring;
+            let within = |x: i64| (0..nx as i64).contains(&x);
+            let run = if whole { left.max(0)..right.min(nx as i64 - 1) + 1 } else { 0..0 };
+            let ends = [left, right].map(|x| (!whole && within(x)).then_some(x));
+            ends.into_iter().flatten().chain(run).map(move |x| [x as usize, y as usize])
         })
-        .filter(move |&(x, _)| (0..nx as i64).contains(&x))
-        .map(|(x, y)| [x as usize, y as usize])
     }
 
     /// The least distance from a point in a cell to a point in a cell `ring` columns or rows away, mm.
@@ -193,6 +197,12 @@ impl Buckets {
     /// The things in a cell.
     pub fn members(&self, cell: usize) -> &[u32] {
         self.members_of_run(cell, cell)
+    }
+
+    /// Where the things in a cell stand in the list of all cells' things, [`Self::members_of_run`] from the first cell to
+    /// the last.
+    pub fn range(&self, cell: usize) -> Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
     /// The things in the cells numbered from `first` to `last`, cell after cell.

@@ -31,12 +31,11 @@ const MAX_SHAKEN: usize = 64;
 ///
 /// The method is described in the module's text.
 pub(super) fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
-    let mut taken = vec![false; ends.len()];
-    let index = NearestEnds::new(ends);
+    let mut index = NearestEnds::new(ends);
     let mut order = Vec::with_capacity(ends.len());
     let mut from = at;
-    while let Some((i, second)) = index.nearest(from, &taken) {
-        taken[i] = true;
+    while let Some((i, second)) = index.nearest(from) {
+        index.take(i);
         order.push((i, second));
         from = ends[i][usize::from(!second)];
     }

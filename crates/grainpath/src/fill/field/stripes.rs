@@ -531,20 +531,22 @@ pub(super) fn joined(
     let inside = LineClipper::new(border);
     let mut joints: Vec<[DVec2; 2]> = Vec::new();
     let ends: Vec<[DVec2; 2]> = beads.iter().map(|b| [b.points[0], b.points[b.points.len() - 1]]).collect();
-    let mut used: Vec<bool> = beads.iter().map(|b| b.closed).collect();
-    let index = NearestEnds::new(&ends);
+    let mut index = NearestEnds::new(&ends);
+    for (i, _) in beads.iter().enumerate().filter(|(_, bead)| bead.closed) {
+        index.take(i);
+    }
     let mut beads: Vec<Option<WideBead>> = beads.into_iter().map(Some).collect();
     let mut out = Vec::new();
     // Beads are tried in the order of the level lines, which the mesh fixes: the same region gives
     // the same joints for any number of threads.
     for first in 0..beads.len() {
-        let Some(mut bead) = beads[first].take_if(|_| !used[first]) else { continue };
-        used[first] = true;
+        let Some(mut bead) = beads[first].take_if(|_| !index.is_taken(first)) else { continue };
+        index.take(first);
         // Onwards from its end, then from its start.
         for _ in 0..2 {
             loop {
                 let at = bead.points[bead.points.len() - 1];
-                let Some((next, second)) = index.nearest(at, &used) else { break };
+                let Some((next, second)) = index.nearest(at) else { break };
                 let to = ends[next][usize::from(second)];
                 let other = beads[next].as_ref().map(|b| b.rest(!second, retreat_mm).0);
                 let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
@@ -559,7 +561,7 @@ pub(super) fn joined(
                     break;
                 }
                 joints.push(joint);
-                used[next] = true;
+                index.take(next);
                 let Some(other) = beads[next].take() else { break };
                 let mut other = if second { other } else { other.reversed() };
                 // The joint then lies half a bead from the border, as a bead along it would.
