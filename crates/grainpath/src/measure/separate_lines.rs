@@ -9,10 +9,12 @@
 //! touches if another line of the same layer lies within a bead's width of it, or if a line of the layer above or below
 //! passes there at an angle. Lengths are in mm. Cost: linear in the samples of those layers and their two neighbours.
 
-use grainpath_core::buckets::PointGrid2;
+use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::polyline::resampled;
 use grainpath_core::{Bounds2, DVec2, LayerPlan, Role, Warning, WarningId};
 
+/// Largest number of cells along a side of the grid of samples. Source: derived; a cell takes 4 bytes, so all take 16 MB.
+const MAX_CELLS_PER_SIDE: usize = 2000;
 /// So many layers at most are looked at. Source: derived; lines of a layer differ little from those of the layers beside
 /// it, and 12 layers of the largest plans take less than 1 % of the time of their fill.
 const CHECKED_LAYERS: usize = 12;
@@ -53,11 +55,12 @@ fn has_sparse_lines(layer: &LayerPlan) -> bool {
     layer.paths.iter().any(|p| p.path.role == Role::SparseFill)
 }
 
-/// Samples of a layer's sparse lines: place, direction, and the number of the line.
+/// Samples of a layer's sparse lines, one line after the other.
 struct Samples {
-    points: Vec<Vec<DVec2>>,
-    /// The same points, each with its line and its index in it.
-    near: PointGrid2<(u32, u32)>,
+    /// Each sample with the number of its line.
+    all: Vec<(DVec2, u32)>,
+    /// The samples in cells as wide as the reach of a touch.
+    near: Buckets,
     width_mm: f64,
 }
 
@@ -70,35 +73,46 @@ impl Samples {
         if width_mm <= 0.0 {
             return None;
         }
-        let points = lines().map(|p| resampled(&p.points, p.closed, 0.5 * width_mm)).collect::<Vec<_>>();
-        let bounds = Bounds2::around_points(points.iter().flatten().copied())?;
-        let mut near = PointGrid2::new(bounds, TOUCHING * width_mm);
-        for (line, points) in (0u32..).zip(&points) {
-            (0u32..).zip(points).for_each(|(k, &p)| near.insert(p, (line, k)));
+        let mut all = Vec::new();
+        for (line, path) in (0u32..).zip(lines()) {
+            all.extend(resampled(&path.points, path.closed, 0.5 * width_mm).into_iter().map(|p| (p, line)));
         }
-        Some(Self { points, near, width_mm })
+        let bounds = Bounds2::around_points(all.iter().map(|sample| sample.0))?;
+        let cells = CellGrid::covering(bounds, TOUCHING * width_mm, MAX_CELLS_PER_SIDE);
+        let near = Buckets::new(cells, all.len(), |i, add| add(cells.index(cells.cell_of(all[i].0))));
+        Some(Self { all, near, width_mm })
     }
 
     /// The direction of a line at one of its samples, without a sign.
-    fn direction(&self, line: usize, at: usize) -> DVec2 {
-        let points = &self.points[line];
-        let (a, b) = (points[at.saturating_sub(1)], points[(at + 1).min(points.len() - 1)]);
-        (b - a).normalize_or_zero()
+    fn direction(&self, sample: usize) -> DVec2 {
+        let (place, line) = self.all[sample];
+        let beside =
+            |i: usize| self.all.get(i).filter(|other| other.1 == line).map_or(place, |other| other.0);
+        (beside(sample + 1) - beside(sample.wrapping_sub(1))).normalize_or_zero()
+    }
+
+    /// The samples nearer to a place than a distance.
+    fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = usize> {
+        let cells = &self.near.cells;
+        let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
+        found
+            .flat_map(move |cell| self.near.members(cells.index(cell)))
+            .map(|&sample| sample as usize)
+            .filter(move |&sample| self.all[sample].0.distance_squared(place) < distance_mm * distance_mm)
     }
 
     /// Whether another line lies beside a sample, or the same one further along.
-    fn touches(&self, line: usize, at: usize) -> bool {
-        let own = (OWN / 0.5) as u32;
-        let mut beside = self.near.within(self.points[line][at], TOUCHING * self.width_mm);
-        beside.any(|(_, (other, k))| other as usize != line || k.abs_diff(at as u32) > own)
+    fn touches(&self, sample: usize) -> bool {
+        let own = (OWN / 0.5) as usize;
+        let (place, line) = self.all[sample];
+        let mut beside = self.within(place, TOUCHING * self.width_mm);
+        beside.any(|other| self.all[other].1 != line || other.abs_diff(sample) > own)
     }
 
     /// Whether a line passes a place at an angle to a direction.
     fn crosses(&self, place: DVec2, direction: DVec2) -> bool {
-        let mut passing = self.near.within(place, 0.5 * self.width_mm);
-        passing.any(|(_, (line, k))| {
-            self.direction(line as usize, k as usize).dot(direction).abs() < CROSSING_COS
-        })
+        let mut passing = self.within(place, 0.5 * self.width_mm);
+        passing.any(|other| self.direction(other).dot(direction).abs() < CROSSING_COS)
     }
 }
 
@@ -108,17 +122,11 @@ fn touching_share(layers: &[LayerPlan], k: usize) -> Option<f64> {
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
     let neighbours: Vec<Samples> =
         beside.filter_map(|i| layers.get(i)).filter_map(Samples::of_layer).collect();
-    let (mut all, mut touching) = (0_usize, 0_usize);
-    for (line, points) in own.points.iter().enumerate() {
-        for (at, &place) in points.iter().enumerate() {
-            let direction = own.direction(line, at);
-            all += 1;
-            touching += usize::from(
-                own.touches(line, at) || neighbours.iter().any(|other| other.crosses(place, direction)),
-            );
-        }
-    }
-    (all > 0).then(|| touching as f64 / all as f64)
+    let touching = (0..own.all.len()).filter(|&sample| {
+        let crossed = |other: &Samples| other.crosses(own.all[sample].0, own.direction(sample));
+        own.touches(sample) || neighbours.iter().any(crossed)
+    });
+    (!own.all.is_empty()).then(|| touching.count() as f64 / own.all.len() as f64)
 }
 
 #[cfg(test)]
