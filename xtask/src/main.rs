@@ -28,6 +28,7 @@ mod page;
 mod pages;
 mod photo;
 mod python;
+mod release;
 mod sbom;
 mod setup;
 mod source;
@@ -79,6 +80,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
   licences         writes what `grainpath licences` prints, after dependencies changed
   wasm [--binary PATH]  the planner as a page of one file, below target/wasm; its G-code in Node beside the program's
+  release twice|static  builds the program in two folders and compares the bytes; builds it for musl, one file that needs nothing
   sbom [FILE]      everything inside the program as CycloneDX JSON
   setup            installs what tests and benches need (Python packages, the peers)";
 
@@ -113,6 +115,7 @@ fn main() -> ExitCode {
         ["figures", words @ ..] => figures::run(words),
         ["gallery", words @ ..] => gallery::run(words),
         ["licences"] => licences::write(),
+        ["release", words @ ..] => release::run(words),
         ["sbom", words @ ..] => sbom::run(words),
         ["wasm", words @ ..] => wasm::run(words),
         ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
