@@ -126,14 +126,17 @@ impl PlateTest<'_> {
             .map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2]))
             .collect::<Result<_, _>>()?;
         let n = self.elements.cells.len();
-        let first: Vec<[[f64; 8]; 8]> = (0..n)
+        // The stiffness of the plies together has 9 numbers, that of an element 64: all of those would be held while the
+        // system is factored, when memory is scarcest.
+        let membranes: Vec<PlaneStiffness> = (0..n)
             .into_par_iter()
-            .map(|e| self.stiffness(e, |p| Ok(whole[self.material(p)])))
+            .map(|e| self.membrane(e, |p| Ok(whole[self.material(p)])))
             .collect::<Result<_, _>>()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
-        let mut system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_mib)?;
+        let stiffness = |e: usize| square(&membranes[e]);
+        let mut system = PlateSystem::new(self.elements, &stiffness, self.holds, &forces, self.max_mib)?;
         system.stop_on(self.cancel.clone());
-        drop(first);
+        drop(membranes);
         let mut element_of = vec![None; self.elements.grid.nx * self.elements.grid.ny];
         self.elements.cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
         Ok(LoadedPlate { test: self, system, forces, displacement: Vec::new(), element_of })
