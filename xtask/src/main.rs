@@ -7,6 +7,7 @@ mod bench;
 mod bench_constants;
 mod bench_continuous;
 mod bench_ct;
+mod bench_density;
 mod bench_fea;
 mod bench_paths;
 mod bench_strength;
@@ -65,6 +66,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
+  bench density [PART...]  mass at equal peak load of the virtual test: even fills beside density and direction by the
+                   stress (bracket hook lever), with target/ci/grainpath
   bench studio [PATH]  the studio in Chromium: file to first layer, name under the pointer, cancel, bytes, frames
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
         ["bench", "strength", parts @ ..] => bench_strength::run(parts),
+        ["bench", "density", parts @ ..] => bench_density::run(&target().join("ci/grainpath"), parts),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
