@@ -30,8 +30,12 @@ pub fn run(words: &[&str]) -> Outcome {
 
 /// Two builds of one commit, byte for byte.
 fn twice() -> Outcome {
-    let sums: Vec<String> =
-        ["first", "second/deeper"].iter().map(|name| built_in(name)).collect::<Result<_, _>>()?;
+    // Asked once: a commit made during the first build would otherwise be in the second alone.
+    let commit = crate::output(Command::new("git").args(["rev-parse", "HEAD"]).current_dir(crate::root()))?;
+    let sums: Vec<String> = ["first", "second/deeper"]
+        .iter()
+        .map(|name| built_in(name, commit.trim()))
+        .collect::<Result<_, _>>()?;
     if sums[0] != sums[1] {
         return Err(format!("two builds of one commit differ: SHA-256 {} and {}", sums[0], sums[1]));
     }
@@ -39,14 +43,15 @@ fn twice() -> Outcome {
     Ok(())
 }
 
-/// Clones the last commit below the target folder, builds the program there and gives its SHA-256.
-fn built_in(name: &str) -> Result<String, String> {
+/// Checks a commit out below the target folder, builds the program there and gives its SHA-256.
+fn built_in(name: &str, commit: &str) -> Result<String, String> {
     let folder = crate::target().join("twice").join(name);
     let _ = fs::remove_dir_all(&folder);
     let (checkout, home) = (folder.join("checkout"), folder.join("home"));
     let cargo_home = home.join("cargo");
     fs::create_dir_all(&cargo_home).map_err(|e| format!("{}: {e}", cargo_home.display()))?;
     crate::output(Command::new("git").args(["clone", "--quiet"]).arg(crate::root()).arg(&checkout))?;
+    crate::output(Command::new("git").args(["checkout", "--quiet", commit]).current_dir(&checkout))?;
     for part in ["registry", "config.toml"] {
         let there = own_cargo_home()?.join(part);
         if there.exists() {
