@@ -180,23 +180,23 @@ impl Part {
         let evens = EVEN
             .iter()
             .map(|(what, pattern)| {
-                Ok((*what, at_peak(mark.peak_n, DENSITIES, &|density| even(pattern, density))?))
+                Ok((*what, *pattern, at_peak(mark.peak_n, DENSITIES, &|density| even(pattern, density))?))
             })
             .collect::<Result<Vec<_>, String>>()?;
-        let plain = evens[..PLAIN].iter().filter_map(|(_, found)| match found {
+        let plain = evens[..PLAIN].iter().filter_map(|(_, _, (found, _))| match found {
             Found::At { mass_g, .. } => Some(*mass_g),
             Found::Lightest(_) | Found::TooWeak(_) => None,
         });
         let best_g = plain.fold(f64::INFINITY, f64::min);
-        for (what, found) in &evens {
+        for (what, _, (found, _)) in &evens {
             self.print(what, &mark, found, best_g);
         }
         for (what, pattern) in GRADED {
-            let [light, heavy] = DENSITIES.map(|density| even(pattern, density).map(|t| t.mass_g));
-            let (light_g, heavy_g) = (light?, heavy?);
+            let ends = evens.iter().find(|(_, even, _)| *even == pattern).map(|(_, _, (_, ends))| *ends);
+            let [light_g, heavy_g] = ends.ok_or_else(|| format!("{pattern} is not among the even plans"))?;
             let margin_g = MARGIN * (heavy_g - light_g);
             let range = [light_g + margin_g, heavy_g - margin_g];
-            let found = at_peak(mark.peak_n, range, &|mass_g| graded(pattern, mass_g))?;
+            let (found, _) = at_peak(mark.peak_n, range, &|mass_g| graded(pattern, mass_g))?;
             self.print(what, &mark, &found, best_g);
         }
         Ok(())
@@ -204,7 +204,11 @@ impl Part {
 
     fn print(&self, what: &str, mark: &Tested, found: &Found, best_g: f64) {
         let part = format!("{}, {:.0} N", self.name, mark.peak_n);
-        let lighter = |mass_g: f64| format!("{:.1} %", 100.0 * (1.0 - mass_g / best_g));
+        // No plain even fill may carry the load; then there is nothing to be lighter than.
+        let lighter = |mass_g: f64| match best_g.is_finite() {
+            true => format!("{:.1} %", 100.0 * (1.0 - mass_g / best_g)),
+            false => "-".to_owned(),
+        };
         match found {
             Found::At { mass_g, plan_s } => println!(
                 "| {part} | {what} | {mass_g:.2} | {} | {:.2} |",
@@ -228,20 +232,22 @@ impl Part {
     }
 }
 
-/// The mass at a peak load, by bisection over what `test` takes and a line between the two plans around the load.
+/// The mass at a peak load, by bisection over what `test` takes and a line between the two plans around the load; and the
+/// masses at both ends, g.
 fn at_peak(
     asked_n: f64,
     [mut low, mut high]: [f64; 2],
     test: &dyn Fn(f64) -> Result<Tested, String>,
-) -> Result<Found, String> {
+) -> Result<(Found, [f64; 2]), String> {
     let (mut below, mut above) = (test(low)?, test(high)?);
+    let ends = [below.mass_g, above.mass_g];
     // The peak is taken to rise with the mass from one end to the other; where it does not, the plans that are found still
     // lie on either side of the load.
     if below.peak_n >= asked_n {
-        return Ok(Found::Lightest(below));
+        return Ok((Found::Lightest(below), ends));
     }
     if above.peak_n < asked_n {
-        return Ok(Found::TooWeak(above));
+        return Ok((Found::TooWeak(above), ends));
     }
     for _ in 0..STEPS {
         let middle = 0.5 * (low + high);
@@ -253,5 +259,6 @@ fn at_peak(
         }
     }
     let share = (asked_n - below.peak_n) / (above.peak_n - below.peak_n);
-    Ok(Found::At { mass_g: below.mass_g + share * (above.mass_g - below.mass_g), plan_s: above.plan_s })
+    let mass_g = below.mass_g + share * (above.mass_g - below.mass_g);
+    Ok((Found::At { mass_g, plan_s: above.plan_s }, ends))
 }

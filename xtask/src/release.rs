@@ -12,8 +12,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sha2::{Digest, Sha256};
-
 use crate::Outcome;
 
 /// The target whose C library is linked into the program.
@@ -81,7 +79,7 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
             return Err(format!("the program holds a path of the machine that built it: {path}"));
         }
     }
-    Ok(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(crate::hashes::sha256(&bytes))
 }
 
 /// A program with nothing to load at its start, which plans the same bytes.
