@@ -66,7 +66,7 @@ const KEPT_TO: [(&str, &str); 6] = [
     ("i_overlay", "grainpath-core"),
     ("clipper2-rust", "grainpath-core"),
     ("spade", "grainpath-core"),
-    ("faer", "grainpath-fea"),
+    ("amd", "grainpath-fea"),
     ("pyo3", "grainpath-py"),
     ("numpy", "grainpath-py"),
 ];

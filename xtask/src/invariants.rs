@@ -27,11 +27,12 @@ const OPENS_NO_FILE: [&str; 8] = [
 ];
 
 /// A crate from outside, and the modules that may name it: package and path of the module.
-const KEPT_IN: [(&str, &[(&str, &str)]); 4] = [
+const KEPT_IN: [(&str, &[(&str, &str)]); 5] = [
     ("i_overlay", &[("grainpath-core", "poly")]),
     ("clipper2_rust", &[("grainpath-core", "poly")]),
     ("spade", &[("grainpath-core", "triangulation"), ("grainpath-core", "medial")]),
-    ("faer", &[("grainpath-fea", "sparse")]),
+    ("amd", &[("grainpath-fea", "sparse")]),
+    ("multiversion", &[("grainpath-fea", "dense_elimination")]),
 ];
 
 /// Endings of names of lengths, angles, stresses and the like, which are floats.

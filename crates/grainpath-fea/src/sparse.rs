@@ -1,17 +1,13 @@
-//! Symmetric systems, sparse and dense: the one place that names the solver library.
-
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::perm::Perm;
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Accum, Conj, MatMut, Par, Side};
+//! Symmetric positive definite systems with few entries a row: Cholesky factors column by column.
+//!
+//! Method: the unknowns are ordered so that the factor stays sparse, by the caller (nested dissection of a mesh) or by
+//! approximate minimum degree (`amestoy1996` in docs/references.bib). The elimination tree gives the pattern of the factor
+//! `L L'` before a number is computed (`liu1990`), and with it the memory. Row `k` of the factor is the solution of a
+//! triangular system with the rows above it, whose entries are found by walking up the tree (`davis2006`, chapter 4).
+//!
+//! Every sum is made in one order, with one rounding for each product and each sum, so that the result has the same bits
+//! on every processor and for any number of threads. Cost for a plane mesh of n nodes: n log n entries and n^1.5
+//! products. A matrix that is not positive definite is an error: the part can move freely.
 
 /// Bytes in a MiB, the unit of every memory limit in this crate. Source: definition, 2^20.
 pub(crate) const BYTES_PER_MIB: f64 = 1_048_576.0;
@@ -72,9 +68,21 @@ impl Symmetric {
 
 /// A factored matrix.
 pub struct Cholesky {
-    symbolic: SymbolicCholesky<usize>,
+    /// The unknown that is eliminated at each place, `(n)`.
+    order: Vec<u32>,
+    /// The place at which each unknown is eliminated, `(n)`.
+    place: Vec<u32>,
+    /// The elimination tree: the first place below the diagonal of each column that has an entry, `(n)`; [`NO_PARENT`]
+    /// for roots.
+    parents: Vec<u32>,
+    /// Columns of the factor, `(n + 1)`.
+    starts: Vec<usize>,
+    /// Row of each entry of the factor, rising from the diagonal.
+    rows: Vec<u32>,
     values: Vec<f64>,
 }
+
+const NO_PARENT: u32 = u32::MAX;
 
 impl Cholesky {
     /// Factors a positive definite matrix. `order`, where given, is the order of elimination. The
@@ -84,34 +92,27 @@ impl Cholesky {
     /// [`SparseError`] when the factor would be too large or the matrix is not positive definite.
     pub fn new(a: &Symmetric, order: Option<&[usize]>, max_mib: f64) -> Result<Self, SparseError> {
         let n = a.n();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.starts, None, &a.rows);
-        // An order of our own comes from the geometry (nested dissection); minimum degree is the
-        // fallback.
-        let custom = order.map(|forward| {
-            let mut inverse = vec![0; n];
-            forward.iter().enumerate().for_each(|(k, &i)| inverse[i] = k);
-            Perm::new_checked(forward.into(), inverse.into(), n)
-        });
-        let ordering =
-            custom.as_ref().map_or(SymmetricOrdering::Amd, |p| SymmetricOrdering::Custom(p.as_ref()));
-        // Column by column: products of dense blocks take the widest vectors that the processor has, and round otherwise
-        // on another one. Measured on the tensile bar with a hole, whole run, processor time with blocks and without:
-        // 2.3 and 2.1 s on elements of 1 mm, 2.6 and 3.4 s on 0.5 mm, 4.5 and 7.0 s on 0.3 mm.
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-            ..Default::default()
+        // Places are numbers of 32 bits; a matrix with more rows does not fit into any memory limit.
+        if n >= NO_PARENT as usize {
+            return Err(SparseError::Memory { needed_mib: f64::INFINITY, limit_mib: max_mib });
+        }
+        let order: Vec<u32> = match order {
+            Some(order) => order.iter().map(|&i| i as u32).collect(),
+            None => minimum_degree(a),
         };
-        // The symbolic step finds the factor's pattern, and with it the memory, without computing a
-        // number.
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params)
-            .map_err(|_| SparseError::Memory { needed_mib: f64::INFINITY, limit_mib: max_mib })?;
-        let needed_mib = symbolic.len_val() as f64 * 8.0 / BYTES_PER_MIB;
+        let mut place = vec![0; n];
+        order.iter().enumerate().for_each(|(k, &i)| place[i as usize] = k as u32);
+        let above = Above::new(a, &place);
+        let (parents, counts) = above.tree_and_counts();
+        let n_values: usize = counts.iter().sum();
+        let needed_mib = n_values as f64 * size_of::<f64>() as f64 / BYTES_PER_MIB;
         if needed_mib > max_mib {
             return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
-        let values = vec![0.0; symbolic.len_val()];
-        let mut factor = Self { symbolic, values };
-        factor.refactor(a)?;
+        let starts = running_sums(&counts);
+        let rows = above.rows_of_factor(&parents, &starts);
+        let mut factor = Self { order, place, parents, starts, rows, values: vec![0.0; n_values] };
+        factor.compute(&above)?;
         Ok(factor)
     }
 
@@ -120,21 +121,39 @@ impl Cholesky {
     /// # Errors
     /// [`SparseError::Singular`] when the matrix is not positive definite.
     pub fn refactor(&mut self, a: &Symmetric) -> Result<(), SparseError> {
-        let pattern = SymbolicSparseColMatRef::new_checked(a.n(), a.n(), &a.starts, None, &a.rows);
-        // One thread: the sums of a parallel factorization would depend on the number of threads.
-        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut self.values,
-                SparseColMatRef::new(pattern, &a.values),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut MemBuffer::new(scratch)),
-                Default::default(),
-            )
-            .map(|_| ())
-            .map_err(|_| SparseError::Singular)
+        self.compute(&Above::new(a, &self.place))
+    }
+
+    /// Computes the entries of the factor, row by row.
+    fn compute(&mut self, above: &Above) -> Result<(), SparseError> {
+        let n = self.order.len();
+        let mut next: Vec<usize> = self.starts[..n].iter().map(|start| start + 1).collect();
+        let mut walk = TreeWalk::new(n);
+        let mut x = vec![0.0; n];
+        for k in 0..n {
+            for entry in above.column(k) {
+                x[above.rows[entry] as usize] = above.values[entry];
+            }
+            let mut pivot = std::mem::take(&mut x[k]);
+            // Columns come before their ancestors in the tree, so `x[j]` is final when its turn comes.
+            for &j in walk.reach(above, &self.parents, k) {
+                let (start, end) = (self.starts[j as usize], next[j as usize]);
+                let value = std::mem::take(&mut x[j as usize]) * self.values[start].recip();
+                // Entries below row `k` are not there yet: `end` is where this row's entry goes.
+                for (&i, &entry) in self.rows[start + 1..end].iter().zip(&self.values[start + 1..end]) {
+                    x[i as usize] -= entry * value;
+                }
+                pivot -= value * value;
+                self.values[end] = value;
+                next[j as usize] += 1;
+            }
+            // A pivot that is no number is refused as well.
+            if pivot.is_nan() || pivot <= 0.0 {
+                return Err(SparseError::Singular);
+            }
+            self.values[self.starts[k]] = pivot.sqrt();
+        }
+        Ok(())
     }
 
     /// Memory of the factor.
@@ -144,48 +163,161 @@ impl Cholesky {
 
     /// Solves for one right side in place.
     pub fn solve(&self, x: &mut [f64]) {
-        let n = x.len();
-        let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let factor = LltRef::new(&self.symbolic, &self.values);
-        factor.solve_in_place_with_conj(
-            Conj::No,
-            x.rb_mut(),
-            Par::Seq,
-            MemStack::new(&mut MemBuffer::new(scratch)),
-        );
+        let column = |j: usize| {
+            let range = self.starts[j] + 1..self.starts[j + 1];
+            (self.values[self.starts[j]].recip(), &self.rows[range.clone()], &self.values[range])
+        };
+        let mut y: Vec<f64> = self.order.iter().map(|&i| x[i as usize]).collect();
+        // Forward with the columns of `L`, then back with them as the rows of its transpose.
+        for j in 0..y.len() {
+            let (inverse, rows, values) = column(j);
+            let value = y[j] * inverse;
+            y[j] = value;
+            for (&i, entry) in rows.iter().zip(values) {
+                y[i as usize] -= entry * value;
+            }
+        }
+        for j in (0..y.len()).rev() {
+            let (inverse, rows, values) = column(j);
+            let mut sum = 0.0;
+            for (&i, entry) in rows.iter().zip(values).rev() {
+                sum += entry * y[i as usize];
+            }
+            y[j] = (y[j] - sum) * inverse;
+        }
+        self.order.iter().zip(y).for_each(|(&i, y)| x[i as usize] = y);
     }
 }
 
-/// Eliminates the first unknowns of a dense symmetric matrix, `(size, size)` by columns, lower
-/// half. Their columns become those of the factor; the rest becomes the Schur complement for the
-/// other unknowns.
-///
-/// # Errors
-/// [`SparseError::Singular`] when the eliminated part is not positive definite.
-pub fn eliminate(whole: &mut [f64], size: usize, first: usize) -> Result<(), SparseError> {
-    let matrix = MatMut::from_column_major_slice_mut(whole, size, size);
-    let (mut own, _, mut below, rest) = matrix.split_at_mut(first, first);
-    let scratch = cholesky_in_place_scratch::<f64>(first, Par::Seq, Default::default());
-    let mut scratch = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut scratch);
-    cholesky_in_place(own.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
-        .map_err(|_| SparseError::Singular)?;
-    // L21 = A21 / L11', written as a solve with the transposes.
-    solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
-    // The Schur complement: A22 - L21 L21', lower half.
-    matmul(
-        rest,
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        below.rb(),
-        BlockStructure::Rectangular,
-        below.rb().transpose(),
-        BlockStructure::Rectangular,
-        -1.0,
-        Par::Seq,
-    );
-    Ok(())
+/// An order of elimination by approximate minimum degree.
+fn minimum_degree(a: &Symmetric) -> Vec<u32> {
+    let starts: Vec<i64> = a.starts.iter().map(|&start| start as i64).collect();
+    let rows: Vec<i64> = a.rows.iter().map(|&row| row as i64).collect();
+    // Any order gives a right factor: where the library refuses the pattern, the unknowns keep theirs.
+    amd::order(a.n() as i64, &starts, &rows, &amd::Control::default()).map_or_else(
+        |_| (0..a.n() as u32).collect(),
+        |(order, _, _)| order.into_iter().map(|i| i as u32).collect(),
+    )
+}
+
+/// The entries at and above the diagonal of a matrix whose rows and columns are in the order of elimination, by columns.
+struct Above {
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Above {
+    fn new(a: &Symmetric, place: &[u32]) -> Self {
+        let n = a.n();
+        let entries = |j: usize| {
+            (a.starts[j]..a.starts[j + 1]).map(move |k| {
+                let (i, j) = (place[a.rows[k]], place[j]);
+                (i.min(j), i.max(j), a.values[k])
+            })
+        };
+        let mut counts = vec![0; n];
+        (0..n).flat_map(&entries).for_each(|(_, column, _)| counts[column as usize] += 1);
+        let starts = running_sums(&counts);
+        let mut next = starts.clone();
+        let (mut rows, mut values) = (vec![0; a.rows.len()], vec![0.0; a.rows.len()]);
+        for (row, column, value) in (0..n).flat_map(&entries) {
+            let at = &mut next[column as usize];
+            (rows[*at], values[*at]) = (row, value);
+            *at += 1;
+        }
+        Self { starts, rows, values }
+    }
+
+    fn n(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Numbers of the entries of a column.
+    fn column(&self, k: usize) -> std::ops::Range<usize> {
+        self.starts[k]..self.starts[k + 1]
+    }
+
+    /// The elimination tree, and the number of entries in each column of the factor.
+    fn tree_and_counts(&self) -> (Vec<u32>, Vec<usize>) {
+        let n = self.n();
+        let (mut parents, mut counts) = (vec![NO_PARENT; n], vec![1; n]);
+        let mut seen = vec![NO_PARENT; n];
+        for k in 0..n {
+            seen[k] = k as u32;
+            for entry in self.column(k) {
+                // An entry fills the row in all ancestors of its column, up to one that is filled already.
+                let mut i = self.rows[entry] as usize;
+                while seen[i] != k as u32 {
+                    seen[i] = k as u32;
+                    counts[i] += 1;
+                    if parents[i] == NO_PARENT {
+                        parents[i] = k as u32;
+                    }
+                    i = parents[i] as usize;
+                }
+            }
+        }
+        (parents, counts)
+    }
+
+    /// Rows of the entries of the factor, rising in each column.
+    fn rows_of_factor(&self, parents: &[u32], starts: &[usize]) -> Vec<u32> {
+        let n = self.n();
+        let mut rows = vec![0; starts[n]];
+        let mut next = starts[..n].to_vec();
+        let mut walk = TreeWalk::new(n);
+        for k in 0..n {
+            let reach = walk.reach(self, parents, k).iter().copied();
+            for j in reach.chain(std::iter::once(k as u32)) {
+                rows[next[j as usize]] = k as u32;
+                next[j as usize] += 1;
+            }
+        }
+        rows
+    }
+}
+
+/// Finds the entries of a row of the factor.
+struct TreeWalk {
+    /// The row in which each column was found last.
+    seen: Vec<u32>,
+    stack: Vec<u32>,
+}
+
+impl TreeWalk {
+    fn new(n: usize) -> Self {
+        Self { seen: vec![NO_PARENT; n], stack: vec![0; n] }
+    }
+
+    /// The columns left of the diagonal in which row `k` of the factor has an entry, each before its ancestors.
+    fn reach(&mut self, above: &Above, parents: &[u32], k: usize) -> &[u32] {
+        let row = k as u32;
+        let mut top = self.stack.len();
+        self.seen[k] = row;
+        for entry in above.column(k) {
+            let mut i = above.rows[entry];
+            let mut length = 0;
+            while self.seen[i as usize] != row {
+                self.seen[i as usize] = row;
+                self.stack[length] = i;
+                length += 1;
+                i = parents[i as usize];
+            }
+            self.stack.copy_within(..length, top - length);
+            top -= length;
+        }
+        &self.stack[top..]
+    }
+}
+
+/// Where each of several runs begins, and where the last one ends.
+fn running_sums(counts: &[usize]) -> Vec<usize> {
+    let sums = counts.iter().scan(0, |sum, count| {
+        *sum += count;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(sums).collect()
 }
 
 #[cfg(test)]

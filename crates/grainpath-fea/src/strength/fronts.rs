@@ -16,7 +16,8 @@
 use grainpath_core::diagnostics::CancelFlag;
 
 use super::elements::PlateElements;
-use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
+use crate::dense_elimination::eliminate;
+use crate::sparse::{BYTES_PER_MIB, SparseError};
 
 /// The lower half of an element's stiffness by columns, `(8, 8)`.
 pub(super) type Lower = [f64; 36];
@@ -47,7 +48,8 @@ struct Front {
     added: Vec<(u32, u32, f64)>,
     /// Columns of the factor, `(2 nodes, 2 own)`.
     factor: Vec<f64>,
-    /// The Schur complement for the parent: the lower half by columns, in a square of `2 (nodes - own)`.
+    /// The Schur complement for the parent: the lower half of a square of `2 (nodes - own)`, by columns, each from the
+    /// diagonal.
     rest: Vec<f64>,
     /// Forces on the nodes that are eliminated here, N.
     forces: Vec<f64>,
@@ -127,7 +129,10 @@ impl Fronts {
             (8 * fronts.iter().map(sum).sum::<usize>()) as f64 / BYTES_PER_MIB
         };
         let needed_mib = mib(&|f| 4 * f.nodes.len() * f.own);
-        let kept_mib = mib(&|f| 4 * (f.nodes.len() - f.own).pow(2));
+        let kept_mib = mib(&|f| {
+            let n = 2 * (f.nodes.len() - f.own);
+            n * (n + 1) / 2
+        });
         if needed_mib > max_mib {
             return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
@@ -199,10 +204,11 @@ impl Front {
         for half in halves.into_iter().flatten() {
             let n = 2 * half.up.len();
             let at = |i: usize| 2 * half.up[i / 2] as usize + i % 2;
+            let mut rest = half.rest.iter();
             for j in 0..n {
-                let (to, column) = (at(j), &half.rest[j * n..(j + 1) * n]);
-                for i in j..n {
-                    add(at(i), to, column[i]);
+                let to = at(j);
+                for (i, value) in (j..n).zip(&mut rest) {
+                    add(at(i), to, *value);
                 }
                 self.eased[to] += half.eased[2 * half.own + j];
             }
@@ -211,8 +217,9 @@ impl Front {
         self.factor.clear();
         self.factor.extend_from_slice(&whole[..k * size]);
         self.rest.clear();
-        for column in whole[k * size..].chunks_exact(size.max(1)) {
-            self.rest.extend_from_slice(&column[k..]);
+        self.rest.reserve_exact((size - k) * (size - k + 1) / 2);
+        for (j, column) in whole[k * size..].chunks_exact(size.max(1)).enumerate() {
+            self.rest.extend_from_slice(&column[k + j..]);
         }
         for (j, column) in self.factor.chunks_exact(size.max(1)).enumerate() {
             let value = self.eased[j] / column[j];

@@ -19,6 +19,7 @@
 //!
 //! Lengths are in mm, loads in N. The cost is one solution for each state, usually 20 to 200.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use grainpath_core::DVec3;
@@ -157,11 +158,10 @@ pub(super) fn run_to_failure(
         (0..part.n_plies()).map(|p| PlyState::whole(&limits[part.material(p)])).collect();
     let mut history = History::default();
     let mut first_index = Vec::new();
-    let mut equilibrium = Equilibrium { states: states.clone(), factor: 0.0, n_states: 0, flexibility: 0.0 };
+    let mut equilibrium = Equilibrium::default();
     let mut broke_at = vec![None; n];
-    // Elements whose damage changed since the last equilibrium.
-    let mut touched = Vec::new();
-    let (mut indices, mut weakest) = (vec![Vec::new(); n], vec![WeakestPly::NONE; n]);
+    let mut indices = vec![FailureIndices::default(); part.n_plies()];
+    let mut weakest = vec![WeakestPly::NONE; n];
     let (mut level, mut step) = (0.0, control.first_step);
     let past_peak = loop {
         cancel.check()?;
@@ -172,9 +172,12 @@ pub(super) fn run_to_failure(
             let weakest = weakest_ply(part, e, &indices, &states);
             (indices, weakest)
         };
-        let new: Vec<_> = changed.par_iter().map(evaluate).collect();
-        for (e, new) in changed.into_iter().zip(new) {
-            (indices[e], weakest[e]) = new;
+        for elements in changed.chunks(EVALUATED_AT_ONCE) {
+            let new: Vec<_> = elements.par_iter().map(evaluate).collect();
+            for (&e, new) in elements.iter().zip(new) {
+                indices[part.plies(e)].copy_from_slice(&new.0);
+                weakest[e] = new.1;
+            }
         }
         // The load factor at which the next ply fails further.
         let critical = weakest.iter().map(|w| w.load_factor).fold(f64::INFINITY, f64::min);
@@ -186,7 +189,7 @@ pub(super) fn run_to_failure(
         }
         history.push(critical, flexibility);
         if first_index.is_empty() {
-            let highest = |e: usize| indices[e].iter().flat_map(|p| p.index).fold(0.0, f64::max);
+            let highest = |e: usize| indices[part.plies(e)].iter().flat_map(|p| p.index).fold(0.0, f64::max);
             first_index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
         }
         let collapsed = critical < control.collapse_load * history.max_factor()
@@ -198,9 +201,11 @@ pub(super) fn run_to_failure(
         }
         if failed {
             // The peak lies within this step: back to the last equilibrium, and on in smaller steps.
-            states.clone_from(&equilibrium.states);
-            part.update_stiffness(&touched, &states)?;
-            for e in touched.drain(..).filter(|e| lost_share(part, &states, *e) < BROKEN_SHARE) {
+            let before = std::mem::take(&mut equilibrium.before);
+            before.iter().for_each(|(e, before)| states[part.plies(*e)].copy_from_slice(before));
+            let changed: Vec<usize> = before.into_keys().collect();
+            part.update_stiffness(&changed, &states)?;
+            for e in changed.into_iter().filter(|e| lost_share(part, &states, *e) < BROKEN_SHARE) {
                 broke_at[e] = None;
             }
             history.return_to(equilibrium.n_states);
@@ -209,31 +214,37 @@ pub(super) fn run_to_failure(
             continue;
         }
         if critical > (1.0 - control.tolerance) * level {
-            equilibrium.states.clone_from(&states);
-            touched.clear();
+            equilibrium.before.clear();
             equilibrium.factor = critical;
             equilibrium.n_states = history.factors.len();
             equilibrium.flexibility = flexibility;
             level = critical * (1.0 + step);
         }
-        let changed = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
+        let grown = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
+        let changed: Vec<usize> = grown.iter().map(|(e, _)| *e).collect();
+        for (e, before) in grown {
+            equilibrium.before.entry(e).or_insert(before);
+        }
         part.update_stiffness(&changed, &states)?;
         for &e in changed.iter().filter(|e| lost_share(part, &states, **e) >= BROKEN_SHARE) {
             // The damage of now is that of the next state.
             broke_at[e].get_or_insert(history.factors.len() as u32);
         }
-        touched.extend(changed);
-        touched.sort_unstable();
-        touched.dedup();
     };
     let last = history.factors.len().saturating_sub(1) as u32;
     let broke_at = broke_at.into_iter().map(|at| at.map(|at| at.min(last))).collect();
     Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first_index, past_peak) })
 }
 
+/// Elements whose failure indices are found at once and then stored: their copies are all that is held twice. Source:
+/// chosen; it changes memory alone.
+const EVALUATED_AT_ONCE: usize = 4096;
+
 /// The last state in which the part carried the level of the load.
+#[derive(Default)]
 struct Equilibrium {
-    states: Vec<PlyState>,
+    /// The states of plies in it, by element, where they have changed since.
+    before: BTreeMap<usize, Vec<PlyState>>,
     factor: f64,
     /// Number of states in the history up to this one.
     n_states: usize,
@@ -280,16 +291,16 @@ fn weakest_ply(
 
 /// Raises the damage of plies that fail below a level of the load. Of elements side by side across a crack only the
 /// weakest is damaged: together they spend the energy of one crack, and the first to lose stiffness relieves the
-/// others. Returns the elements that changed.
+/// others. Returns the elements that changed, with their states until now.
 fn grow_damage(
     part: &dyn LoadedPart,
-    indices: &[Vec<FailureIndices>],
+    indices: &[FailureIndices],
     weakest: &[WeakestPly],
     states: &mut [PlyState],
     limits: &[FinalStrains],
     level: f64,
     control: &StepControl,
-) -> Vec<usize> {
+) -> Vec<(usize, Vec<PlyState>)> {
     let mut changed = Vec::new();
     let is_weakest_across = |e: usize| {
         let own = weakest[e];
@@ -299,9 +310,10 @@ fn grow_damage(
             its > own.load_factor || (its == own.load_factor && other > e)
         })
     };
-    for e in (0..indices.len()).filter(|&e| weakest[e].load_factor < level && is_weakest_across(e)) {
+    for e in (0..weakest.len()).filter(|&e| weakest[e].load_factor < level && is_weakest_across(e)) {
         let mut element_changed = false;
-        for (p, indices) in part.plies(e).zip(&indices[e]) {
+        let unchanged = states[part.plies(e)].to_vec();
+        for (p, indices) in part.plies(e).zip(&indices[part.plies(e)]) {
             let state = &mut states[p];
             let limits = &limits[part.material(p)];
             let mut ply_changed = false;
@@ -328,7 +340,7 @@ fn grow_damage(
             }
         }
         if element_changed {
-            changed.push(e);
+            changed.push((e, unchanged));
         }
     }
     changed
