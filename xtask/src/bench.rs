@@ -7,6 +7,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use crate::measured::Table;
+
 /// Cost of one program for one part.
 #[derive(Clone, Copy)]
 pub struct Cost {
@@ -67,21 +69,26 @@ pub fn slicing(parts: &[&str]) -> Result<(), String> {
     println!(
         "\n{RUNS} runs each (skull: 1), best wall time and highest peak. 0.2 mm layers, 2 walls, 20 % grid.\n"
     );
-    println!("| part | program | wall s | peak MiB | our time / its | our memory / its | travel m |");
-    println!("|---|---|---|---|---|---|---|");
+    let table = Table::new(
+        "slicing",
+        &["part", "program", "wall s", "peak MiB", "our time / its", "our memory / its", "travel m"],
+        2,
+    );
     for &part in parts {
         let mut ours = None;
         for program in PROGRAMS {
             let Some((cost, gcode)) = bench.cost(program, part, 0.2)? else { continue };
             let ours = *ours.get_or_insert(cost);
             let travel = bench.measure(&gcode, None)?["travel_mm"].as_f64().unwrap_or(f64::NAN) / 1e3;
-            println!(
-                "| {part} | {program} | {:.2} | {:.0} | {:.2} | {:.2} | {travel:.1} |",
-                cost.wall_s,
-                cost.peak_mib,
-                ours.wall_s / cost.wall_s,
-                ours.peak_mib / cost.peak_mib
-            );
+            table.row(&[
+                part.to_owned(),
+                program.to_owned(),
+                format!("{:.2}", cost.wall_s),
+                format!("{:.0}", cost.peak_mib),
+                format!("{:.2}", ours.wall_s / cost.wall_s),
+                format!("{:.2}", ours.peak_mib / cost.peak_mib),
+                format!("{travel:.1}"),
+            ]);
         }
     }
     Ok(())
@@ -91,8 +98,11 @@ pub fn slicing(parts: &[&str]) -> Result<(), String> {
 pub fn quality() -> Result<(), String> {
     let bench = Bench::prepare()?;
     println!("\n100 % rectilinear; shares of the part's area in %.\n");
-    println!("| part | program | gap | spill | overlap | volume / mesh | travel m |");
-    println!("|---|---|---|---|---|---|---|");
+    let table = Table::new(
+        "quality",
+        &["part", "program", "gap", "spill", "overlap", "volume / mesh", "travel m"],
+        2,
+    );
     for part in ["plate_holes", "featuretype", "hinge", "screw"] {
         for program in PROGRAMS {
             let Some((_, gcode)) = bench.cost(program, part, 1.0)? else { continue };
@@ -100,14 +110,15 @@ pub fn quality() -> Result<(), String> {
             let against = &found["against_mesh"];
             let percent = |key: &str| 100.0 * against[key].as_f64().unwrap_or(f64::NAN);
             let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
-            println!(
-                "| {part} | {program} | {:.2} | {:.2} | {:.2} | {:.4} | {:.1} |",
-                percent("gap"),
-                percent("spill"),
-                percent("overlap"),
-                number(&found["part_mm3"]) / number(&against["mesh_mm3"]),
-                number(&found["travel_mm"]) / 1e3
-            );
+            table.row(&[
+                part.to_owned(),
+                program.to_owned(),
+                format!("{:.2}", percent("gap")),
+                format!("{:.2}", percent("spill")),
+                format!("{:.2}", percent("overlap")),
+                format!("{:.3}", number(&found["part_mm3"]) / number(&against["mesh_mm3"])),
+                format!("{:.1}", number(&found["travel_mm"]) / 1e3),
+            ]);
         }
     }
     Ok(())
@@ -127,10 +138,9 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
         "\nCritical angle 40 deg, 0.2 mm layers, 2 walls, 15 % grid; support alone, and the whole print.\n"
     );
     // Grams compare fairly only where the part is held equally well, so the length that is not held stands beside them.
-    println!(
-        "| part | program | support g | whole g | print min | over air for more than 10 mm, mm | wall s | peak MiB |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
+    let header =
+        ["part", "program", "support g", "whole g", "print min", "over air mm", "wall s", "peak MiB"];
+    let table = Table::new("support", &header, 2);
     let mut equal = Vec::new();
     for &part in parts {
         let mut rows: Vec<SupportRow> = Vec::new();
@@ -157,15 +167,16 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
                 grams: number(&found["support_g"]),
                 over_air_mm: not_held(&out)?,
             };
-            println!(
-                "| {part} | {name} | {:.2} | {:.2} | {:.0} | {} | {:.2} | {:.0} |",
-                row.grams,
-                number(&found["total_g"]),
-                number(&inspected["time_s"]) / 60.0,
-                row.over_air_mm,
-                cost.wall_s,
-                cost.peak_mib
-            );
+            table.row(&[
+                part.to_owned(),
+                name.to_owned(),
+                format!("{:.2}", row.grams),
+                format!("{:.2}", number(&found["total_g"])),
+                format!("{:.0}", number(&inspected["time_s"]) / 60.0),
+                row.over_air_mm.to_string(),
+                format!("{:.2}", cost.wall_s),
+                format!("{:.0}", cost.peak_mib),
+            ]);
             rows.push(row);
         }
         equal.extend(equal_held(part, &rows));

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::bench_paths::{HEADER, field_of_bar, row};
+use crate::bench_paths::{field_of_bar, row, table};
 
 /// Numbers of cells of the plates that are timed.
 const CELLS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
@@ -29,7 +29,7 @@ pub fn run() -> Result<(), String> {
         Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
     )?;
     let field = field_of_bar(&folder)?;
-    println!("{HEADER}");
+    let paths = table("continuous");
     for (name, more) in [
         ("variable", ["fill.widths=variable", "fill.tree=directed"]),
         ("constant", ["fill.widths=constant", "fill.tree=directed"]),
@@ -41,7 +41,7 @@ pub fn run() -> Result<(), String> {
         command.args(["--set", "fill.pattern=continuous", "--set", more[0], "--set", more[1], "--out"]);
         let text = crate::output(command.arg(&out).arg(folder.join("tension.toml")))?;
         let gcode = out.join("out/tension.gcode");
-        row("tensile bar", name, &text, &gcode, &folder.join("tension.stl"), &field)?;
+        row(&paths, "tensile bar", name, &text, &gcode, &folder.join("tension.stl"), &field)?;
     }
     for smoothing_mm in ["0.5", "0.25"] {
         sections(&grainpath, &folder, smoothing_mm)?;

@@ -6,6 +6,8 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
+use crate::measured::Table;
+
 /// The machined bracket of the data, with the conditions of its CalculiX result: held at least x, 500 N
 /// down at greatest x.
 const BRACKET: &str = "
@@ -26,8 +28,21 @@ force_n = [0, 0, -500]
 density = 1.0
 ";
 
-/// Header of the table whose lines `row` prints.
-pub const HEADER: &str = "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |\n|---|---|---|---|---|---|---|---|---|";
+/// The table whose lines [`row`] prints.
+pub fn table(bench: &'static str) -> Table {
+    let header = [
+        "part",
+        "fill",
+        "seconds",
+        "mean deg",
+        "within 15 deg %",
+        "gap %",
+        "overlap %",
+        "spill %",
+        "widths mm",
+    ];
+    Table::new(bench, &header, 2)
+}
 
 /// Plans the tensile bar and the bracket, and prints the angles between their fill and CalculiX's
 /// principal stresses, with gap, overlap and spill from the outside check.
@@ -45,7 +60,7 @@ pub fn run() -> Result<(), String> {
     )?;
 
     let field = field_of_bar(&folder)?;
-    println!("{HEADER}");
+    let paths = table("paths");
     for job in ["tension", "tension-seed-lines", "tension-0", "tension-90"] {
         let text = crate::output(
             Command::new(&grainpath)
@@ -53,6 +68,7 @@ pub fn run() -> Result<(), String> {
                 .arg(folder.join(job).with_extension("toml")),
         )?;
         row(
+            &paths,
             "tensile bar",
             job,
             &text,
@@ -63,6 +79,7 @@ pub fn run() -> Result<(), String> {
     }
 
     speed(&grainpath, &folder)?;
+    let paths = table("paths");
 
     let field = folder.join("bracket.npz");
     python(&["vtu".as_ref(), data.join("fea/bracket.vtu").as_path(), field.as_path()])?;
@@ -83,7 +100,7 @@ pub fn run() -> Result<(), String> {
         );
         fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
         let text = crate::output(Command::new(&grainpath).args(["run", "--json"]).arg(&path))?;
-        row("bracket", pattern, &text, &path.with_extension("gcode"), &mesh, &field)?;
+        row(&paths, "bracket", pattern, &text, &path.with_extension("gcode"), &mesh, &field)?;
     }
     Ok(())
 }
@@ -121,7 +138,6 @@ fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
             report["stress"]["dofs"], report["stages_s"]["guide"], report["stages_s"]["fill"]
         );
     }
-    println!("{HEADER}");
     Ok(())
 }
 
@@ -138,6 +154,7 @@ fn python(args: &[&Path]) -> Result<(), String> {
 
 /// Seconds, angles and shares of one plan, as the outside check finds them.
 pub fn row(
+    table: &Table,
     part: &str,
     fill: &str,
     report: &str,
@@ -154,14 +171,17 @@ pub fn row(
         serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("gcode_check.py: {e}"))?;
     let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
     let (angle, against) = (&found["alignment"], &found["against_mesh"]);
-    println!(
-        "| {part} | {fill} | {seconds:.1} | {:.2} | {:.3} | {:.2} | {:.2} | {:.2} | {} |",
-        number(&angle["mean_deg"]),
-        number(&angle["within_15_deg"]),
-        100.0 * number(&against["gap"]),
-        100.0 * number(&against["overlap"]),
-        100.0 * number(&against["spill"]),
-        report["quality"]["bead_width_mm"]
-    );
+    let percent = |key: &str| format!("{:.2}", 100.0 * number(&against[key]));
+    table.row(&[
+        part.to_owned(),
+        fill.to_owned(),
+        format!("{seconds:.1}"),
+        format!("{:.2}", number(&angle["mean_deg"])),
+        format!("{:.1}", 100.0 * number(&angle["within_15_deg"])),
+        percent("gap"),
+        percent("overlap"),
+        percent("spill"),
+        report["quality"]["bead_width_mm"].to_string(),
+    ]);
     Ok(())
 }

@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::bench::{Bench, Cost, PROGRAMS, timed, timed_output};
+use crate::measured::Table;
 
 /// A test: what it is, its job, settings beside it, and the most it may take in seconds and MiB.
 type Case<'a> = (&'a str, &'a str, &'a [&'a str], f64, f64);
@@ -143,20 +144,34 @@ impl Published {
             "\n{}; cells of {cell_mm} mm, corners of the card; {:.0} s by the clock, {:.0} s of processors, {:.0} MiB.\n",
             self.what, cost.wall_s, cost.cpu_s, cost.peak_mib
         );
-        println!("| plan | mass g | stiffness N/mm | peak N | moved when cells were halved | fails mostly |");
-        println!("|---|---|---|---|---|---|");
+        let header = [
+            "example",
+            "job",
+            "plan",
+            "mass g",
+            "stiffness N/mm",
+            "peak N",
+            "low N",
+            "high N",
+            "moved when cells were halved %",
+            "fails mostly",
+        ];
+        let table = Table::new("strength", &header, 2);
         let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
-        for ((_, plan), row) in self.plans.iter().zip(rows) {
-            println!(
-                "| {plan} | {:.2} | {:.0} | {:.0} ({:.0}-{:.0}) | {:.1} % | {} |",
-                number(&row["mass_g"]),
-                number(&row["stiffness_n_per_mm"]),
-                number(&row["peak_load_n"]),
-                number(&row["low_n"]),
-                number(&row["high_n"]),
-                100.0 * number(&row["mesh_change"]),
-                row["mode"].as_str().unwrap_or_default()
-            );
+        for ((job, plan), row) in self.plans.iter().zip(rows) {
+            let whole = |key: &str| format!("{:.0}", number(&row[key]));
+            table.row(&[
+                self.example.to_owned(),
+                (*job).to_owned(),
+                (*plan).to_owned(),
+                format!("{:.2}", number(&row["mass_g"])),
+                whole("stiffness_n_per_mm"),
+                whole("peak_load_n"),
+                whole("low_n"),
+                whole("high_n"),
+                format!("{:.1}", 100.0 * number(&row["mesh_change"])),
+                row["mode"].as_str().unwrap_or_default().to_owned(),
+            ]);
         }
         println!("\n| comparison | paper | ours |\n|---|---|---|");
         for &(a, b, paper) in self.paper {

@@ -1,12 +1,14 @@
-//! Measured figures of the README: one file holds them, and the table is made from it.
+//! Measured figures of the README: one file says which, and the table is made from it.
 //!
-//! `docs/figures.toml` has a row for each figure with the command that measures it, the page that tells of the
-//! measurement, and the pieces of that page that hold the numbers. [`run`] fails where the table of `README.md` is not
-//! the one that the file makes, where a piece is no longer in its page, or where a number of the table is in none of
-//! the pieces. A new measurement therefore changes the page, the file and the README together.
+//! `docs/figures.toml` has a row for each figure with the command that measures it and the page that tells of the
+//! measurement. Its numbers are keys of `docs/measured.toml` in braces, as `{slicing.benchy.grainpath.wall-s} s`. [`run`]
+//! fails where the table of `README.md` is not the one that both files make, where a number of the table is typed, or
+//! where a page quotes another number than the measured one ([`crate::measured`]).
 
 use std::fmt::Write;
 use std::fs;
+
+use crate::measured::Measured;
 
 /// The figures.
 const FILE: &str = "docs/figures.toml";
@@ -24,17 +26,19 @@ struct Figure {
     beside: String,
     command: String,
     page: String,
-    quotes: Vec<String>,
-    measured: String,
 }
 
-/// Compares the table with the file, or writes it.
+/// Compares the table and the pages with the files, or writes them.
 pub fn run(words: &[&str]) -> Result<(), String> {
+    let measured = Measured::read()?;
     let figures = parse(&read(FILE)?)?;
     let page = read(PAGE)?;
-    let made = with_table(&page, &table(&figures))?;
+    let made = with_table(&page, &table(&figures, &measured)?)?;
     match words {
-        ["--write"] => fs::write(crate::root().join(PAGE), &made).map_err(|e| format!("{PAGE}: {e}"))?,
+        ["--write"] => {
+            fs::write(crate::root().join(PAGE), &made).map_err(|e| format!("{PAGE}: {e}"))?;
+            measured.renew_pages()?;
+        }
         [] if made != page => {
             return Err(format!(
                 "the table of {PAGE} is not that of {FILE}; `cargo xtask figures --write` writes it"
@@ -43,10 +47,11 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         [] => {}
         _ => return Err("usage: cargo xtask figures [--write]".to_owned()),
     }
-    for figure in &figures {
-        unfounded(figure, &read(&figure.page)?)?;
-    }
-    println!("{} figures of {PAGE} stand in their pages", figures.len());
+    let n_quotes = measured.check_pages()?;
+    println!(
+        "{} figures of {PAGE} and {n_quotes} numbers of pages are those that were measured",
+        figures.len()
+    );
     Ok(())
 }
 
@@ -58,27 +63,44 @@ fn parse(text: &str) -> Result<Vec<Figure>, String> {
             let value = row.get(key).and_then(toml::Value::as_str);
             value.map(str::to_owned).ok_or(format!("{FILE}: a figure lacks `{key}`: {row}"))
         };
-        let quotes = row.get("quotes").and_then(toml::Value::as_array).cloned().unwrap_or_default();
         Ok(Figure {
             what: text("what")?,
             ours: text("ours")?,
             beside: text("beside")?,
             command: text("command")?,
             page: text("page")?,
-            quotes: quotes.iter().filter_map(|q| q.as_str().map(str::to_owned)).collect(),
-            measured: text("measured")?,
         })
     };
     rows.iter().map(read).collect()
 }
 
-fn table(figures: &[Figure]) -> String {
+fn table(figures: &[Figure], measured: &Measured) -> Result<String, String> {
     let mut out = String::from("| measured | grainpath | beside | with |\n|---|---|---|---|\n");
     for f in figures {
-        let _ =
-            writeln!(out, "| {} | **{}** | {} | [`{}`]({}) |", f.what, f.ours, f.beside, f.command, f.page);
+        let (ours, beside) = (filled(&f.ours, measured)?, filled(&f.beside, measured)?);
+        let _ = writeln!(out, "| {} | **{ours}** | {beside} | [`{}`]({}) |", f.what, f.command, f.page);
     }
-    out
+    Ok(out)
+}
+
+/// A text with its keys replaced by their numbers.
+fn filled(text: &str, measured: &Measured) -> Result<String, String> {
+    let (mut out, mut typed) = (String::new(), String::new());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('{') {
+        let (key, after) = after.split_once('}').ok_or_else(|| format!("{FILE}: {text:?} lacks a brace"))?;
+        typed += before;
+        out += before;
+        out += measured.value(key)?;
+        rest = after;
+    }
+    typed += rest;
+    if typed.contains(|c: char| c.is_ascii_digit()) || out.is_empty() {
+        return Err(format!(
+            "{FILE}: {text:?} holds a number that is typed; it should be the key of a measurement"
+        ));
+    }
+    Ok(out + rest)
 }
 
 fn with_table(page: &str, table: &str) -> Result<String, String> {
@@ -86,28 +108,6 @@ fn with_table(page: &str, table: &str) -> Result<String, String> {
     let (before, rest) = page.split_once(BEGIN).ok_or_else(lacks)?;
     let (_, after) = rest.split_once(END).ok_or_else(lacks)?;
     Ok(format!("{before}{BEGIN}\n{table}{END}{after}"))
-}
-
-/// Fails where a quote is not in the page, or a number in no quote.
-fn unfounded(figure: &Figure, page: &str) -> Result<(), String> {
-    if let Some(quote) = figure.quotes.iter().find(|q| !page.contains(*q)) {
-        return Err(format!("{}: {} does not hold {quote:?}", figure.what, figure.page));
-    }
-    if figure.measured.split(", ").count() != 2 {
-        return Err(format!("{}: `measured` should be a date and a commit", figure.what));
-    }
-    let quoted: Vec<String> = figure.quotes.iter().flat_map(|q| numbers(q)).collect();
-    let told = [numbers(&figure.ours), numbers(&figure.beside)].concat();
-    match told.iter().find(|n| !quoted.contains(n)) {
-        None => Ok(()),
-        Some(n) => Err(format!("{}: {n} is in none of the quotes of {}", figure.what, figure.page)),
-    }
-}
-
-/// The numbers of a text, as they are written.
-fn numbers(text: &str) -> Vec<String> {
-    let parts = text.split(|c: char| !c.is_ascii_digit() && c != '.');
-    parts.map(|p| p.trim_matches('.').to_owned()).filter(|p| !p.is_empty()).collect()
 }
 
 fn read(path: &str) -> Result<String, String> {
@@ -118,38 +118,26 @@ fn read(path: &str) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    fn figure(ours: &str) -> Figure {
-        Figure {
-            what: "a part".into(),
-            ours: ours.into(),
-            beside: "peer 2.5 s".into(),
-            command: "cargo xtask bench".into(),
-            page: "docs/page.md".into(),
-            quotes: vec!["| part | 0.4 s | 2.5 s |".into()],
-            measured: "2026-01-01, abc".into(),
-        }
+    #[test]
+    fn numbers_come_from_the_measurement_alone() {
+        let measured =
+            Measured::parse("[\"slicing.benchy\"]\nwall-s = \"0.46\"\npeak-mib = \"24\"\n").expect("a file");
+        let fill = |text: &str| filled(text, &measured);
+        assert_eq!(
+            fill("{slicing.benchy.wall-s} s, {slicing.benchy.peak-mib} MiB"),
+            Ok("0.46 s, 24 MiB".to_owned())
+        );
+        assert!(fill("0.46 s").is_err_and(|e| e.contains("typed")));
+        assert!(fill("{slicing.benchy.wall-s} s, 24 MiB").is_err_and(|e| e.contains("typed")));
+        assert!(fill("24 MiB, {slicing.benchy.wall-s} s").is_err_and(|e| e.contains("typed")));
+        assert!(fill("{slicing.bunny.wall-s} s").is_err_and(|e| e.contains("has no")));
+        assert!(fill("fast").is_err());
     }
 
     #[test]
-    fn a_number_that_no_page_holds_is_found() {
-        let page = "text\n| part | 0.4 s | 2.5 s | more |\n";
-        assert_eq!(unfounded(&figure("0.4 s"), page), Ok(()));
-        assert!(unfounded(&figure("0.3 s"), page).is_err_and(|e| e.contains("0.3 is in none")));
-        assert!(
-            unfounded(&figure("0.4 s"), "| part | 0.5 s | 2.5 s |")
-                .is_err_and(|e| e.contains("does not hold"))
-        );
-    }
-
-    #[test]
-    fn the_table_replaces_what_stands_between_its_lines() {
-        let page = format!("# Title\n{BEGIN}\nold\n{END}\nrest\n");
-        let made = with_table(&page, &table(&[figure("0.4 s")])).expect("both lines");
-        assert!(
-            made.starts_with("# Title\n") && made.ends_with("\nrest\n") && !made.contains("old"),
-            "{made}"
-        );
-        assert!(made.contains("| a part | **0.4 s** | peer 2.5 s |"), "{made}");
-        assert!(with_table("no table", "").is_err());
+    fn a_page_without_the_marks_is_refused() {
+        assert!(with_table("no marks", "table").is_err());
+        let page = format!("a\n{BEGIN}\nold\n{END}\nb");
+        assert_eq!(with_table(&page, "new\n"), Ok(format!("a\n{BEGIN}\nnew\n{END}\nb")));
     }
 }

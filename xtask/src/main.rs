@@ -24,6 +24,7 @@ mod ignored;
 mod invariants;
 mod json;
 mod licences;
+mod measured;
 mod nightly;
 mod page;
 mod pages;
@@ -51,6 +52,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   texts [SEED [COUNT]]  comments, messages and texts of settings drawn at random (40), to be read as by a stranger
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
+  bench NAME ... --record  writes the numbers of its tables into docs/measured.toml, from where pages quote them
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench ct [SCAN...]  scans to G-code beside marching cubes, STL and PrusaSlicer (hub engine),
@@ -79,7 +81,8 @@ const USAGE: &str = "usage: cargo xtask <command>
                    `book run [PAGE...]` runs the command blocks of the pages, `book pictures` renews their pictures,
                    `book json` holds the page of the JSON reports against what jobs print
   deb [PROGRAM] [--root]  a Debian package of target/release/grainpath, held against lintian; --root tries it in a bare root
-  figures [--write]  the table of README.md beside docs/figures.toml, or writes it
+  figures [--write]  the numbers that pages quote beside docs/measured.toml and the table of README.md beside
+                   docs/figures.toml, or writes them
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
   licences         writes what `grainpath licences` prints, after dependencies changed
   wasm [--binary PATH]  the planner as a page of one file, below target/wasm; its G-code in Node beside the program's
@@ -89,7 +92,10 @@ const USAGE: &str = "usage: cargo xtask <command>
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let mut words: Vec<&str> = args.iter().map(String::as_str).collect();
+    // A bench that records prints the same tables; what they hold is written when it has ended well.
+    let records = words.first() == Some(&"bench") && words.contains(&"--record");
+    words.retain(|word| !records || *word != "--record");
     let outcome = match words.as_slice() {
         ["test", words @ ..] => TestOptions::parse(words).and_then(|options| test(&options)),
         ["nightly"] => nightly::run(),
@@ -132,6 +138,7 @@ fn main() -> ExitCode {
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
         _ => Err(USAGE.to_owned()),
     };
+    let outcome = outcome.and_then(|()| if records { measured::save() } else { Ok(()) });
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {

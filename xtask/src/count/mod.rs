@@ -39,7 +39,7 @@ enum Better {
 }
 
 /// The counts: name, direction of improvement, and what is counted.
-const COUNTS: [(&str, Better, &str); 15] = [
+const COUNTS: [(&str, Better, &str); 16] = [
     (
         "largest_crate_percent",
         Better::Less,
@@ -67,6 +67,11 @@ const COUNTS: [(&str, Better, &str); 15] = [
     ),
     ("constants_without_source_elsewhere", Better::Less, "named numbers of all other folders"),
     ("empty_tests", Better::Less, "tests that can return early or assert nothing"),
+    (
+        "tables_without_keys",
+        Better::Less,
+        "tables of measured figures in pages of docs without a key of docs/measured.toml",
+    ),
 ];
 
 /// The folders whose constants decide what is printed or how strong the print is.
@@ -94,7 +99,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         ["--list", name] => list(&crate::root(), name),
         // Another state of the sources, such as an older commit.
         ["--in", folder] => {
-            let counts = count(&source::read(Path::new(folder))?);
+            let counts = count(Path::new(folder))?;
             for (name, _, what) in COUNTS {
                 println!("{name:<42} {:>8}   {what}", counts[name].value);
             }
@@ -109,7 +114,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
 
 /// Prints the places that make up a count.
 fn list(root: &Path, name: &str) -> Result<(), String> {
-    let counts = count(&source::read(root)?);
+    let counts = count(root)?;
     let count = counts.get(name).ok_or_else(|| format!("no count {name:?}"))?;
     for place in &count.places {
         println!("{place}");
@@ -123,7 +128,7 @@ fn check(root: &Path, tighten: bool) -> Result<(), String> {
     let file = root.join("xtask/counts.toml");
     let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
     let mut limits = limits(&text)?;
-    let counts = count(&source::read(root)?);
+    let counts = count(root)?;
     let mut missed = Vec::new();
     for (name, better, what) in COUNTS {
         let value = counts[name].value;
@@ -168,7 +173,8 @@ fn table(limits: &BTreeMap<String, f64>) -> String {
 }
 
 /// All counts of a state of the sources.
-fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
+fn count(root: &Path) -> Result<BTreeMap<&'static str, Count>, String> {
+    let workspace = &source::read(root)?;
     let sources = &workspace.sources;
     let every_arrow = cycles::arrows(sources);
     let arrows = cycles::without_parents(sources, &every_arrow);
@@ -188,7 +194,7 @@ fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
     let (_, empty) = tests_that_pass_empty::find(&workspace.tests);
     let empty = empty.into_iter().map(|e| format!("{}: {} {}", e.path, e.name, e.what));
     let plain = |value: f64| Count { value, places: Vec::new() };
-    BTreeMap::from([
+    Ok(BTreeMap::from([
         ("largest_crate_percent", largest_crate(workspace)),
         ("file_cycles", Count::of_places(cycles_of(&arrows))),
         ("cycles_with_parents", Count::of_places(cycles_of(&every_arrow))),
@@ -207,7 +213,8 @@ fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
         ("constants_without_source_in_four_folders", without(true)),
         ("constants_without_source_elsewhere", without(false)),
         ("empty_tests", Count::of_places(empty.collect())),
-    ])
+        ("tables_without_keys", Count::of_places(crate::measured::tables_without_keys(root)?)),
+    ]))
 }
 
 fn per_1000(sources: &[Source], class: Line) -> f64 {

@@ -1,0 +1,338 @@
+//! Measured numbers: one file holds them, benches write it, and pages quote it by key.
+//!
+//! `cargo xtask bench NAME --record` writes each number of the tables that a bench prints into `docs/measured.toml`, with
+//! the date, the commit and the machine. A page quotes a number as `0.46<!--slicing.benchy.grainpath.wall-s-->`: the
+//! comment is invisible and names the key. [`Measured::check_pages`] fails where a quoted number is not the one of the file, or the
+//! key is not there; [`Measured::renew_pages`] writes the numbers into the pages. So a new measurement reaches every page that tells
+//! of it, and no page can keep an old one.
+//!
+//! A page may round: `12<!--KEY-->` holds where the recorded number is `12.4`, with as many digits as the page gives.
+//!
+//! Tables of pages that hold measured figures without a key are counted by `cargo xtask count`, and may only become
+//! fewer ([`tables_without_keys`]).
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// The numbers.
+const FILE: &str = "docs/measured.toml";
+/// What stands above them.
+const HEAD: &str = "# Measured numbers, written by `cargo xtask bench NAME --record`. Pages quote them by key, see \
+                    xtask/src/measured.rs.\n";
+const OPENS: &str = "<!--";
+const CLOSES: &str = "-->";
+
+/// Pages whose tables are written by programs, from what they print or from the sources.
+const GENERATED: [&str; 6] =
+    ["commands.md", "constants.md", "fuzzing.md", "nightly.md", "settings.md", "warnings.md"];
+
+/// Numbers of this run by group and name, until [`save`] writes them.
+static FOUND: Mutex<Groups> = Mutex::new(BTreeMap::new());
+
+/// Numbers by name, in groups: a row of a table is a group.
+type Groups = BTreeMap<String, BTreeMap<String, String>>;
+
+/// A table that a bench prints row by row.
+pub struct Table {
+    bench: &'static str,
+    columns: Vec<String>,
+    /// How many of the first columns name the row.
+    n_names: usize,
+}
+
+impl Table {
+    /// Prints the head of a table.
+    pub fn new(bench: &'static str, header: &[&str], n_names: usize) -> Self {
+        println!("\n| {} |\n|{}", header.join(" | "), "---|".repeat(header.len()));
+        Self { bench, columns: header.iter().map(|h| key(h)).collect(), n_names }
+    }
+
+    /// Prints a row and keeps its numbers.
+    pub fn row(&self, cells: &[String]) {
+        println!("| {} |", cells.join(" | "));
+        let names = cells.iter().take(self.n_names).map(|c| key(c));
+        let group = std::iter::once(self.bench.to_owned()).chain(names).collect::<Vec<_>>().join(".");
+        let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+        let values = found.entry(group).or_default();
+        for (column, cell) in self.columns.iter().zip(cells).skip(self.n_names) {
+            values.insert(column.clone(), cell.clone());
+        }
+    }
+}
+
+/// A text as a part of a key: small letters and digits, with `-` for all between.
+fn key(text: &str) -> String {
+    let parts = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|p| !p.is_empty());
+    parts.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+}
+
+/// Writes the numbers of this run into the file, in place of those with the same key.
+pub fn save() -> Result<(), String> {
+    let found = std::mem::take(&mut *FOUND.lock().unwrap_or_else(PoisonError::into_inner));
+    if found.is_empty() {
+        return Err("this bench prints no table whose numbers are recorded".to_owned());
+    }
+    let path = crate::root().join(FILE);
+    let mut all = Measured::parse(&read(&path)?)?;
+    let git = |words: &[&str]| crate::output(Command::new("git").args(words).current_dir(crate::root()));
+    let commit = git(&["rev-parse", "--short", "HEAD"])?.trim().to_owned();
+    // Pages may differ from the commit, programs may not.
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    if let Some(line) = changed.lines().find(|l| !l.ends_with(".md") && !l.ends_with(FILE)) {
+        return Err(format!(
+            "numbers are recorded with their commit, but files have changed since: {}",
+            line.trim()
+        ));
+    }
+    let date = crate::output(Command::new("date").arg("+%Y-%m-%d"))?.trim().to_owned();
+    for (group, mut values) in found {
+        println!("recorded {} numbers of {group}", values.len());
+        values.insert("measured".into(), format!("{date}, {commit}, {}", machine()));
+        all.0.insert(group, values);
+    }
+    fs::write(&path, all.text()).map_err(|e| format!("{FILE}: {e}"))
+}
+
+/// Processors and memory of this machine, as a reader needs them beside a time.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let memory = fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let kib = memory.split_whitespace().nth(1).and_then(|w| w.parse::<f64>().ok());
+    let memory = kib.map_or_else(String::new, |kib| format!(", {:.0} GiB", kib / 1024.0 / 1024.0));
+    format!("{cores} cores{memory}")
+}
+
+/// The numbers of the file.
+#[derive(Debug, PartialEq)]
+pub struct Measured(Groups);
+
+impl Measured {
+    /// Reads the file.
+    pub fn read() -> Result<Self, String> {
+        Self::parse(&read(&crate::root().join(FILE))?)
+    }
+
+    /// Reads the text of the file.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let table: toml::Table = text.parse().map_err(|e| format!("{FILE}: {e}"))?;
+        let group = |(name, values): (String, toml::Value)| {
+            let values = values.as_table().cloned().ok_or_else(|| format!("{FILE}: {name} is no table"))?;
+            let text = |(key, value): (String, toml::Value)| match value {
+                toml::Value::String(text) => Ok((key, text)),
+                other => Err(format!("{FILE}: {name}.{key} is {other}, not a text")),
+            };
+            let values = values.into_iter().map(text).collect::<Result<_, String>>()?;
+            Ok((name, values))
+        };
+        Ok(Self(table.into_iter().map(group).collect::<Result<_, String>>()?))
+    }
+
+    fn text(&self) -> String {
+        let mut out = HEAD.to_owned();
+        for (group, values) in &self.0 {
+            out += &format!("\n[\"{group}\"]\n");
+            values.iter().for_each(|(key, value)| out += &format!("{key} = {value:?}\n"));
+        }
+        out
+    }
+
+    /// The number of a key.
+    pub fn value(&self, key: &str) -> Result<&str, String> {
+        let found = key.rsplit_once('.').and_then(|(group, name)| self.0.get(group)?.get(name));
+        found.map(String::as_str).ok_or_else(|| format!("{FILE} has no {key}"))
+    }
+
+    /// Compares the numbers that pages quote with these; the number of quotes.
+    pub fn check_pages(&self) -> Result<usize, String> {
+        let mut n_quotes = 0;
+        for page in pages()? {
+            let text = read(&page)?;
+            let quotes = quotes(&text);
+            n_quotes += quotes.len();
+            if let Some(wrong) = quotes.iter().find_map(|quote| quote.problem(self).err()) {
+                return Err(format!("{}: {wrong}; `cargo xtask figures --write` renews it", page.display()));
+            }
+        }
+        Ok(n_quotes)
+    }
+
+    /// Writes the numbers into the pages that quote them, with as many digits as stand there.
+    pub fn renew_pages(&self) -> Result<(), String> {
+        for page in pages()? {
+            let old = read(&page)?;
+            let mut new = old.clone();
+            for quote in quotes(&old).iter().rev() {
+                let number = quote.renewed(self).map_err(|e| format!("{}: {e}", page.display()))?;
+                new.replace_range(quote.start..quote.start + quote.number.len(), &number);
+            }
+            if new != old {
+                fs::write(&page, new).map_err(|e| format!("{}: {e}", page.display()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number of a page and the key behind it.
+#[derive(Debug, PartialEq)]
+struct Quote<'a> {
+    start: usize,
+    number: &'a str,
+    key: &'a str,
+}
+
+impl Quote<'_> {
+    /// The recorded number with as many digits after the point as the page gives.
+    fn renewed(&self, all: &Measured) -> Result<String, String> {
+        let recorded = all.value(self.key)?;
+        let digits = |number: &str| number.split_once('.').map_or(0, |(_, after)| after.len());
+        if digits(self.number) >= digits(recorded) {
+            return Ok(recorded.to_owned());
+        }
+        let number: f64 = recorded.parse().map_err(|_| format!("{}: {recorded:?} is no number", self.key))?;
+        Ok(format!("{number:.*}", digits(self.number)))
+    }
+
+    fn problem(&self, all: &Measured) -> Result<(), String> {
+        let right = self.renewed(all)?;
+        if self.number == right {
+            return Ok(());
+        }
+        Err(format!("{} is {right} and not {:?}", self.key, self.number))
+    }
+}
+
+/// The quotes of a page: a number with a key right behind it.
+fn quotes(page: &str) -> Vec<Quote<'_>> {
+    let mut found = Vec::new();
+    for (at, _) in page.match_indices(OPENS) {
+        let Some(end) = page[at..].find(CLOSES) else { continue };
+        let key = &page[at + OPENS.len()..at + end];
+        let is_key =
+            key.contains('.') && key.bytes().all(|b| b.is_ascii_alphanumeric() || b".-_".contains(&b));
+        let number = |c: char| c.is_ascii_digit() || c == '.' || c == '-' || c == '+';
+        let start = page[..at].trim_end_matches(number).len();
+        if is_key && start < at {
+            found.push(Quote { start, number: &page[start..at], key });
+        }
+    }
+    found
+}
+
+/// Tables of pages with measured figures and without a key: page and line of each. Counted are tables in which at least
+/// half of the rows hold two numbers with a decimal point or more.
+pub fn tables_without_keys(root: &Path) -> Result<Vec<String>, String> {
+    let mut found = Vec::new();
+    for page in markdown(&root.join("docs"))? {
+        if GENERATED.iter().any(|name| page.ends_with(name)) {
+            continue;
+        }
+        let text = read(&page)?;
+        let name = page.strip_prefix(root).unwrap_or(&page).display().to_string();
+        found.extend(
+            tables(&text)
+                .into_iter()
+                .filter(|(_, rows)| is_bare(rows))
+                .map(|(line, _)| format!("{name}:{line}")),
+        );
+    }
+    Ok(found)
+}
+
+/// The tables of a page: the line of the head, and the rows below it.
+fn tables(page: &str) -> Vec<(usize, Vec<&str>)> {
+    let lines: Vec<&str> = page.lines().collect();
+    let is_rule = |line: &&str| line.starts_with("|---");
+    let heads = (1..lines.len()).filter(|&i| is_rule(&lines[i]));
+    heads.map(|i| (i, lines[i + 1..].iter().copied().take_while(|l| l.starts_with('|')).collect())).collect()
+}
+
+fn is_bare(rows: &[&str]) -> bool {
+    let decimals = |row: &str| {
+        let words = row.split(|c: char| !c.is_ascii_digit() && c != '.');
+        words.filter(|w| w.split_once('.').is_some_and(|(a, b)| !a.is_empty() && !b.is_empty())).count()
+    };
+    let with_figures = rows.iter().filter(|row| decimals(row) >= 2).count();
+    with_figures > 0 && 2 * with_figures >= rows.len() && rows.iter().all(|row| quotes(row).is_empty())
+}
+
+/// All pages that may quote.
+fn pages() -> Result<Vec<PathBuf>, String> {
+    let mut all = markdown(&crate::root().join("docs"))?;
+    all.push(crate::root().join("README.md"));
+    Ok(all)
+}
+
+/// The Markdown files of a folder and those below it, in order.
+fn markdown(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
+    paths.sort();
+    let mut found = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            found.extend(markdown(&path)?);
+        } else if path.extension().is_some_and(|e| e == "md") {
+            found.push(path);
+        }
+    }
+    Ok(found)
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recorded() -> Measured {
+        Measured::parse(
+            "[\"slicing.benchy.grainpath\"]\nwall-s = \"0.46\"\nmeasured = \"2026-01-01, abc, 2 cores\"\n",
+        )
+        .expect("a file")
+    }
+
+    #[test]
+    fn a_number_that_is_not_the_recorded_one_is_found_and_renewed() {
+        let page =
+            "| 0.51<!--slicing.benchy.grainpath.wall-s--> s | 0.5<!--slicing.benchy.grainpath.wall-s--> s |";
+        let found = quotes(page);
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[0].number, "0.51");
+        assert!(found[0].problem(&recorded()).is_err_and(|e| e.contains("0.46")));
+        // A page may give fewer digits.
+        assert_eq!(found[1].problem(&recorded()), Ok(()));
+        assert_eq!(found[0].renewed(&recorded()), Ok("0.46".to_owned()));
+    }
+
+    #[test]
+    fn a_key_without_a_number_behind_it_in_the_file_is_refused() {
+        let found = quotes("1<!--slicing.bunny.grainpath.wall-s-->");
+        assert!(found[0].problem(&recorded()).is_err_and(|e| e.contains("has no")));
+    }
+
+    #[test]
+    fn other_comments_are_no_keys() {
+        assert!(quotes("text <!-- figures: written by a program --> 1.0 <!---->").is_empty());
+    }
+
+    #[test]
+    fn the_file_is_read_as_it_is_written() {
+        assert_eq!(Measured::parse(&recorded().text()), Ok(recorded()));
+    }
+
+    #[test]
+    fn tables_of_figures_without_keys_are_counted() {
+        let bare = tables("text\n\n| part | s |\n|---|---|\n| a | 1.5, 2.5 |\n| b | 3.5, 0.1 |\n");
+        assert!(bare.len() == 1 && is_bare(&bare[0].1));
+        let words = tables("| key | meaning |\n|---|---|\n| a | about 1.5 |\n");
+        assert!(!is_bare(&words[0].1));
+        let quoted = tables("| part | s |\n|---|---|\n| a | 1.5<!--x.y.s-->, 2.5 |\n");
+        assert!(!is_bare(&quoted[0].1));
+    }
+}
