@@ -67,7 +67,18 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
     let user = name.replace('/', "-");
     println!("building in {}, some minutes", folder.display());
     let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--release", "--locked", "--quiet", "-p", "grainpath-cli"]).current_dir(&checkout);
+    cargo
+        .args([
+            "build",
+            "--release",
+            "--locked",
+            "--quiet",
+            "-p",
+            "grainpath-cli",
+            "--features",
+            "all-formats",
+        ])
+        .current_dir(&checkout);
     cargo.env("RUSTUP_HOME", rustup?).env("CARGO_HOME", &cargo_home).env("HOME", &home);
     cargo.env("USER", &user).env("LOGNAME", &user).env("RUSTFLAGS", flags);
     cargo.env_remove("CARGO_TARGET_DIR").env_remove("CARGO_BUILD_TARGET_DIR");
@@ -89,7 +100,17 @@ fn linked() -> Outcome {
         println!("NOT RUN: the target {STATIC} cannot be installed: {problem}");
         return Ok(());
     }
-    crate::cargo(&["build", "--release", "--locked", "-p", "grainpath-cli", "--target", STATIC])?;
+    crate::cargo(&[
+        "build",
+        "--release",
+        "--locked",
+        "-p",
+        "grainpath-cli",
+        "--features",
+        "all-formats",
+        "--target",
+        STATIC,
+    ])?;
     let program = crate::target().join(STATIC).join("release/grainpath");
     let headers = crate::output(Command::new("readelf").args(["--program-headers", "--wide"]).arg(&program))?;
     if headers.lines().any(|line| line.trim_start().starts_with("INTERP")) {
