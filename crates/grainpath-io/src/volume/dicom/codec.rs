@@ -1,6 +1,7 @@
-//! Ways in which the pixels of a frame are packed, and what comes out of them.
+//! Ways in which the pixels of a frame are packed.
 
 use super::super::{VolumeError, damaged, unsupported};
+use super::frame::{Fault, Frame};
 use super::{grey_jpeg, jpeg_ls, run_length};
 
 /// How the pixels of a file are packed.
@@ -15,38 +16,6 @@ pub(super) enum Codec {
     /// ISO/IEC 15444-1, reversible and irreversible.
     #[cfg(feature = "jpeg2000")]
     Jpeg2000,
-}
-
-/// The grey values of a frame, row after row.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Frame {
-    /// A pixel each, in its low `bits`; what stands above them has no meaning.
-    pub(super) patterns: Vec<u32>,
-    /// Bits of a value.
-    pub(super) bits: u32,
-    /// Whether the packed pixels say themselves that values have a sign. Where they do not, the header says it.
-    pub(super) signed: bool,
-}
-
-/// Why a frame cannot be unpacked.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Fault {
-    /// The bytes are not what their format requires.
-    Damaged(String),
-    /// The format allows it, and it is not read.
-    Unsupported(String),
-}
-
-impl From<&str> for Fault {
-    fn from(reason: &str) -> Self {
-        Self::Damaged(reason.to_owned())
-    }
-}
-
-impl From<String> for Fault {
-    fn from(reason: String) -> Self {
-        Self::Damaged(reason)
-    }
 }
 
 impl Codec {

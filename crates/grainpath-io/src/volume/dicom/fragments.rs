@@ -9,12 +9,15 @@ use std::io::Read;
 use super::super::files::MAX_FILE;
 use super::super::{Files, MAX_SLICES, VolumeError, VolumeProblem, error, io_error};
 use super::codec::Codec;
-use super::header::Parser;
+use super::elements::Parser;
 
 /// Limit on the fragments of a file. Source: derived. Four to each of the most frames that are read.
 const MAX_FRAGMENTS: usize = 4 * MAX_SLICES;
-/// An item of a sequence, and its end (PS3.5, 7.5).
+/// An item of a sequence.
+// Source: PS3.5, 7.5.1, table 7.5-1.
 const ITEM: u32 = 0xfffe_e000;
+/// The end of a sequence.
+// Source: PS3.5, 7.5.1, table 7.5-1.
 const END: u32 = 0xfffe_e0dd;
 
 /// Packed pixels of a file.

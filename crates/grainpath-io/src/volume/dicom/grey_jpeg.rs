@@ -17,7 +17,7 @@
 
 use grainpath_core::math;
 
-use super::codec::{Fault, Frame};
+use super::frame::{Fault, Frame};
 use super::jpeg_stream::{self, Segments, marker, word};
 
 type Bits<'a> = jpeg_stream::Bits<'a, false>;

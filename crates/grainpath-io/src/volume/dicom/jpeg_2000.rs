@@ -14,15 +14,22 @@
 
 use hayro_jpeg2000::{ComponentData, DecodeSettings, DecoderContext, Image};
 
-use super::codec::{Fault, Frame};
+use super::frame::{Fault, Frame};
 
 /// What a stream begins with: the markers SOC and SIZ.
+// Source: ISO/IEC 15444-1, A.4.1 and A.5.1; SIZ stands directly behind SOC.
 const START: [u8; 4] = [0xff, 0x4f, 0xff, 0x51];
-/// Markers, without their 0xff (table A.2).
+/// Markers, without their 0xff: coding style (COD), that of a component (COC), start of a tile-part (SOT), start of data
+/// (SOD), end of the stream (EOC).
+// Source: ISO/IEC 15444-1, table A.2.
 const CODING: u8 = 0x52;
+// Source: ISO/IEC 15444-1, table A.2.
 const CODING_OF_COMPONENT: u8 = 0x53;
+// Source: ISO/IEC 15444-1, table A.2.
 const TILE_PART: u8 = 0x90;
+// Source: ISO/IEC 15444-1, table A.2.
 const DATA: u8 = 0x93;
+// Source: ISO/IEC 15444-1, table A.2.
 const END: u8 = 0xd9;
 /// Largest number of tiles. Source: ISO/IEC 15444-1, A.4.2: the number of a tile has 16 bits.
 const MAX_TILES: u64 = 65535;

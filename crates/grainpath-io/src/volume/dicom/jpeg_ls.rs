@@ -13,7 +13,7 @@
 //! restarts, which DICOM's encoders do not write. No crate in pure Rust decodes it; the C++ library CharLS, which
 //! dicom-pixeldata 0.10 binds, needs a C++ compiler.
 
-use super::codec::{Fault, Frame};
+use super::frame::{Fault, Frame};
 use super::jpeg_stream::{self, Segments, marker, word};
 
 type Bits<'a> = jpeg_stream::Bits<'a, true>;
@@ -202,7 +202,8 @@ impl Coder {
     /// A pixel with different neighbours: left, above, above left. Source: T.87, A.3 to A.6.
     fn pixel(&mut self, bits: &mut Bits<'_>, [a, b, c]: [i32; 3], steps: [i32; 3]) -> Result<i32, Fault> {
         let number = steps.iter().fold(0, |sum, step| 9 * sum + self.region(*step));
-        // A context and its mirror image are one.
+        // Three regions of nine give 729 numbers from -364 to 364.
+        // A context and its mirror image are one, told apart by the sign.
         let (context, sign) = (&mut self.contexts[number.unsigned_abs() as usize], number.signum());
         let median = if c >= a.max(b) {
             a.min(b)
@@ -215,6 +216,7 @@ impl Coder {
         let k = context.golomb(context.sizes);
         let mapped = code(bits, k, self.limit, self.error_bits, self.range)?;
         // Signs alternate, the negative error second; a context that mostly errs downwards has it first (A.5.2).
+        // Near-lossless coding never exchanges them, since its errors are counted in steps.
         let exchanged = self.near == 0 && k == 0 && 2 * context.errors <= -context.n;
         let odd = mapped & 1 == 1;
         let error = if odd == exchanged { mapped >> 1 } else { -(mapped >> 1) - 1 };

@@ -3,15 +3,20 @@
 //! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after
 //! 0xff). Both read forward only, a byte once.
 
-use super::codec::Fault;
+use super::frame::Fault;
 
-/// Markers that both formats use (T.81, table B.1).
+/// Markers that both formats use.
 pub(super) mod marker {
+    // Source: ITU-T T.81, table B.1.
     pub(in super::super) const START: u8 = 0xd8;
+    // Source: ITU-T T.81, table B.1.
     pub(in super::super) const END: u8 = 0xd9;
+    // Source: ITU-T T.81, table B.1.
     pub(in super::super) const SCAN: u8 = 0xda;
+    // Source: ITU-T T.81, table B.1.
     pub(in super::super) const RESTART_INTERVAL: u8 = 0xdd;
-    /// The first of eight, which follow one another in turn.
+    // The first of eight, which follow one another in turn.
+    // Source: ITU-T T.81, table B.1.
     pub(in super::super) const RESTART: u8 = 0xd0;
 }
 

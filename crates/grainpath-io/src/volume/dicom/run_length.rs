@@ -4,7 +4,7 @@
 //! one pass over the pixels; memory is that of the pixels, whatever the bytes say. Segments that end early, or that
 //! reach past the frame, are damaged.
 
-use super::codec::{Fault, Frame};
+use super::frame::{Fault, Frame};
 
 /// Unpacks a frame of pixels of `n_bytes` bytes.
 pub(super) fn unpack(bytes: &[u8], n_pixels: usize, n_bytes: usize) -> Result<Frame, Fault> {
