@@ -18,15 +18,15 @@ use crate::setup::quiet;
 /// Builds the package and checks it.
 pub fn run(words: &[&str]) -> Result<(), String> {
     let (program, in_root) = match words {
-        [] => (crate::built("grainpath"), false),
-        ["--root"] => (crate::built("grainpath"), true),
+        [] => (crate::target().join("dist/grainpath"), false),
+        ["--root"] => (crate::target().join("dist/grainpath"), true),
         [path] => (PathBuf::from(path), false),
         [path, "--root"] => (PathBuf::from(path), true),
         _ => return Err("usage: cargo xtask deb [PROGRAM] [--root]".to_owned()),
     };
     let program = std::path::absolute(program).map_err(|e| e.to_string())?;
     if !program.exists() {
-        let hint = "cargo build --release -p grainpath-cli builds it";
+        let hint = "cargo build --profile dist -p grainpath-cli --features all-formats builds it";
         return Err(format!("{} is not there; {hint}", program.display()));
     }
     let package = pack(&program)?;
@@ -59,6 +59,10 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
         return Err("strip failed; apt-get install binutils brings it".to_owned());
     }
     let told = |words: &[&str]| crate::output(Command::new(program).args(words));
+    // Messages of other builds send people to the packages for it.
+    if !told(&["doctor", "--json"])?.contains("\"formats_left_out\":[]") {
+        return Err(format!("{} was built without --features all-formats", program.display()));
+    }
     for (shell, path) in [
         ("bash", "usr/share/bash-completion/completions/grainpath"),
         ("zsh", "usr/share/zsh/vendor-completions/_grainpath"),

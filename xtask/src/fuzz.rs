@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Options of the compiler that libFuzzer needs.
@@ -133,6 +134,16 @@ pub fn run(seconds: u64, record: bool) -> Result<(), String> {
     Ok(())
 }
 
+/// Folders of valid files that a target starts from, beside its corpus: those whose format has much in front of what is to be
+/// reached.
+fn seeds(target: &str) -> Vec<PathBuf> {
+    let folders: &[&str] = match target {
+        "volume" => &["xtask/seeds", "crates/grainpath-io/tests/dicom"],
+        _ => &[],
+    };
+    folders.iter().map(|folder| crate::root().join(folder)).collect()
+}
+
 /// Runs a target for `seconds`, with this seed of its random numbers.
 fn run_one(target: &str, triple: &str, seconds: u64, seed: u64) -> Result<Known, String> {
     let dir = crate::root().join("fuzz");
@@ -142,7 +153,7 @@ fn run_one(target: &str, triple: &str, seconds: u64, seed: u64) -> Result<Known,
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     let mut command = Command::new(dir.join("target").join(triple).join("release").join(target));
-    command.arg(&corpus).args([
+    command.arg(&corpus).args(seeds(target)).args([
         format!("-max_total_time={seconds}"),
         "-timeout=10".into(),
         "-rss_limit_mb=1024".into(),

@@ -80,7 +80,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   book             the pages of docs/ as a site below target/book, no link dead; `book install` builds mdBook,
                    `book run [PAGE...]` runs the command blocks of the pages, `book pictures` renews their pictures,
                    `book json` holds the page of the JSON reports against what jobs print
-  deb [PROGRAM] [--root]  a Debian package of target/release/grainpath, held against lintian; --root tries it in a bare root
+  deb [PROGRAM] [--root]  a Debian package of target/dist/grainpath, held against lintian; --root tries it in a bare root
   figures [--write]  the numbers that pages quote beside docs/measured.toml and the table of README.md beside
                    docs/figures.toml, or writes them
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets

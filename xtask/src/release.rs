@@ -67,12 +67,24 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
     let user = name.replace('/', "-");
     println!("building in {}, some minutes", folder.display());
     let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--release", "--locked", "--quiet", "-p", "grainpath-cli"]).current_dir(&checkout);
+    cargo
+        .args([
+            "build",
+            "--profile",
+            "dist",
+            "--locked",
+            "--quiet",
+            "-p",
+            "grainpath-cli",
+            "--features",
+            "all-formats",
+        ])
+        .current_dir(&checkout);
     cargo.env("RUSTUP_HOME", rustup?).env("CARGO_HOME", &cargo_home).env("HOME", &home);
     cargo.env("USER", &user).env("LOGNAME", &user).env("RUSTFLAGS", flags);
     cargo.env_remove("CARGO_TARGET_DIR").env_remove("CARGO_BUILD_TARGET_DIR");
     crate::output(&mut cargo)?;
-    let program = checkout.join("target/release").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX));
+    let program = checkout.join("target/dist").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX));
     let bytes = fs::read(&program).map_err(|e| format!("{}: {e}", program.display()))?;
     for path in [checkout.display().to_string(), cargo_home.display().to_string()] {
         if bytes.windows(path.len()).any(|window| window == path.as_bytes()) {
@@ -89,8 +101,19 @@ fn linked() -> Outcome {
         println!("NOT RUN: the target {STATIC} cannot be installed: {problem}");
         return Ok(());
     }
-    crate::cargo(&["build", "--release", "--locked", "-p", "grainpath-cli", "--target", STATIC])?;
-    let program = crate::target().join(STATIC).join("release/grainpath");
+    crate::cargo(&[
+        "build",
+        "--profile",
+        "dist",
+        "--locked",
+        "-p",
+        "grainpath-cli",
+        "--features",
+        "all-formats",
+        "--target",
+        STATIC,
+    ])?;
+    let program = crate::target().join(STATIC).join("dist/grainpath");
     let headers = crate::output(Command::new("readelf").args(["--program-headers", "--wide"]).arg(&program))?;
     if headers.lines().any(|line| line.trim_start().starts_with("INTERP")) {
         return Err(format!("{} needs an interpreter, so it is no static program", program.display()));

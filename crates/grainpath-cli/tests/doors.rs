@@ -70,6 +70,9 @@ fn the_doctor_names_the_machine_and_a_folder_that_cannot_be_written() {
     assert_eq!(value["version"], env!("CARGO_PKG_VERSION"));
     assert!(value["threads"].as_u64().is_some_and(|n| n >= 1), "{value}");
     assert!(value["working_folder"]["problem"].is_null(), "{value}");
+    let left_out = value["formats_left_out"].as_array().expect("a list").len();
+    let built_in = [cfg!(feature = "jpeg2000"), cfg!(feature = "zarr")].into_iter().filter(|b| *b).count();
+    assert_eq!(left_out + built_in, 2, "{value}");
     let mut command = Command::new(env!("CARGO_BIN_EXE_grainpath"));
     let lost =
         command.args(["doctor", "--json"]).current_dir(&dir).env("TMPDIR", dir.join("absent")).output();

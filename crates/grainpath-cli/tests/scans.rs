@@ -82,6 +82,7 @@ fn exports_are_written_and_the_surface_is_closed() {
 }
 
 /// A scan as an image of OME-Zarr 0.5 whose chunks are plain bytes, 5 x 8 x 22 voxels each.
+#[cfg(feature = "zarr")]
 fn write_ome_zarr(folder: &Path, [columns, rows, slices]: [usize; 3], voxels: &[u8]) {
     let write = |name: String, bytes: &[u8]| {
         let path = folder.join(name);
@@ -116,6 +117,7 @@ fn write_ome_zarr(folder: &Path, [columns, rows, slices]: [usize; 3], voxels: &[
     }
 }
 
+#[cfg(feature = "zarr")]
 #[test]
 fn a_zarr_prints_as_the_same_voxels_in_a_file() {
     let dir = folder("zarr");

@@ -40,7 +40,7 @@ const fn seed(file: &'static str, packing: Packing, header: usize) -> Seed {
 }
 
 /// Every seed. Text formats have short headers: what tells the format and its version.
-const SEEDS: [Seed; 43] = [
+const SEEDS: [Seed; 47] = [
     seed("mesh.stl", Packing::Plain, 84),
     seed("ascii.stl", Packing::Plain, 6),
     seed("mesh.obj", Packing::Plain, 2),
@@ -82,6 +82,11 @@ const SEEDS: [Seed; 43] = [
     seed("zlib.mha", Packing::MetaZlib, 40),
     seed("explicit.dcm", Packing::Plain, 132),
     seed("implicit.dcm", Packing::Plain, 132),
+    // Behind 560 bytes are the pixels.
+    seed("lossless.dcm", Packing::Plain, 560),
+    seed("cosines.dcm", Packing::Plain, 560),
+    seed("jpeg-ls.dcm", Packing::Plain, 560),
+    seed("jpeg-2000.dcm", Packing::Plain, 560),
     seed("program.gcode", Packing::Plain, 0),
     seed("job.toml", Packing::Plain, 0),
 ];
@@ -116,7 +121,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         }
         _ => return Err("usage: cargo xtask campaign [MINUTES]".to_owned()),
     };
-    crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
+    crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli", "--features", "all-formats"])?;
     let program = crate::target().join("ci/grainpath");
     let folder = crate::target().join("campaign");
     let _ = fs::remove_dir_all(&folder);

@@ -48,6 +48,13 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
             None => "none".to_owned(),
         },
     );
+    text += &line(
+        "formats of scans",
+        match left_out().join(" and ").as_str() {
+            "" => "all".to_owned(),
+            some => format!("all but {some}, which packages read, and builds with --features all-formats"),
+        },
+    );
     text += &line("working folder", writable("working_folder"));
     text += &line("temporary folder", writable("temporary_folder"));
     text += &line(
@@ -65,6 +72,12 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Formats of scans that this build does not read.
+fn left_out() -> Vec<&'static str> {
+    let optional = [("JPEG 2000", cfg!(feature = "jpeg2000")), ("Zarr", cfg!(feature = "zarr"))];
+    optional.into_iter().filter(|(_, built_in)| !built_in).map(|(name, _)| name).collect()
+}
+
 fn survey() -> Value {
     let build = if cfg!(debug_assertions) { "with checks, slower than a release build" } else { "release" };
     let working = std::env::current_dir();
@@ -79,6 +92,7 @@ fn survey() -> Value {
         "memory_free_mib": memory::of_machine("MemAvailable"),
         "memory_limit_mib": memory::limit_mib(),
         "gmsh": cad::gmsh_version(),
+        "formats_left_out": left_out(),
         "working_folder": match &working {
             Ok(folder) => folder_json(folder),
             Err(e) => json!({ "path": "", "problem": e.to_string() }),

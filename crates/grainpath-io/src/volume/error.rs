@@ -109,8 +109,15 @@ pub enum VolumeProblem {
         "slices are missing after it ({n_missing}): the next is {gap_mm:.3} mm higher, elsewhere {usual_mm:.3}"
     )]
     GapInPositions { n_missing: f64, gap_mm: f64, usual_mm: f64 },
-    #[error("pixels are packed as {encoding} ({syntax}); save the series uncompressed or with RLE")]
+    #[error(
+        "pixels are packed as {encoding} ({syntax}); save the series uncompressed, or with RLE, JPEG or JPEG-LS"
+    )]
     Packed { encoding: &'static str, syntax: String },
+    /// The program was built without the reader, for the time that it takes to build.
+    #[error(
+        "{what} is left out of this build; the packages read it, and so does a build with --features {feature}"
+    )]
+    LeftOut { what: &'static str, feature: &'static str },
     #[error("pixels are cut short: {found} of {needed} bytes")]
     PixelsCutShort { found: usize, needed: usize },
 }

@@ -17,6 +17,7 @@ mod sample;
 mod series;
 mod tiff_pages;
 mod write;
+#[cfg(feature = "zarr")]
 mod zarr;
 
 pub use error::{VolumeError, VolumeProblem};
@@ -53,6 +54,15 @@ fn spacing(mm: f64) -> Option<f64> {
     (1e-7..1e4).contains(&mm).then_some(mm)
 }
 
+/// Whether these are the files of a Zarr array or group.
+fn is_zarr(files: &Files) -> bool {
+    let description = |name: &String| {
+        let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        ["zarr.json", ".zarray", ".zgroup", ".zattrs"].contains(&name)
+    };
+    files.names().iter().any(description)
+}
+
 /// Opens a volume. Several files are a series of slices, a single one is told by its content; a ZIP archive stands for
 /// the folder it holds, and a folder with the description of a Zarr array or group is one. `raw` describes a single file without a header.
 ///
@@ -67,8 +77,11 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
         return Ok(Box::new(raw::open(&files, &first, header)?));
     }
     if files.is_folder() {
-        if zarr::is(&files) {
+        if is_zarr(&files) {
+            #[cfg(feature = "zarr")]
             return zarr::open(&files);
+            #[cfg(not(feature = "zarr"))]
+            return Err(error(files.place(), VolumeProblem::LeftOut { what: "Zarr", feature: "zarr" }));
         }
         return series::open(files);
     }
@@ -77,7 +90,7 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     let starts = |magic: &[u8]| head.starts_with(magic);
     if starts(b"PK\x03\x04") {
         let inside = files::zip_files(&files, &first)?;
-        if zarr::is(&inside) {
+        if is_zarr(&inside) {
             return Err(unsupported(
                 &first,
                 "Zarr in a ZIP archive",

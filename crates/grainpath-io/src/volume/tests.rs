@@ -4,6 +4,7 @@ use std::io::{Cursor, Write};
 use super::*;
 
 mod orientation;
+#[cfg(feature = "zarr")]
 mod zarr;
 
 /// Files in memory.
@@ -372,7 +373,7 @@ fn dicom_series_go_by_position() {
     says(with(Dicom { position: [-10.0, 0.0, 3.0], size: [2, 2], ..Dicom::default() }), "x", "2 x 2 pixels");
     says(with(Dicom { position: [-10.0, 0.0, 1.0], ..Dicom::default() }), "", "same position");
     says(with(Dicom { position: [-10.0, 1.5, 3.0], ..Dicom::default() }), "", "beside the line");
-    says(with(Dicom { syntax: "1.2.840.10008.1.2.4.90", ..Dicom::default() }), "x", "JPEG 2000");
+    says(with(Dicom { syntax: "1.2.840.10008.1.2.4.110", ..Dicom::default() }), "x", "JPEG XL");
     let cut = Dicom::default().bytes();
     says(folder(&[("x", cut[..cut.len() - 2].to_vec())]), "x", "cut short");
     says(folder(&[("x", cut[..200].to_vec())]), "x", "");

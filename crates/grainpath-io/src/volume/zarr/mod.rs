@@ -53,15 +53,6 @@ pub(super) fn checksum(bytes: &[u8]) -> u32 {
     codec::crc32c(bytes)
 }
 
-/// Whether these are the files of a Zarr array or group.
-pub(super) fn is(files: &Files) -> bool {
-    let description = |name: &String| {
-        let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-        ["zarr.json", ".zarray", ".zgroup", ".zattrs"].contains(&name)
-    };
-    files.names().iter().any(description)
-}
-
 /// Opens an array, or the finest level of an image.
 pub(super) fn open(files: &Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     let place = files.place().trim_end_matches(['/', '\\']).to_owned();
