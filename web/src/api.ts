@@ -5,7 +5,7 @@ import type { Schema } from "./settings";
 export type FileKind = "job" | "mesh" | "outline" | "photo" | "scan" | "program" | "other";
 export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
 export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
-export interface JobState { id: number; kind: "view" | "shape" | "stress" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; elapsed_s: number; error: string | null; code: number | null }
+export interface JobState { id: number; kind: "view" | "shape" | "stress" | "orient" | "supports" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; layers: boolean; elapsed_s: number; error: string | null; code: number | null }
 export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number }
 export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number];
@@ -21,10 +21,13 @@ export interface Result { report: Record<string, unknown> & { strength?: Strengt
 export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
 export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
 export interface ShapeReport {
-  bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number;
+  bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number; edges_left: number;
   unit: string; unit_is_stated: boolean; likely_unit: string | null; low_mm: number[]; high_mm: number[]; volume_mm3: number;
   frame_is_part: boolean; rotation: number[][]; shift_mm: number[]; scale: number; faces_in_all: number; faces: FaceRow[];
 }
+/** A way in which the part stands. */
+export interface Pose { rotate_deg: number[]; height_mm: number; support_g: number; time_s: number; flat_mm2: number; tilt_deg: number; reserve?: { first_failure: number[]; case: string; mode: string; across_layers_mpa: number } }
+export interface SupportReport { mass_g: number | null; solid_mass_g: number; contacts: number; trees: number; farthest_mm: number; unreached: number[][] }
 export interface Resultant { case: string; name: string; area_mm2: number; at_mm: number[]; force_n: number[]; moment_nmm: number[] }
 export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
 /** A line of the history. */

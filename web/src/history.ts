@@ -49,10 +49,18 @@ function compared(a: api.RunRow, b: api.RunRow): Row[] {
   return rows;
 }
 
-/** Opens the list of runs; `chosen` are marked from the beginning. */
-export async function history(dialog: HTMLDialogElement, chosen = 0): Promise<void> {
+/** Whether the planner made the program of a run: then it can be planned again at another mass. */
+const isPlanned = (run: api.RunRow) => run.input === null || run.input.endsWith(".toml");
+/** Masses that differ by less count as equal, as a share. Source: what `fill.mass_g` keeps to. */
+const SAME_MASS = 0.01;
+
+/**
+ * Opens the list of runs; the newest ones, or those of these names, are marked from the beginning. `again` plans a run anew at
+ * a mass and tests it; `beside` is the name of the run that it is compared with.
+ */
+export async function history(dialog: HTMLDialogElement, chosen: number | string[], again: (run: api.RunRow, mass_g: number, beside: string) => void): Promise<void> {
   const { runs } = await api.history();
-  const marked: number[] = [...runs.keys()].slice(0, Math.min(chosen, runs.length));
+  const marked: number[] = typeof chosen === "number" ? [...runs.keys()].slice(0, Math.min(chosen, runs.length)) : chosen.map((name) => runs.findIndex((run) => run.name === name)).filter((k) => k >= 0);
   const answer = el("div", { id: "compared", role: "status" });
   const boxes = runs.map((run, k) => {
     const box = el("input", { type: "checkbox", checked: marked.includes(k), "aria-label": `Compare ${file(run)} of ${when(run)}`, onchange: () => {
@@ -69,11 +77,18 @@ export async function history(dialog: HTMLDialogElement, chosen = 0): Promise<vo
     const [b, a] = [...marked].sort((p, q) => p - q).map((k) => runs[k]!) as [api.RunRow, api.RunRow];
     const head = (run: api.RunRow) => el("th", { scope: "col" }, `${file(run)}, ${when(run)}`);
     const both = a.strength && b.strength ? ratio(a.strength, b.strength) : null;
+    // What counts is a plan of that mass: load over mass alone takes a part for as strong as it is heavy.
+    const equal = (run: api.RunRow, other: api.RunRow, which: string, id: string) => {
+      if (!isPlanned(run) || !run.mass_g || !other.mass_g || Math.abs(run.mass_g / other.mass_g - 1) < SAME_MASS) return null;
+      return el("button", { type: "button", id, onclick: () => { dialog.close(); again(run, other.mass_g!, other.name); } }, `Plan the ${which} anew at ${words(other.mass_g, 2, "g")} and test it`);
+    };
+    const buttons = [equal(b, a, "second", "equal-second"), equal(a, b, "first", "equal-first")].filter((button) => button !== null);
     answer.replaceChildren(
       el("h2", {}, "Side by side"),
       el("table", {}, el("tr", {}, el("td"), head(a), head(b), el("th", { scope: "col" }, "second over first")),
         ...compared(a, b).map(([name, ...cells]) => el("tr", {}, el("th", { scope: "row" }, name), ...cells.map((cell) => el("td", {}, cell))))),
       ...(both ? [el("p", { id: "decided" }, both.low > 1 ? "The second carries more." : both.high < 1 ? "The first carries more." : "Which one carries more is not decided: the interval holds both.")] : []),
+      ...(buttons.length > 0 ? [el("div", { class: "row" }, ...buttons)] : []),
     );
   };
   tell();

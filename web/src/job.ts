@@ -14,6 +14,23 @@ const isWhole = (path: string) => /^([/\\]|[A-Za-z]:)/.test(path);
 /** A text as TOML writes it: a JSON string is a TOML string too. */
 export const quoted = (text: string) => JSON.stringify(text);
 
+/** What runs is saved elsewhere, so files that a job names beside itself, in `folder`, are named in full. */
+export function absolute(text: string, folder: string): string {
+  const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["shape", "ct"], ["shape.ct", "path"], ["guide", "import"], ["guide", "volume"], ["guide.volume", "path"], ["guide", "field"], ["guide.field", "path"]];
+  const profiles: [string, string][] = [["printer", "profile"], ["material", "profile"], ["process", "profile"]];
+  for (const [table, key] of [...files, ...profiles]) {
+    const name = plain(get(text, table, key) ?? "");
+    const isFile = key !== "profile" || name.endsWith(".toml");
+    if (name && isFile && !isWhole(name)) text = set(text, table, key, quoted(`${folder}/${name}`));
+  }
+  for (const table of ["shape.photo", "guide.image"]) {
+    const names = value(get(text, table, "files") ?? "");
+    if (!Array.isArray(names) || !names.every((n) => typeof n === "string")) continue;
+    text = set(text, table, "files", `[${names.map((n) => quoted(isWhole(n) ? n : `${folder}/${n}`)).join(", ")}]`);
+  }
+  return text;
+}
+
 export class JobPanel {
   private editor: HTMLTextAreaElement | null = null;
   private opened: Open | null = null;
@@ -45,25 +62,7 @@ export class JobPanel {
     if (!this.editor || !this.opened) return null;
     const isUnchanged = this.opened.kind === "job" && this.editor.value === this.saved;
     if (isUnchanged) return { file: this.opened.path };
-    return { text: this.absolute(this.editor.value), name: this.opened.name.replace(/\.[^.]*$/, "") };
-  }
-
-  /** What runs is saved elsewhere, so files that the opened job names beside itself are named in full. */
-  private absolute(text: string): string {
-    if (this.opened?.kind !== "job") return text;
-    const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["shape", "ct"], ["shape.ct", "path"], ["guide", "import"], ["guide", "volume"], ["guide.volume", "path"], ["guide", "field"], ["guide.field", "path"]];
-    const profiles: [string, string][] = [["printer", "profile"], ["material", "profile"], ["process", "profile"]];
-    for (const [table, key] of [...files, ...profiles]) {
-      const name = plain(get(text, table, key) ?? "");
-      const isFile = key !== "profile" || name.endsWith(".toml");
-      if (name && isFile && !isWhole(name)) text = set(text, table, key, quoted(`${this.folder}/${name}`));
-    }
-    for (const table of ["shape.photo", "guide.image"]) {
-      const names = value(get(text, table, "files") ?? "");
-      if (!Array.isArray(names) || !names.every((n) => typeof n === "string")) continue;
-      text = set(text, table, "files", `[${names.map((n) => quoted(isWhole(n) ? n : `${this.folder}/${n}`)).join(", ")}]`);
-    }
-    return text;
+    return { text: this.opened.kind === "job" ? absolute(this.editor.value, this.folder) : this.editor.value, name: this.opened.name.replace(/\.[^.]*$/, "") };
   }
 
   /** Puts another text in place of the present one, which can be undone. */

@@ -311,6 +311,34 @@ export class LoadsPanel {
   private toJob(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation.transpose()) : v; }
   private toPart(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation) : v; }
 
+  /** Fixtures and loads by the coordinates of the file, which stay when the part is turned together with them. */
+  inFile(): string {
+    if (!this.parts.shape.report) return "";
+    const back = get(this.text, "guide", "frame") === '"part"' ? new Matrix4() : this.rotation.transpose();
+    const turned = (v: Value) => { const three = numbers(v); return three ? new Vector3().fromArray(three).applyMatrix4(back).toArray().map(plainNumber) : v; };
+    return JSON.stringify([this.items.map((i) => [i.name, i.place, Object.entries(i.keys).map(([key, v]) => [key, turned(v)])]), this.cases.map((_, k) => this.weight(k))]);
+  }
+
+  /** The text of the job with its loads in the frame of the part, so that they turn with it; or why that cannot be. */
+  turning(): { text: string } | { refused: string } {
+    if (this.items.length === 0 || this.parts.shape.report!.frame_is_part) return { text: this.text };
+    const back = this.rotation.transpose();
+    const vectors = [...KINDS.filter(([, , isVector]) => isVector).map(([key]) => key as string), "displacement_mm"];
+    let text = this.text;
+    for (const [k, item] of this.items.entries()) {
+      const isPlaced = !("on" in item.keys) || item.face >= 0;
+      const isTurned = !item.isFixture || ["xyz", "normal"].includes(String(item.keys.fix));
+      if (!item.block || !isPlaced || !isTurned) return { refused: `${item.name} is told in the frame of the plate (${item.place}) and does not turn with the part: choose its place as a face, or set guide.frame = "part" and give its numbers in the coordinates of the file.` };
+      for (const key of vectors) {
+        const v = numbers(item.keys[key]);
+        // Changes before it have moved the block, which keeps its place among the blocks.
+        const own = v && blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load").filter((b) => b.table !== "guide.case")[k];
+        if (own) text = change(text, own, key, vectorText(new Vector3().fromArray(v).applyMatrix4(back).toArray()));
+      }
+    }
+    return { text: set(text, "guide", "frame", quoted("part")) };
+  }
+
   // ---- adding -----------------------------------------------------------------------------------------------------
 
   /** Other faces are chosen. */
@@ -482,6 +510,20 @@ export class LoadsPanel {
     const most = moved > 0 ? (0.1 * high.distanceTo(low)) / moved : 0;
     const slider = el("input", { type: "range", id: "magnify", min: 0, max: 1, step: 0.01, value: 0, "aria-label": "Displacement drawn", oninput: () => { view.setMagnified(slider.valueAsNumber * most); words.textContent = `${plainNumber(Math.round(slider.valueAsNumber * most))} times`; this.parts.viewer()?.draw(); } });
     const words = el("output", {}, "0 times");
+    // From rest to the displacement and back in two seconds, again and again until it is pressed once more.
+    const swing = el("button", { type: "button", id: "swing", "aria-pressed": "false", "aria-label": "Let the displacement swing", onclick: () => {
+      const isOn = swing.getAttribute("aria-pressed") !== "true";
+      swing.setAttribute("aria-pressed", String(isOn));
+      swing.textContent = isOn ? "⏸" : "▶";
+      const begun = performance.now();
+      const frame = (now: number) => {
+        if (swing.getAttribute("aria-pressed") !== "true" || !swing.isConnected) return;
+        slider.value = String(0.5 - 0.5 * Math.cos(((now - begun) / 1000) * Math.PI));
+        slider.dispatchEvent(new Event("input"));
+        requestAnimationFrame(frame);
+      };
+      if (isOn) requestAnimationFrame(frame);
+    } }, "▶");
     const at = report.peak_at_mm?.map((v) => fixed(v, 1)).join(", ");
     const sum = (rows: api.Resultant[] | undefined) => (rows ?? []).map((r) => fact(`${r.name}${cases.length > 1 ? ` (${r.case})` : ""}`, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
     this.answer.replaceChildren(
@@ -493,7 +535,7 @@ export class LoadsPanel {
         ...sum(report.loads), ...sum(report.reactions)),
       el("div", { class: "row" }, el("label", {}, "Colour by", what), ...(cases.length > 1 ? [el("label", {}, "Case", which)] : [])),
       el("div", { class: "row" }, end("scale-low", 0, "Scale from"), end("scale-high", 1, "to")),
-      el("div", { class: "row" }, el("label", {}, "Displacement drawn", slider), words),
+      el("div", { class: "row" }, swing, el("label", {}, "Displacement drawn", slider), words),
       el("label", { for: "stress-on", class: "check" }, on, " show the stress on the part"),
       ...this.stress!.inside.fields(),
       ...warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),

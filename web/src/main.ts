@@ -6,10 +6,11 @@ import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
 import { history } from "./history";
-import { JobPanel } from "./job";
+import { JobPanel, absolute } from "./job";
 import { LoadsPanel } from "./loads";
-import { ShapePanel } from "./shape";
+import { ShapePanel, plainNumber } from "./shape";
 import { StrengthPanel } from "./strength";
+import { set } from "./toml";
 import { Tour } from "./tour";
 import { Viewer } from "./viewer";
 
@@ -21,12 +22,16 @@ const welcome = byId("welcome");
 let viewer: Viewer | null = null;
 let loading: AbortController | null = null;
 let current = 0;
+/** The run whose program is in the view. */
+let onScreen = 0;
 let colourBy: ColourBy = "role";
 
 /** What is open: a program, a job or a mesh, and the program that is on screen. */
 export interface Open { path: string; kind: api.FileKind; name: string }
 let opened: Open | null = null;
 let roots: string[] = [];
+/** The folder that runs are written to. */
+let work = "";
 
 const high = byId<HTMLInputElement>("high");
 const low = byId<HTMLInputElement>("low");
@@ -35,10 +40,10 @@ const to = byId<HTMLInputElement>("to");
 
 const job = new JobPanel(byId("panel-job"), { run, say });
 const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
-const shape = new ShapePanel(byId("panel-shape"), { run, viewer: () => viewer, job, openLoads: () => tab("loads") });
-const loads = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
-job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); } };
-shape.onPart = () => { loads.partChanged(); overlays(); };
+const shape: ShapePanel = new ShapePanel(byId("panel-shape"), { run, say, viewer: () => viewer, job, openLoads: () => tab("loads"), turning: () => loads.turning() });
+const loads: LoadsPanel = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
+job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); shape.showPoses(loads.inFile()); } };
+shape.onPart = () => { loads.partChanged(); shape.showPoses(loads.inFile()); overlays(); };
 shape.onChosen = () => { shape.chosenChanged(); loads.chosenChanged(); };
 
 // ---- messages --------------------------------------------------------------------------------------------------
@@ -71,7 +76,12 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
       if (last.total > 0) { bar.max = last.total; bar.value = last.done; } else bar.removeAttribute("value");
     };
     tell();
-    const end = await api.follow(begun.id, (now) => { last = now; tell(); }).finally(() => clearInterval(since));
+    const end = await api.follow(begun.id, (now) => {
+      last = now;
+      tell();
+      // The paths come on screen while they are measured and drawn.
+      if (now.kind === "plan" && now.phase === "running" && now.layers && current !== now.id && active !== "strength") show(now.id, false).catch((e: Error) => say(e.message, true));
+    }).finally(() => clearInterval(since));
     box.hidden = true;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
@@ -95,6 +105,8 @@ function ensureViewer(): Viewer | null {
   viewer.onHover = tellBead;
   viewer.onPick = (side) => strength.pick(side);
   viewer.onFace = (face, at) => tellFace(face, at);
+  viewer.onPaint = (triangles) => shape.supports.stroke(triangles);
+  viewer.onPaintEnd = () => shape.supports.strokeEnd();
   viewer.onPickFaces = (faces) => shape.add(faces);
   viewer.onPickFace = (face, isAdded) => shape.choose(face, isAdded);
   return viewer;
@@ -159,13 +171,14 @@ async function drop(data: DataTransfer | null): Promise<void> {
 
 // ---- the program on screen -------------------------------------------------------------------------------------
 
-/** Shows the program of a run: the index at once, layers as they come. */
-async function show(id: number): Promise<void> {
+/** Shows the program of a run: the index at once, layers as they come, and what was measured once the run is done. */
+async function show(id: number, isDone = true): Promise<void> {
   const view = ensureViewer();
   loading?.abort();
   const own = (loading = new AbortController());
-  const [index, result] = await Promise.all([api.index(id), api.result(id)]);
   current = id;
+  const [index, result] = await Promise.all([api.index(id), isDone ? api.result(id) : null]);
+  if (current !== id) return;
   if (index.layers.length === 0) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
   tellPaths(index, result);
@@ -175,6 +188,7 @@ async function show(id: number): Promise<void> {
   [high.value, low.value] = [String(last), "0"];
   if (!view) return;
   view.show(beads);
+  onScreen = id;
   // Paths come into view with their first layer, not with their last.
   tab(active === "strength" ? "strength" : "paths");
   setColour(colourBy);
@@ -197,6 +211,13 @@ async function show(id: number): Promise<void> {
   } catch (error) {
     if (!own.signal.aborted) say((error as Error).message, true);
   }
+}
+
+/** Numbers and files of a run whose program is on screen already. */
+async function tellResult(id: number): Promise<void> {
+  const beads = viewer?.beads;
+  const result = await api.result(id);
+  if (beads && current === id) tellPaths(beads.index, result);
 }
 
 function layerWords(k: number): string {
@@ -275,7 +296,7 @@ function setColour(by: ColourBy): void {
 }
 
 function tellFace(face: number, at: { clientX: number; clientY: number }): void {
-  const words = loads.wordsAt(face, at);
+  const words = shape.supports.wordsAt(at) ?? loads.wordsAt(face, at);
   const box = byId("bead");
   box.hidden = words === null;
   box.textContent = words ?? "";
@@ -310,7 +331,7 @@ function tellBead(bead: Bead | null): void {
   box.textContent = parts.join(" · ");
 }
 
-function tellPaths(index: api.Index, result: api.Result): void {
+function tellPaths(index: api.Index, result: api.Result | null): void {
   const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...COLOUR_BY.map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
   const rows = index.shares.map((share, k) => {
     const isTravel = k === index.classes.length - 2;
@@ -329,7 +350,7 @@ function tellPaths(index: api.Index, result: api.Result): void {
     el("h2", {}, "Program"),
     el("table", {}, fact("Written by", index.generator ?? "not stated"), fact("Part", `${size} mm`), fact("Layers", String(index.layers.length)), fact("Beads", String(index.shares.reduce((n, s) => n + s.beads, 0))),
       fact("Time, estimated", duration(index.time_s)), fact("Filament", `${fixed(index.filament_mm / 1000, 2)} m`)),
-    ...outputs(result), ...result.warnings.map(warning),
+    ...(result ? [...outputs(result), ...result.warnings.map(warning)] : [el("p", { class: "note" }, "Files and warnings follow once the paths are measured.")]),
     ...(opened?.kind === "program" ? [el("p", {}, el("button", { type: "button", class: "main", onclick: () => tab("strength") }, "Where does it break?"))] : []),
   );
 }
@@ -360,6 +381,7 @@ function tab(name: (typeof TABS)[number]): void {
     byId(`panel-${t}`).hidden = t !== name;
   }
   overlays();
+  shape.supports.setActive(name === "shape");
   strength.setActive(name === "strength");
   loads.setActive(name === "loads");
 }
@@ -394,7 +416,7 @@ document.addEventListener("keydown", (event) => {
   const key = event.key.toLowerCase();
   const isChoosing = active === "loads" && Boolean(viewer?.isPartShown);
   if (event.key in views) viewer?.view(views[event.key]!);
-  else if (event.key === "Escape" && viewer && viewer.dragging !== "turn") loads.setGesture("turn");
+  else if (event.key === "Escape" && viewer && viewer.dragging !== "turn") { loads.setGesture("turn"); shape.supports.setPaint(null); }
   else if (event.key === "Escape" && shape.chosen.length > 0) shape.choose(-1, false);
   else if (isChoosing && key in HELD_KEYS) { if (!event.repeat) loads.setGesture(HELD_KEYS[key]!); }
   else if (isChoosing && key === "g") shape.grow(!event.shiftKey);
@@ -446,9 +468,21 @@ async function choose(): Promise<void> {
   if (chosen) await open(chosen.path, chosen.kind);
 }
 
-/** Opens the history of runs; `chosen` of the newest are side by side at once. */
-async function runs(chosen = 0): Promise<void> {
-  try { await history(byId<HTMLDialogElement>("history"), chosen); } catch (error) { say((error as Error).message, true); }
+/** Plans a run anew at a mass, tests it, and shows it beside another one. */
+async function again(row: api.RunRow, mass_g: number, beside: string): Promise<void> {
+  try {
+    const { text, folder } = await api.text(row.input ?? `${work}/${row.name}/job.toml`);
+    const wanted = set(absolute(text, folder), "fill", "mass_g", plainNumber(mass_g));
+    const end = await run({ kind: "strength", text: wanted, name: `${row.name.replace(/-equal(-\d+)?$/, "")}-equal` });
+    if (end) await runs([beside, end.title]);
+  } catch (error) {
+    say((error as Error).message, true);
+  }
+}
+
+/** Opens the history of runs; the newest ones, or those of these names, are side by side at once. */
+async function runs(chosen: number | string[] = 0): Promise<void> {
+  try { await history(byId<HTMLDialogElement>("history"), chosen, (...wanted) => void again(...wanted)); } catch (error) { say((error as Error).message, true); }
 }
 
 let saved: string | null = null;
@@ -479,7 +513,7 @@ async function begin(name: string): Promise<void> {
 async function start(): Promise<void> {
   try {
     const state = await api.state();
-    roots = state.roots;
+    [roots, work] = [state.roots, state.work];
     if (state.opened) { await open(state.opened.path, state.opened.kind); return; }
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
@@ -498,4 +532,9 @@ void start().then(() => tour.first());
 
 // Tests look at the view through this; the page itself does not use it.
 Object.defineProperty(window, "studio", { get: () => ({ viewer, show, part: shape.view, report: shape.report, chosen: shape.chosen, rendererName: viewer?.rendererName }) });
-document.addEventListener("planned", (event) => { active = "paths"; void show((event as CustomEvent<number>).detail); });
+document.addEventListener("planned", (event) => {
+  const id = (event as CustomEvent<number>).detail;
+  if (onScreen === id && current === id && viewer?.beads) { void tellResult(id); return; }
+  active = "paths";
+  void show(id);
+});

@@ -13,21 +13,29 @@ export const FACE: Rgb = [178, 188, 196];
 export const CHOSEN: Rgb = [245, 196, 66];
 export const HELD: Rgb = [70, 130, 190];
 export const LOADED: Rgb = [226, 120, 58];
+/** Facets that are always or never held by supports. */
+export const ENFORCED: Rgb = [60, 150, 80];
+export const BLOCKED: Rgb = [190, 60, 120];
 /** An edge is smooth where the normals of its triangles are within 20 degrees. Source: chosen; a quarter round of five sides has 18, and bevels are 30 and more. */
 const SMOOTH_COS = Math.cos((20 * Math.PI) / 180);
+/** Numbers of a branch of a support. */
+const BRANCH = 10;
 /** Faces in a row of the texture. */
 const ROW = 1024;
 
+const [ENFORCED_TEXT, BLOCKED_TEXT] = [ENFORCED, BLOCKED].map((colour) => `${colour.join(".0, ")}.0`);
 /** Faces are lit from the eye, a little from above; `out` the world's place for the normal. */
 const VERTEX = `
-in float face; out vec3 at; flat out int number;
-void main() { number = int(face + 0.5); vec4 eye = modelViewMatrix * vec4(position, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
+in float face; in float paint; out vec3 at; flat out int number; flat out int painted;
+void main() { number = int(face + 0.5); painted = int(paint + 0.5); vec4 eye = modelViewMatrix * vec4(position, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
 const LIGHT = `vec3 n = normalize(cross(dFdx(at), dFdy(at))); if (dot(n, at) > 0.0) n = -n; float lit = max(dot(n, normalize(vec3(0.25, 0.45, 0.86))), 0.0);`;
 const FRAGMENT = `
-in vec3 at; flat in int number; out vec4 result; uniform sampler2D faces; uniform int hovered;
+in vec3 at; flat in int number; flat in int painted; out vec4 result; uniform sampler2D faces; uniform int hovered;
 void main() {
   ${LIGHT}
   vec3 colour = texelFetch(faces, ivec2(number % ${ROW}, number / ${ROW}), 0).rgb;
+  if (painted == 1) colour = vec3(${ENFORCED_TEXT}) / 255.0;
+  if (painted == 2) colour = vec3(${BLOCKED_TEXT}) / 255.0;
   if (number == hovered) colour = mix(colour, vec3(1.0, 0.97, 0.62), 0.55);
   result = vec4(colour * (0.5 + 0.55 * lit), 1.0);
 }`;
@@ -45,17 +53,22 @@ void main() {
 /** Colours of principal lines. */
 export const TENSION: Rgb = [200, 30, 40];
 export const COMPRESSION: Rgb = [30, 70, 205];
-/** Width of a principal line, pixels. */
+/** Edges that are faulty in the file, and those that mending leaves. */
+export const FAULT: Rgb = [214, 120, 0];
+export const LEFT: Rgb = [208, 31, 60];
+/** Width of a principal line, of a fault of the file and of one that is left, pixels. */
 const LINE_PX = 2.5;
+const FAULT_PX = 3;
+const LEFT_PX = 4;
 /** Each segment is a strip of the screen between its two ends. */
 const LINES_VERTEX = `
-in vec4 a; in vec4 b; uniform vec2 pixels; out vec3 rest; out float v;
+in vec4 a; in vec4 b; uniform vec2 pixels; uniform float wide; out vec3 rest; out float v;
 void main() {
   vec4 here = position.x < 0.5 ? a : b; rest = here.xyz; v = here.w;
   vec4 p = projectionMatrix * modelViewMatrix * vec4(a.xyz, 1.0); vec4 q = projectionMatrix * modelViewMatrix * vec4(b.xyz, 1.0);
   vec2 along = (q.xy / q.w - p.xy / p.w) * pixels; along /= max(length(along), 1e-6);
   vec4 end = position.x < 0.5 ? p : q;
-  gl_Position = end + vec4(vec2(-along.y, along.x) * position.y * ${LINE_PX.toFixed(1)} / pixels * end.w, 0.0, 0.0);
+  gl_Position = end + vec4(vec2(-along.y, along.x) * position.y * wide / pixels * end.w, 0.0, 0.0);
 }`;
 const LINES_FRAGMENT = `
 in vec3 rest; in float v; out vec4 result; uniform vec4 clip;
@@ -63,14 +76,14 @@ void main() { if (dot(clip.xyz, rest) > clip.w) discard; result = vec4(v > 0.0 ?
 /** How much of the surface is left over the lines in it. */
 const GHOST = 0.16;
 
-export interface Surface { points: Float32Array; corners: Uint32Array; face: Uint32Array; faulty: Float32Array; borders: Uint32Array }
+export interface Surface { points: Float32Array; corners: Uint32Array; face: Uint32Array; faulty: Float32Array; borders: Uint32Array; faults: Float32Array }
 
 /** Lays arrays over the bytes of a surface. */
 export function surfaceOf(bytes: ArrayBuffer): Surface {
-  const [n, m, f, b] = new Uint32Array(bytes, 0, 4) as unknown as [number, number, number, number];
-  let at = 16;
+  const [n, m, f, b, g] = new Uint32Array(bytes, 0, 5) as unknown as [number, number, number, number, number];
+  let at = 20;
   const take = <T>(make: new (buffer: ArrayBuffer, at: number, n: number) => T, count: number): T => { const made = new make(bytes, at, count); at += 4 * count; return made; };
-  return { points: take(Float32Array, 3 * n), corners: take(Uint32Array, 3 * m), face: take(Uint32Array, m), faulty: take(Float32Array, 6 * f), borders: take(Uint32Array, 2 * b) };
+  return { points: take(Float32Array, 3 * n), corners: take(Uint32Array, 3 * m), face: take(Uint32Array, m), faulty: take(Float32Array, 6 * f), borders: take(Uint32Array, 2 * b), faults: take(Float32Array, 6 * g) };
 }
 
 /** What a face of the mesh is made of: its area, the middle of it, its mean normal, and points spread over it. */
@@ -186,17 +199,7 @@ export class StressView {
       for (let k = from; k + 1 < from + length; k++) ends.push(...points.subarray(4 * k, 4 * k + 8));
       from += length;
     }
-    const geometry = new InstancedBufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, 1, 0, 0, -1, 0, 1, 1, 0, 1, -1, 0]), 3));
-    geometry.setIndex([0, 1, 2, 2, 1, 3]);
-    const buffer = new InstancedInterleavedBuffer(new Float32Array(ends), 8);
-    geometry.setAttribute("a", new InterleavedBufferAttribute(buffer, 4, 0));
-    geometry.setAttribute("b", new InterleavedBufferAttribute(buffer, 4, 4));
-    geometry.instanceCount = ends.length / 8;
-    const pixels = new Vector2();
-    this.lines = new Mesh(geometry, new ShaderMaterial({ glslVersion: GLSL3, vertexShader: LINES_VERTEX, fragmentShader: LINES_FRAGMENT, side: DoubleSide, uniforms: { pixels: { value: pixels }, clip: this.material.uniforms.clip! } }));
-    this.lines.onBeforeRender = (renderer) => { renderer.getSize(pixels); };
-    this.lines.frustumCulled = false;
+    this.lines = strips(new Float32Array(ends), LINE_PX, LINES_FRAGMENT, { clip: this.material.uniforms.clip! });
     this.group.add(this.lines);
   }
 
@@ -274,7 +277,8 @@ export class PartView {
   readonly search: Search;
   private readonly mesh: Mesh;
   private readonly borders: LineSegments;
-  private readonly faulty: LineSegments;
+  /** Faults of the file, and above them those that mending leaves. */
+  private readonly faults: Mesh<InstancedBufferGeometry, ShaderMaterial>[];
   private readonly marks = new Group();
   private readonly material: ShaderMaterial;
   private readonly colours: DataTexture;
@@ -283,9 +287,13 @@ export class PartView {
   /** Faces on both sides of each border, and whether the edge is smooth. */
   private pairs: [number, number, boolean][] | null = null;
   private stressed: StressView | null = null;
+  /** Of each corner of the triangles: 1 where it is always supported, 2 where never. */
+  private readonly paintOf: BufferAttribute;
+  private readonly branches = new Group();
+  private branchRows: Float32Array = new Float32Array(0);
 
   constructor(readonly surface: Surface, then: () => void) {
-    const { points, corners, face, faulty, borders } = surface;
+    const { points, corners, face, faulty, borders, faults } = surface;
     const n = corners.length / 3;
     const flat = new Float32Array(9 * n);
     const numbers = new Float32Array(3 * n);
@@ -308,6 +316,8 @@ export class PartView {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(flat, 3));
     geometry.setAttribute("face", new BufferAttribute(numbers, 1));
+    this.paintOf = new BufferAttribute(new Uint8Array(3 * n), 1);
+    geometry.setAttribute("paint", this.paintOf);
     const rows = Math.ceil((this.faces + 1) / ROW);
     this.colours = new DataTexture(new Uint8Array(4 * ROW * rows), ROW, rows, RGBAFormat);
     this.colours.minFilter = this.colours.magFilter = NearestFilter;
@@ -315,8 +325,8 @@ export class PartView {
     this.mesh = new Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
     this.borders = lines(Float32Array.from({ length: 3 * borders.length }, (_, k) => points[3 * borders[Math.floor(k / 3)]! + (k % 3)]!), 0x3c464d, 0.75);
-    this.faulty = lines(faulty.slice(), 0xd01f3c, 1);
-    this.group.add(this.mesh, this.borders, this.faulty, this.marks);
+    this.faults = [marked(faults, FAULT_PX, FAULT, 1), marked(faulty, LEFT_PX, LEFT, 2)];
+    this.group.add(this.mesh, this.borders, ...this.faults, this.marks, this.branches);
     this.paint(new Map());
     this.search = new Search(points, corners, then);
   }
@@ -380,7 +390,74 @@ export class PartView {
     return [...found].filter((f) => f !== 0xffffffff && !own.has(f));
   }
 
-  private triangles(face: number): Uint32Array {
+  /** Colours facets that are always or never supported. */
+  setPainted(enforce: Set<number>, block: Set<number>): void {
+    const all = this.paintOf.array as Uint8Array;
+    all.fill(0);
+    for (const [facets, number] of [[enforce, 1], [block, 2]] as const) for (const t of facets) all.fill(number, 3 * t, 3 * t + 3);
+    this.paintOf.needsUpdate = true;
+  }
+
+  /** Draws supports: ten numbers a branch, as the server sends them; null takes them away. The greatest load, N. */
+  setBranches(rows: Float32Array | null): number {
+    for (const mesh of this.branches.children as Mesh[]) { mesh.geometry.dispose(); (mesh.material as ShaderMaterial).dispose(); }
+    this.branches.clear();
+    this.branchRows = rows ?? new Float32Array(0);
+    let most = 0;
+    for (let k = 0; k < this.branchRows.length; k += BRANCH) most = Math.max(most, this.branchRows[k + 8]!);
+    if (this.branchRows.length === 0) return most;
+    const geometry = new InstancedBufferGeometry();
+    const post = new CylinderGeometry(1, 1, 1, 9, 1, true);
+    geometry.index = post.index;
+    geometry.setAttribute("position", post.getAttribute("position"));
+    const buffer = new InstancedInterleavedBuffer(this.branchRows.slice(), BRANCH);
+    geometry.setAttribute("high", new InterleavedBufferAttribute(buffer, 4, 0));
+    geometry.setAttribute("low", new InterleavedBufferAttribute(buffer, 4, 4));
+    geometry.setAttribute("load", new InterleavedBufferAttribute(buffer, 1, 8));
+    geometry.instanceCount = this.branchRows.length / BRANCH;
+    const material = new ShaderMaterial({
+      glslVersion: GLSL3, side: DoubleSide,
+      vertexShader: `in vec4 high; in vec4 low; in float load; uniform float most; out vec3 at; out vec3 tone;
+vec3 ramp(float t) { vec3 all[9] = vec3[9](${Array.from({ length: 9 }, (_, k) => `vec3(${ramp(k / 8).map((c) => (c / 255).toFixed(4)).join(", ")})`).join(", ")}); float s = clamp(t, 0.0, 1.0) * 8.0; int k = min(int(s), 7); return mix(all[k], all[k + 1], s - float(k)); }
+void main() {
+  vec3 along = high.xyz - low.xyz; along = length(along) > 1e-6 ? normalize(along) : vec3(0.0, 0.0, 1.0);
+  vec3 u = normalize(cross(along, abs(along.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0))); vec3 v = cross(along, u);
+  vec4 end = position.y > 0.0 ? high : low;
+  vec4 eye = modelViewMatrix * vec4(end.xyz + end.w * (u * position.x + v * position.z), 1.0);
+  tone = ramp(load / max(most, 1e-9)); at = eye.xyz; gl_Position = projectionMatrix * eye;
+}`,
+      fragmentShader: `in vec3 at; in vec3 tone; out vec4 result; void main() { ${LIGHT} result = vec4(tone * (0.72 + 0.33 * lit), 1.0); }`,
+      uniforms: { most: { value: most } },
+    });
+    const mesh = new Mesh(geometry, material);
+    mesh.frustumCulled = false;
+    this.branches.add(mesh);
+    return most;
+  }
+
+  showBranches(isShown: boolean): void { this.branches.visible = isShown; }
+
+  /** The branch that a ray meets before the part: the one whose axis it passes nearest to, within its radius. */
+  branchAt(ray: Ray): { load_n: number; isContact: boolean; at: Vector3 } | null {
+    const rows = this.branchRows;
+    const part = this.search.first(ray)?.distance ?? Infinity;
+    let best: { load_n: number; isContact: boolean; at: Vector3; far: number } | null = null;
+    const [a, b, onRay, onAxis] = [new Vector3(), new Vector3(), new Vector3(), new Vector3()];
+    for (let k = 0; k < rows.length; k += BRANCH) {
+      a.fromArray(rows, k);
+      b.fromArray(rows, k + 4);
+      const off = ray.distanceSqToSegment(a, b, onRay, onAxis);
+      const length = a.distanceTo(b);
+      const t = length > 0 ? onAxis.distanceTo(a) / length : 0;
+      const radius = rows[k + 3]! * (1 - t) + rows[k + 7]! * t;
+      const far = onRay.distanceTo(ray.origin);
+      if (off > radius * radius || far > part + radius || (best && best.far <= far)) continue;
+      best = { load_n: rows[k + 8]!, isContact: rows[k + 9]! > 0.5, at: onAxis.clone(), far };
+    }
+    return best;
+  }
+
+  triangles(face: number): Uint32Array {
     if (this.trianglesOf.length === 0) {
       const counts = new Uint32Array(this.faces);
       for (const f of this.surface.face) if (f !== 0xffffffff) counts[f]!++;
@@ -389,6 +466,14 @@ export class PartView {
       this.surface.face.forEach((f, t) => { if (f !== 0xffffffff) this.trianglesOf[f]![counts[f]!++] = t; });
     }
     return this.trianglesOf[face] ?? new Uint32Array(0);
+  }
+
+  /** Places of defects: the middle of each group of faulty edges that hang together, those that mending leaves first. */
+  defects(): Vector3[] {
+    const [left, all] = [groups(this.surface.faulty), groups(this.surface.faults)];
+    // What is left is a fault of the file too.
+    const near = 1e-5 * this.high.distanceTo(this.low);
+    return [...left, ...all.filter((p) => left.every((q) => q.distanceTo(p) > near))];
   }
 
   /** The measures of a face, and points spread evenly over its area. */
@@ -479,9 +564,60 @@ export class PartView {
   dispose(): void {
     this.setStress(null);
     this.setArrows([]);
+    this.setBranches(null);
     this.colours.dispose();
-    for (const child of [this.mesh, this.borders, this.faulty]) { child.geometry.dispose(); (child.material as LineBasicMaterial).dispose(); }
+    for (const child of [this.mesh, this.borders, ...this.faults]) { child.geometry.dispose(); (child.material as LineBasicMaterial).dispose(); }
   }
+}
+
+/** The middle of each group of edges that share ends. */
+function groups(ends: Float32Array): Vector3[] {
+  const parent = new Map<string, string>();
+  const root = (k: string): string => { let at = k; while (parent.get(at) !== at) { const up = parent.get(at)!; parent.set(at, parent.get(up)!); at = parent.get(at)!; } return at; };
+  const key = (k: number) => `${ends[3 * k]} ${ends[3 * k + 1]} ${ends[3 * k + 2]}`;
+  const n = ends.length / 6;
+  for (let k = 0; k < n; k++) {
+    const [a, b] = [key(2 * k), key(2 * k + 1)];
+    for (const p of [a, b]) if (!parent.has(p)) parent.set(p, p);
+    parent.set(root(a), root(b));
+  }
+  const sums = new Map<string, [Vector3, number]>();
+  for (let k = 0; k < 2 * n; k++) {
+    const of = root(key(k));
+    const sum = sums.get(of) ?? [new Vector3(), 0];
+    sum[0].add(new Vector3().fromArray(ends, 3 * k));
+    sum[1]++;
+    sums.set(of, sum);
+  }
+  return [...sums.values()].map(([sum, count]) => sum.divideScalar(count));
+}
+
+/** Segments as strips of the screen, so many pixels wide: x, y, z and a value of both ends of each. */
+function strips(ends: Float32Array, wide: number, fragmentShader: string, uniforms: { [name: string]: { value: unknown } }): Mesh<InstancedBufferGeometry, ShaderMaterial> {
+  const geometry = new InstancedBufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, 1, 0, 0, -1, 0, 1, 1, 0, 1, -1, 0]), 3));
+  geometry.setIndex([0, 1, 2, 2, 1, 3]);
+  const buffer = new InstancedInterleavedBuffer(ends, 8);
+  geometry.setAttribute("a", new InterleavedBufferAttribute(buffer, 4, 0));
+  geometry.setAttribute("b", new InterleavedBufferAttribute(buffer, 4, 4));
+  geometry.instanceCount = ends.length / 8;
+  const pixels = new Vector2();
+  const made = new Mesh(geometry, new ShaderMaterial({ glslVersion: GLSL3, vertexShader: LINES_VERTEX, fragmentShader, side: DoubleSide, uniforms: { ...uniforms, pixels: { value: pixels }, wide: { value: wide } } }));
+  made.onBeforeRender = (renderer) => { renderer.getSize(pixels); };
+  made.frustumCulled = false;
+  return made;
+}
+
+/** Edges of a part in one colour, over its surface: both ends of each. */
+function marked(ends: Float32Array, wide: number, colour: Rgb, order: number): Mesh<InstancedBufferGeometry, ShaderMaterial> {
+  const four = new Float32Array((4 * ends.length) / 3);
+  for (let k = 0; 3 * k < ends.length; k++) four.set(ends.subarray(3 * k, 3 * k + 3), 4 * k);
+  const made = strips(four, wide, `out vec4 result; void main() { result = vec4(${colour.join(".0, ")}.0, 255.0) / 255.0; }`, {});
+  // Nearer to the eye than the surface, which is set back.
+  [made.material.polygonOffset, made.material.polygonOffsetFactor, made.material.polygonOffsetUnits] = [true, -1 - order, -1 - order];
+  made.renderOrder = order;
+  made.visible = ends.length > 0;
+  return made;
 }
 
 function lines(points: Float32Array, colour: number, opacity: number): LineSegments {

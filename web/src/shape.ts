@@ -2,13 +2,20 @@
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 import * as api from "./api";
+import { css, type Rgb } from "./colours";
 import { el, fixed } from "./dom";
 import { quoted, type JobPanel } from "./job";
-import { PartView, surfaceOf } from "./part";
-import { entries, get, set } from "./toml";
+import { FAULT, LEFT, PartView, surfaceOf } from "./part";
+import { Poses } from "./poses";
+import { Supports } from "./supports";
+import { entries, get, set, value } from "./toml";
 import type { Viewer } from "./viewer";
 
-interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; viewer: () => Viewer | null; job: JobPanel; openLoads: () => void }
+interface Parts {
+  run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; openLoads: () => void;
+  /** The text of the job with loads that turn with the part, or the reason why they cannot. */
+  turning: () => { text: string } | { refused: string };
+}
 
 /** How long the text has to rest before its shape is made anew, ms. */
 const REST_MS = 250;
@@ -29,8 +36,14 @@ export class ShapePanel {
   private warnings: api.Warning[] = [];
   private timer = 0;
   private wanted = 0;
+  private readonly poses: Poses;
+  readonly supports: Supports;
 
-  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.close(); }
+  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) {
+    this.poses = new Poses({ run: parts.run, say: parts.say, wanted: () => parts.job.wanted(), stand: (rotate_deg) => this.stand(rotate_deg) });
+    this.supports = new Supports({ ...parts, view: () => this.view, chosen: () => this.chosen });
+    this.close();
+  }
 
   close(): void {
     [this.report, this.view, this.chosen, this.key] = [null, null, [], ""];
@@ -48,6 +61,7 @@ export class ShapePanel {
   textChanged(text: string): void {
     if (!ShapePanel.has(text)) return;
     clearTimeout(this.timer);
+    if (this.report) this.supports.textChanged();
     if (this.keyOf(text) !== this.key) this.timer = setTimeout(() => void this.load(), REST_MS) as unknown as number;
   }
 
@@ -133,18 +147,75 @@ export class ShapePanel {
       el("div", { class: "row" }, el("label", {}, report.unit_is_stated ? "Unit" : "Unit (the file states none)", unit), el("label", {}, "Scale", scale)),
       el("h2", {}, "Defects"),
       found.length === 0 ? el("p", { class: "note", id: "defects" }, "None: the surface is closed.") : el("table", { id: "defects" }, ...found.map(([n, words]) => fact(words, String(n)))),
-      ...(report.open_edges + report.nonmanifold_edges > 0 ? [el("p", { class: "note" }, "Those that mending leaves are drawn red on the part.")] : []),
+      ...this.defects(report),
       ...this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
       el("h2", {}, "Turn"), el("div", { class: "row" }, turn(0), turn(1), turn(2)), el("div", { class: "row" }, lay),
       el("p", { class: "note" }, "Choose a face by a click on the part, or in the list of the next tab."),
+      el("h2", {}, "Build direction"), this.poses.element,
+      el("h2", {}, "Supports"), this.supports.element,
+      el("h2", {}, "Place on the plate"), this.place(),
       el("div", { class: "row" }, el("button", { type: "button", class: "main", onclick: () => this.parts.openLoads() }, "Say where it is held and loaded")),
     );
+    this.supports.build();
     this.chosenChanged();
+  }
+
+  /** Where the defects are: colours on the part, and a button that leads from one to the next. */
+  private defects(report: api.ShapeReport): Node[] {
+    if (report.open_edges + report.nonmanifold_edges + report.badly_wound_edges === 0) return [];
+    const swatch = (colour: Rgb) => { const box = el("span", { class: "swatch" }); box.style.background = css(colour); return box; };
+    const places = this.view?.defects() ?? [];
+    let next = 0;
+    const words = el("output", { id: "defect" });
+    const go = el("button", { type: "button", id: "next-defect", onclick: () => {
+      const [place, viewer] = [places[next % places.length], this.parts.viewer()];
+      if (!place || !viewer || !this.view) return;
+      viewer.lookAt(place, 0.12 * this.view.high.distanceTo(this.view.low));
+      words.textContent = `${(next % places.length) + 1} of ${places.length}, at (${place.toArray().map((v) => fixed(v, 1)).join(", ")})`;
+      next++;
+    } }, "Look at the next one");
+    const left = report.edges_left === 0 ? "all of them were mended" : `${report.edges_left} edges are left after mending`;
+    return [el("p", { class: "note" }, "On the part: ", swatch(FAULT), "in the file ", swatch(LEFT), `left after mending; ${left}.`), ...(places.length > 0 ? [el("div", { class: "row" }, go, words)] : [])];
+  }
+
+  /** The turn of the part as the text has it. */
+  private get rotation(): number[] {
+    const read = value(get(this.parts.job.text() ?? "", "shape", "rotate_deg") ?? "");
+    return Array.isArray(read) && read.every((v) => typeof v === "number") ? (read as number[]) : [0, 0, 0];
+  }
+
+  /** Shows the list of poses, which depends on everything but how the part stands now; `loads` are those in its file. */
+  showPoses(loads: string): void {
+    if (!this.report) return;
+    const text = this.parts.job.text() ?? "";
+    const moved = ["shape.rotate_deg", "shape.position_mm"];
+    const isOwn = (e: { table: string; key: string }) => (e.table === "shape" && !moved.includes(`shape.${e.key}`)) || e.table.startsWith("support") || e.table === "process" || e.table === "material" || (e.table.startsWith("fill") && e.key !== "density");
+    this.poses.show(this.rotation, entries(text).filter(isOwn).map((e) => `${e.table}.${e.key}=${text.slice(e.from, e.to)}`).join("\n") + loads);
+  }
+
+  private stand(rotate_deg: number[]): void {
+    const turning = this.parts.turning();
+    if ("refused" in turning) { this.parts.say(turning.refused, true); return; }
+    this.parts.job.put(set(turning.text, "shape", "rotate_deg", `[${rotate_deg.map(plainNumber).join(", ")}]`));
+  }
+
+  /** Where the middle of the part stands on the plate. */
+  private place(): HTMLElement {
+    const read = value(get(this.parts.job.text() ?? "", "shape", "position_mm") ?? "");
+    const known = Array.isArray(read) ? read : [];
+    const inputs = ["x", "y"].map((axis, k) => el("input", { type: "number", step: "any", id: `place-${axis}`, placeholder: "middle", value: typeof known[k] === "number" ? (known[k] as number) : "", onchange: () => enter() }));
+    const enter = () => {
+      const all = inputs.map((input) => input.valueAsNumber);
+      if (all.every(Number.isFinite)) this.put("position_mm", `[${all.map(plainNumber).join(", ")}]`);
+      else if (all.every((v) => !Number.isFinite(v))) this.put("position_mm", null);
+    };
+    return el("div", { class: "row" }, ...inputs.map((input, k) => el("label", {}, `middle on the plate, ${"xy"[k]}, mm`, input)));
   }
 
   chosenChanged(): void {
     const lay = document.getElementById("lay") as HTMLButtonElement | null;
     if (lay) lay.disabled = this.chosen.length !== 1;
+    this.supports.chosenChanged();
   }
 
   private lay(): void {

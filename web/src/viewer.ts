@@ -86,9 +86,11 @@ export interface Crack { cells: Float32Array<ArrayBuffer>; order: Float32Array; 
 export interface Shown { low: number; high: number; from: number; to: number }
 
 /** What a drag over the part does. */
-export type Gesture = "turn" | "box" | "brush";
+export type Gesture = "turn" | "box" | "brush" | "paint";
 /** Places between which a stroke of the brush looks for faces, pixels. */
 const BRUSH_STEP = 4;
+/** Radius of the brush that paints facets, pixels. Source: chosen; a finger is wider and a pointer narrower. */
+const PAINT_PX = 7;
 
 export class Viewer {
   readonly renderer: WebGLRenderer;
@@ -110,6 +112,9 @@ export class Viewer {
   onPickFace: (face: number, isAdded: boolean) => void = () => {};
   /** Faces that a box held, or that the brush touched. */
   onPickFaces: (faces: number[]) => void = () => {};
+  /** Triangles that the paint brush went over, and the end of its stroke. */
+  onPaint: (triangles: number[]) => void = () => {};
+  onPaintEnd: () => void = () => {};
   private gesture: Gesture = "turn";
   private mode: "part" | "paths" = "paths";
   private material: ShaderMaterial;
@@ -362,6 +367,25 @@ export class Viewer {
     this.draw();
   }
 
+  /** Looks at a point from the side that it is on, near enough to see `around` mm about it. */
+  lookAt(point: Vector3, around: number): void {
+    const [low, high] = this.box;
+    const middle = low.clone().add(high).multiplyScalar(0.5);
+    const along = point.clone().sub(middle);
+    // From above a little, and never along the vertical, about which the view turns.
+    if (along.length() < 1e-6) along.set(-0.55, -1.05, 0.95);
+    along.normalize().add(new Vector3(0, -0.05, 0.2)).normalize();
+    const distance = (1.25 * around) / Math.tan((this.camera.fov * Math.PI) / 360);
+    this.controls.target.copy(point);
+    this.camera.position.copy(point).addScaledVector(along, distance);
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 20 + 20 * high.distanceTo(low);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.fitted = null;
+    this.draw();
+  }
+
   /** Where a point of the part is on the screen, in pixels of the page. */
   project(x: number, y: number, z: number): [number, number] {
     this.camera.updateMatrixWorld();
@@ -432,6 +456,7 @@ export class Viewer {
       if (this.gesture === "turn" || !this.isPartShown || event.button !== 0) return;
       from = last = event;
       this.canvas.setPointerCapture(event.pointerId);
+      if (this.gesture === "paint") this.onPaint(this.trianglesAt(event.clientX, event.clientY));
     });
     this.canvas.addEventListener("pointermove", (event) => {
       if (!from || !last || !this.part) return;
@@ -443,9 +468,13 @@ export class Viewer {
       } else {
         const n = Math.ceil(Math.hypot(event.clientX - last.clientX, event.clientY - last.clientY) / BRUSH_STEP);
         const touched = new Set<number>();
-        for (let k = 0; k <= n; k++) touched.add(this.part.faceAt(this.rayAt(last.clientX + ((event.clientX - last.clientX) * k) / Math.max(n, 1), last.clientY + ((event.clientY - last.clientY) * k) / Math.max(n, 1))));
+        const isPaint = this.gesture === "paint";
+        for (let k = 0; k <= n; k++) {
+          const [x, y] = [last.clientX + ((event.clientX - last.clientX) * k) / Math.max(n, 1), last.clientY + ((event.clientY - last.clientY) * k) / Math.max(n, 1)];
+          for (const found of isPaint ? this.trianglesAt(x, y) : [this.part.faceAt(this.rayAt(x, y))]) touched.add(found);
+        }
         touched.delete(-1);
-        this.onPickFaces([...touched]);
+        if (isPaint) this.onPaint([...touched]); else this.onPickFaces([...touched]);
       }
       last = event;
     });
@@ -458,11 +487,19 @@ export class Viewer {
         this.camera.updateMatrixWorld();
         this.onPickFaces(this.part.facesIn(new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse), [x(left), y(bottom), x(right), y(top)]));
       }
+      if (from && this.gesture === "paint") this.onPaintEnd();
       rubber.hidden = true;
       from = last = null;
     };
     this.canvas.addEventListener("pointerup", end);
     this.canvas.addEventListener("pointercancel", end);
+  }
+
+  /** Triangles of the part within the brush at a place of the page. */
+  private trianglesAt(x: number, y: number): number[] {
+    const places = [[0, 0], ...Array.from({ length: 8 }, (_, k) => [PAINT_PX * Math.cos((k * Math.PI) / 4), PAINT_PX * Math.sin((k * Math.PI) / 4)])];
+    const found = places.map(([dx, dy]) => this.part?.search.first(this.rayAt(x + dx!, y + dy!))?.triangle ?? -1);
+    return [...new Set(found)].filter((t) => t >= 0);
   }
 
   private hoverPart(clientX: number, clientY: number): void {
@@ -489,6 +526,7 @@ export class Viewer {
 
   private pick(event: PointerEvent): void {
     if (this.part && this.isPartShown) {
+      if (this.gesture === "paint") return;
       this.onPickFace(this.part.faceAt(this.ray(event).ray), event.shiftKey || this.gesture !== "turn");
       return;
     }

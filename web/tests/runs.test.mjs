@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { bar, choose, command, folder, launch, settle, shown, squares, studio, visit } from "./bench.mjs";
+import { bar, boxStl, choose, command, folder, launch, settle, shapeRun, shapedAnew, shown, squares, studio, visit } from "./bench.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const SHOTS = process.env.SHOTS;
@@ -68,6 +68,45 @@ test("two programs stand side by side, at equal mass too, as the command line co
   await page.evaluate(axe);
   const serious = await page.evaluate(() => window.axe.run().then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => `${v.id}: ${v.nodes[0].html}`)));
   assert.deepEqual(serious, []);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a plan is compared with another one at equal mass by planning it anew", async (t) => {
+  const job = (density) => `[shape]\nmesh = "plate.stl"\n\n[process]\nwalls = 1\ntop_layers = 0\nbottom_layers = 0\n\n[fill]\npattern = "rectilinear"\nangles_deg = [0]\ndensity = ${density}\n\n[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [4, 16, 1]] }\nfix = "xyz"\n\n[[guide.load]]\non = { box_mm = [[36, 0, 0], [40, 16, 1]] }\nforce_n = [100, 0, 0]\n`;
+  const dir = folder({ "plate.stl": boxStl([40, 16, 1]), "thin.toml": job(0.3), "dense.toml": job(0.6) });
+  const own = await studio(dir.dir);
+  t.after(async () => { await own.end(); dir.remove(); });
+  const { page, wrong, close } = await visit(browser, own.address);
+  for (const name of ["dense.toml", "thin.toml"]) {
+    const last = await shapeRun(page);
+    if (name === "dense.toml") await choose(page, name);
+    else { await page.click("#open"); await page.click(`#chooser .files button:has-text("${name}")`); }
+    await shapedAnew(page, last);
+    await page.click("#tab-strength");
+    await page.click("#test-job");
+    await page.waitForSelector("#peak", { timeout: 240_000 });
+  }
+  await page.click("#compare");
+  await page.waitForSelector("#compared table");
+  const before = await table(page);
+  const heavier = 100 / parseFloat(before.Mass[2]);
+  assert.ok(heavier > 1.2, `${before.Mass}`);
+  const grams = before.Mass[0];
+  assert.match(await page.textContent("#equal-second"), new RegExp(`Plan the second anew at ${grams.replace(".", "\\.")} and test it`));
+  await page.click("#equal-second");
+  await page.waitForFunction(() => document.querySelector("#history").open && document.querySelectorAll("#all-runs tr").length === 4, null, { timeout: 240_000 });
+  await shot(page, "equal");
+  const after = await table(page);
+  assert.ok(Math.abs(parseFloat(after.Mass[2]) - 100) < 1.5, `${after.Mass}`);
+  assert.equal(after["Breaks at"][0], before["Breaks at"][0]);
+  // Beads along the pull: at equal mass they carry alike, and what was planned anew carries more than before.
+  const load = (row) => parseFloat(row[1]);
+  assert.ok(load(after["Breaks at"]) > 1.15 * load(before["Breaks at"]), `${before["Breaks at"]} ${after["Breaks at"]}`);
+  assert.ok(Math.abs(parseFloat(after["Breaks at"][2]) - 100) < 8, `${after["Breaks at"]}`);
+  assert.equal(await page.$("#equal-second"), null, "they are equal now");
+  const said = await page.evaluate(async () => (await fetch(`v1/text?path=${encodeURIComponent((await (await fetch("v1/state")).json()).work + "/thin-equal/job.toml")}`)).json());
+  assert.match(said.text, /mass_g = \d/);
   assert.deepEqual(wrong, []);
   await close();
 });

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::{fs, io};
 
 use grainpath::Planned;
+use grainpath::guide::KnownStress;
 use grainpath::order::LayerPaths;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
@@ -96,6 +98,8 @@ pub struct Given {
     pub stress: Option<StressField>,
     /// The photographs of `guide.image`, or of `shape.photo` where that names none.
     pub photos: Option<Vec<Photo>>,
+    /// Stress that earlier runs solved.
+    pub known: Option<Arc<KnownStress>>,
 }
 
 /// Adds all files that a job reads, except the job itself.
@@ -182,6 +186,7 @@ pub fn plan_given(
                 photos,
                 texture,
                 regions,
+                known: given.known,
             };
             grainpath::plan_job(settings, inputs, diagnostics)?
         }

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use grainpath::Planned;
@@ -71,12 +72,6 @@ impl Paths {
         Ok(paths)
     }
 
-    /// The place of the program.
-    #[cfg(feature = "studio")]
-    pub(crate) fn gcode(&self) -> &Path {
-        &self.gcode
-    }
-
     /// Whether the program goes to standard output, which must then hold nothing else.
     pub(crate) fn is_standard_output(&self) -> bool {
         ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
@@ -102,7 +97,8 @@ impl Paths {
     }
 }
 
-/// Writes the outputs of a job and returns the report.
+/// Writes the outputs of a job and returns the report. `ready` gets the program as soon as it is read back, before it is
+/// tested, measured and drawn.
 pub(crate) fn write(
     settings: &Settings,
     mut planned: Planned,
@@ -110,6 +106,7 @@ pub(crate) fn write(
     read_s: f64,
     measured: bool,
     truth: Option<&[Dimension]>,
+    ready: &dyn Fn(&Arc<Program>),
     diagnostics: &Diagnostics,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
@@ -130,13 +127,14 @@ pub(crate) fn write(
         write_s = start.elapsed().as_secs_f64();
         // The test runs before the rename: a program that cannot be tested must not replace one that
         // could.
-        program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?;
+        program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?.map(Arc::new);
+        program.iter().for_each(ready);
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
             tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
         }
         Ok(written)
     })?;
-    let mut report = report_of(settings, &planned, &written, program.as_ref(), diagnostics);
+    let mut report = report_of(settings, &planned, &written, program.as_deref(), diagnostics);
     report.stages_s.insert(Stage::Read.name(), seconds(read_s));
     report.stages_s.insert(Stage::Write.name(), seconds(write_s));
     report.outputs.insert("gcode", paths.gcode.display().to_string());

@@ -155,6 +155,7 @@ fn try_checked(job: &str, deck: Option<&str>) -> Result<Checked, String> {
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),
+        known: None,
     };
     let diagnostics = Diagnostics::default();
     let guide = check_loads(&settings, inputs, &diagnostics).map_err(|e| e.to_string())?;

@@ -104,6 +104,7 @@ fn planned(mesh: MeshFile, sets: &[&str]) -> (Planned, Vec<String>) {
         photos: Vec::new(),
         texture: None,
         regions: BTreeMap::new(),
+        known: None,
     };
     let diagnostics = Diagnostics::default();
     let planned = plan_job(&settings, inputs, &diagnostics).expect("a sound job");

@@ -45,6 +45,10 @@ fn a_bar_is_laid_down_so_that_its_layers_do_not_part() {
     let ratio = nominal(0) / nominal(5);
     assert!(ratio > 1.1 && ratio < 1.6, "{ratio}: {report}");
     assert_eq!(poses[5]["reserve"]["mode"], "between layers");
+    // Force over area, 400 N on 64 mm2: all of it goes from layer to layer where the bar stands, and none where it lies. The
+    // grips press from the side a little.
+    let across = |k: usize| poses[k]["reserve"]["across_layers_mpa"].as_f64().expect("a stress");
+    assert!((across(5) / 6.25 - 1.0).abs() < 0.25 && across(0) < 0.3 * across(5), "{report}");
     // The job that was written is planned in that pose, loads turned with it.
     let run = json(&grainpath(&dir, &["run", "bar.toml", "--json"]));
     assert_eq!(run["z_max_mm"], 8.0, "{run}");
@@ -67,4 +71,18 @@ fn what_cannot_stand_or_turn_is_refused_in_a_line() {
     let out = grainpath(&dir, &["orient", "thin.toml", "--json"]);
     assert_eq!(out.status.code(), Some(4), "{}", String::from_utf8_lossy(&out.stdout));
     assert!(json(&out)["error"].as_str().expect("a line").contains("no flat to stand on"));
+}
+
+/// A part that is not loaded is ranked by its supports and its height.
+#[test]
+fn without_loads_support_and_height_decide() {
+    let dir = folder("orient unloaded");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    fs::write(dir.join("bar.toml"), "[shape]\nmesh = \"bar.stl\"\n").expect("written");
+    let out = grainpath(&dir, &["orient", "bar.toml", "--json"]);
+    let report = json(&out);
+    assert!(out.status.success(), "{report}");
+    let poses = report["poses"].as_array().expect("poses");
+    assert_eq!((poses.len(), &poses[0]["height_mm"], &poses[5]["height_mm"]), (6, &8.0.into(), &30.0.into()));
+    assert!(poses.iter().all(|p| p.get("reserve").is_none() && p["support_g"] == 0.0), "{report}");
 }

@@ -26,6 +26,7 @@ fn planned(mesh: &TriMesh, more: &[&str]) -> (Planned, Vec<String>) {
         photos: Vec::new(),
         texture: None,
         regions: std::collections::BTreeMap::new(),
+        known: None,
     };
     let diagnostics = Diagnostics::default();
     let planned = plan_job(&settings(more), inputs, &diagnostics).expect("a sound job");

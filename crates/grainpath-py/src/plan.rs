@@ -299,6 +299,7 @@ impl Work {
             directions: field(self.directions.as_deref(), &self.settings)?,
             stress: self.stress.take().map(StressField::new),
             photos: self.photos.take(),
+            known: None,
         })
     }
 

@@ -71,6 +71,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::CASE, get(case)),
         (openapi::SECTION, get(section_bytes)),
         (openapi::LINES, get(lines)),
+        (openapi::BRANCHES, get(branches)),
         (openapi::HISTORY, get(history_rows)),
         (openapi::OUTPUT, get(output)),
         (openapi::SCHEMA, get(schema)),
@@ -324,6 +325,10 @@ enum Wanted {
     Shape { file: Option<String>, text: Option<String>, name: Option<String> },
     /// Solves the loads of a job, without paths.
     Stress { file: Option<String>, text: Option<String>, name: Option<String> },
+    /// Ranks the poses of a job's part.
+    Orient { file: Option<String>, text: Option<String>, name: Option<String> },
+    /// Grows the supports of a job.
+    Supports { file: Option<String>, text: Option<String>, name: Option<String> },
     /// Plans a job: a file, or a text that is saved first, with a name for its folder.
     Plan { file: Option<String>, text: Option<String>, name: Option<String> },
     /// Tests the part of a job, or a program with the loads and the material of a job.
@@ -359,7 +364,7 @@ fn view(file: &FilePath, diagnostics: &grainpath_core::Diagnostics) -> Result<Fi
         "time_s": program.time_s, "generator": program.generator,
     });
     let warnings = program.warnings.clone();
-    Ok(Finished { report, program, warnings, ..Finished::default() })
+    Ok(Finished { report, program: Arc::new(program), warnings, ..Finished::default() })
 }
 
 /// A job, and the new folder of its run, in which its text is saved.
@@ -413,23 +418,31 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
         Wanted::View { file } => {
             let file = roots.readable(FilePath::new(&file))?;
             let title = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-            studio.runs.add(Kind::View, title, Box::new(move |d| view(&file, d)))
+            studio.runs.add(Kind::View, title, Box::new(move |d, _| view(&file, d)))
         }
         Wanted::Shape { file, text, name } => {
             let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
-            studio.runs.add(Kind::Shape, title, Box::new(move |d| engine.shape(&job, &roots, d)))
+            studio.runs.add(Kind::Shape, title, Box::new(move |d, _| engine.shape(&job, &roots, d)))
         }
         Wanted::Stress { file, text, name } => {
             let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
-            studio.runs.add(Kind::Stress, title, Box::new(move |d| engine.stress(&job, &roots, d)))
+            studio.runs.add(Kind::Stress, title, Box::new(move |d, _| engine.stress(&job, &roots, d)))
+        }
+        Wanted::Orient { file, text, name } => {
+            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+            studio.runs.add(Kind::Orient, title, Box::new(move |d, _| engine.orient(&job, &roots, d)))
+        }
+        Wanted::Supports { file, text, name } => {
+            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+            studio.runs.add(Kind::Supports, title, Box::new(move |d, _| engine.supports(&job, &roots, d)))
         }
         Wanted::Plan { file, text, name } => {
             let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
             let title = stem(&out);
             let name = title.clone();
             let input = file.map(PathBuf::from);
-            let work: runs::Work = Box::new(move |d| {
-                let finished = engine.plan(&job, &out, &roots, d)?;
+            let work: runs::Work = Box::new(move |d, ready| {
+                let finished = engine.plan(&job, &out, &roots, d, ready)?;
                 history::add(&roots, Kind::Plan, &name, input.as_deref(), &finished);
                 Ok(finished)
             });
@@ -441,7 +454,7 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             let name = stem(&out);
             let title = name.clone();
             let input = program.clone().or_else(|| file.map(PathBuf::from));
-            let work: runs::Work = Box::new(move |d| {
+            let work: runs::Work = Box::new(move |d, _| {
                 let finished = engine.strength(&job, program.as_deref(), &roots, d)?;
                 history::add(&roots, Kind::Strength, &name, input.as_deref(), &finished);
                 Ok(finished)
@@ -473,11 +486,18 @@ fn found(studio: &Studio, id: u64) -> Answer<Arc<Run>> {
 /// The result of a job that is done; otherwise why there is none.
 fn done(studio: &Studio, id: u64) -> Answer<Arc<runs::Result>> {
     let run = found(studio, id)?;
-    run.result().ok_or_else(|| {
-        let state = studio.runs.state(&run);
-        let why = state.error.unwrap_or_else(|| "the job is not done yet".to_owned());
-        Problem::new(StatusCode::CONFLICT, why)
-    })
+    run.result().ok_or_else(|| not_done(studio, &run))
+}
+
+fn not_done(studio: &Studio, run: &Run) -> Problem {
+    let why = studio.runs.state(run).error.unwrap_or_else(|| "the job is not done yet".to_owned());
+    Problem::new(StatusCode::CONFLICT, why)
+}
+
+/// The program of a job that has one already; otherwise why there is none.
+fn drawn(studio: &Studio, id: u64) -> Answer<Arc<runs::Drawn>> {
+    let run = found(studio, id)?;
+    run.drawn().ok_or_else(|| not_done(studio, &run))
 }
 
 async fn one(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<RunState>> {
@@ -549,8 +569,8 @@ async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde
 }
 
 async fn layer_index(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
-    let result = done(&studio, id)?;
-    Ok(Json(result.records.index()).into_response())
+    let drawn = drawn(&studio, id)?;
+    Ok(Json(drawn.records.index()).into_response())
 }
 
 /// Bytes of layers `a-b`, counted from 0, both included: one after the other, as the index counts them.
@@ -559,8 +579,8 @@ async fn layer_records(
     Path((id, range)): Path<(u64, String)>,
     headers: HeaderMap,
 ) -> Answer<Response> {
-    let result = done(&studio, id)?;
-    let n = result.finished.program.layers.len();
+    let drawn = drawn(&studio, id)?;
+    let n = drawn.program.layers.len();
     let wrong = || {
         let wanted =
             format!("layers are \"FIRST-LAST\" with numbers below {n}, at most {MOST_LAYERS} at a time");
@@ -573,8 +593,8 @@ async fn layer_records(
     }
     let is_packed = accepts_gzip(&headers);
     let bytes = tokio::task::spawn_blocking(move || {
-        let layers = &result.finished.program.layers[first..=last];
-        let bytes: Vec<u8> = layers.iter().flat_map(|l| result.records.layer(l)).collect();
+        let layers = &drawn.program.layers[first..=last];
+        let bytes: Vec<u8> = layers.iter().flat_map(|l| drawn.records.layer(l)).collect();
         if is_packed { packed(&bytes) } else { bytes }
     });
     let bytes = bytes.await.map_err(fault)?;
@@ -668,6 +688,12 @@ async fn section_bytes(
 
 async fn lines(State(studio): Shared, Path(of): CasePath, headers: HeaderMap) -> Answer<Response> {
     case_bytes(&studio, of, &headers, |_, case| surface::lines(&case.lines)).await
+}
+
+async fn branches(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, "this job grew no supports");
+    made(&headers, move || result.finished.branches.as_deref().map(surface::branches).ok_or_else(none)).await
 }
 
 async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {

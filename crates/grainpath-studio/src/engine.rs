@@ -2,6 +2,7 @@
 //! job or a program.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::Program;
@@ -55,8 +56,21 @@ pub struct Surface {
     pub face: Vec<u32>,
     /// Edges that are open or where more than two triangles meet: their ends.
     pub faulty_edges: Vec<[[f32; 3]; 2]>,
+    /// The same of the file before it was mended, with edges of triangles that are wound against each other.
+    pub file_faults: Vec<[[f32; 3]; 2]>,
     /// Edges between two faces: indices of corners.
     pub borders: Vec<[u32; 2]>,
+}
+
+/// A branch of a support, from its upper end to its lower one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Branch {
+    /// Its ends, mm, part coordinates, each with the radius there.
+    pub ends: [[f32; 4]; 2],
+    /// What it bears, N.
+    pub load_n: f32,
+    /// Whether its upper end is a contact with the part.
+    pub is_contact: bool,
 }
 
 /// What loads do to a part, on the surface of the mesh that was solved.
@@ -103,13 +117,15 @@ pub struct Finished {
     /// What the command prints with `--json`.
     pub report: Value,
     /// The program that was written or tested.
-    pub program: Program,
+    pub program: Arc<Program>,
     /// What broke.
     pub damage: Option<Damage>,
     /// The part as it is placed.
     pub surface: Option<Surface>,
     /// What loads do to it.
     pub stress: Option<StressSurface>,
+    /// The supports that it needs.
+    pub branches: Option<Vec<Branch>>,
     /// Files that were written.
     pub outputs: Vec<Output>,
     /// Warnings.
@@ -154,7 +170,19 @@ pub trait Engine: Send + Sync {
     /// As [`Engine::plan`].
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
 
-    /// Plans a job and writes its outputs below `out`.
+    /// Ranks the poses in which the part of a job stands by itself; nothing is written.
+    ///
+    /// # Errors
+    /// As [`Engine::plan`].
+    fn orient(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
+
+    /// Grows the supports of a job; nothing is written.
+    ///
+    /// # Errors
+    /// As [`Engine::plan`].
+    fn supports(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
+
+    /// Plans a job and writes its outputs below `out`. `ready` gets the program before it is measured and drawn.
     ///
     /// # Errors
     /// [`Refusal`] with the sentence that the command line prints.
@@ -164,6 +192,7 @@ pub trait Engine: Send + Sync {
         out: &Path,
         roots: &Roots,
         diagnostics: &Diagnostics,
+        ready: &dyn Fn(&Arc<Program>),
     ) -> Result<Finished, Refusal>;
 
     /// Tests how much the part of a job, or a program with the loads of a job, carries.

@@ -30,8 +30,8 @@ mod uploads;
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
 pub use engine::{
-    CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressLine, StressSurface,
-    StressVolume, Surface,
+    Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressLine,
+    StressSurface, StressVolume, Surface,
 };
 pub use refusal::Refusal;
 pub use serve::serve;

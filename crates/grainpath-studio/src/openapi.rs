@@ -147,7 +147,7 @@ pub(crate) const DAMAGE: Route = Route::get(
 pub(crate) const SURFACE: Route = Route::get(
     "/v1/jobs/{id}/surface",
     "surface",
-    "The part as it is placed, 32 bits a number: counts of vertices, triangles, faulty edges and borders; x, y, z of the vertices; corners of the triangles; the face of each triangle, counted from 0 as in the report, or 4294967295; both ends of each faulty edge; corners of each border between two faces.",
+    "The part as it is placed, 32 bits a number: counts of vertices, triangles, faulty edges, borders and faults of the file; x, y, z of the vertices; corners of the triangles; the face of each triangle, counted from 0 as in the report, or 4294967295; both ends of each faulty edge; corners of each border between two faces; both ends of each fault of the file before it was mended.",
     Answers::Bytes,
 );
 pub(crate) const STRESSED: Route = Route::get(
@@ -175,6 +175,12 @@ pub(crate) const LINES: Route = Route::get(
     "/v1/jobs/{id}/stress/{case}/lines",
     "lines",
     "Principal stress lines, 32 bits a number: the count of lines; the count of points of each; x, y, z in mm and the stress along the line in MPa of each point.",
+    Answers::Bytes,
+);
+pub(crate) const BRANCHES: Route = Route::get(
+    "/v1/jobs/{id}/branches",
+    "branches",
+    "Branches of the supports, 32 bits a number: for each x, y, z and radius of its upper end and of its lower end in mm, what it bears in N, and 1 where its upper end touches the part.",
     Answers::Bytes,
 );
 pub(crate) const HISTORY: Route = Route::get(
@@ -288,12 +294,14 @@ fn schemas() -> Value {
               "properties": { "kind": { "const": "view" }, "file": text } },
             job("shape", json!({})),
             job("stress", json!({})),
+            job("orient", json!({})),
+            job("supports", json!({})),
             job("plan", json!({})),
             job("strength", json!({ "program": { "type": "string", "description": "G-code of any slicer." } })),
         ] },
-        "State": object(json!({ "id": whole, "kind": { "enum": ["view", "shape", "stress", "plan", "strength"] }, "title": text,
+        "State": object(json!({ "id": whole, "kind": { "enum": ["view", "shape", "stress", "orient", "supports", "plan", "strength"] }, "title": text,
             "phase": { "enum": ["waiting", "running", "done", "failed", "cancelled"] }, "ahead": whole,
-            "stage": maybe("string"), "done": whole, "total": whole, "elapsed_s": number,
+            "stage": maybe("string"), "done": whole, "total": whole, "layers": { "type": "boolean" }, "elapsed_s": number,
             "error": maybe("string"), "code": maybe("integer") })),
         "States": object(json!({ "jobs": list(&reference("State")) })),
         "Result": object(json!({ "report": { "type": "object" }, "warnings": list(&json!({ "type": "object" })),

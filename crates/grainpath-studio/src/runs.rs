@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::{Progress, Stage};
+use grainpath_gcode::Program;
 use serde::Serialize;
 use tokio::sync::watch;
 
@@ -60,6 +61,10 @@ pub enum Kind {
     Shape,
     /// Solves the loads of a job.
     Stress,
+    /// Ranks the poses of a job's part.
+    Orient,
+    /// Grows the supports of a job.
+    Supports,
     /// Plans a job.
     Plan,
     /// Tests strength.
@@ -85,6 +90,8 @@ pub struct State {
     pub done: usize,
     /// Steps of the stage; 0 where they are not known.
     pub total: usize,
+    /// Whether its layers can be asked for.
+    pub layers: bool,
     /// Time since it was begun, s.
     pub elapsed_s: f64,
     /// Why it failed: the sentence of the command line.
@@ -117,16 +124,31 @@ impl Progress for Counter {
     }
 }
 
+/// A program as the page draws it.
+pub struct Drawn {
+    /// The program.
+    pub program: Arc<Program>,
+    /// Its index and records.
+    pub records: Records,
+}
+
+impl Drawn {
+    fn new(program: &Arc<Program>) -> Arc<Self> {
+        Arc::new(Self { program: Arc::clone(program), records: Records::new(program) })
+    }
+}
+
 /// What a run gave, and its program as the page draws it.
 pub struct Result {
     /// What the engine gave.
     pub finished: Finished,
-    /// The index and records of its program.
-    pub records: Records,
+    /// Its program.
+    pub drawn: Arc<Drawn>,
 }
 
-/// The work of a run.
-pub type Work = Box<dyn FnOnce(&Diagnostics) -> std::result::Result<Finished, Refusal> + Send>;
+/// The work of a run; it may hand its program over before it is done.
+pub type Work =
+    Box<dyn FnOnce(&Diagnostics, &dyn Fn(&Arc<Program>)) -> std::result::Result<Finished, Refusal> + Send>;
 
 struct Ended {
     at: Instant,
@@ -142,6 +164,7 @@ pub struct Run {
     counted: Arc<Counted>,
     phase: watch::Sender<Phase>,
     begun: Mutex<Option<Instant>>,
+    early: Mutex<Option<Arc<Drawn>>>,
     ended: Mutex<Option<Ended>>,
 }
 
@@ -163,6 +186,15 @@ impl Run {
     /// What it gave, once it is done.
     pub fn result(&self) -> Option<Arc<Result>> {
         locked(&self.ended).as_ref().and_then(|e| e.outcome.as_ref().ok().map(Arc::clone))
+    }
+
+    /// Its program: once it is done, or while it runs, as soon as it is handed over.
+    pub fn drawn(&self) -> Option<Arc<Drawn>> {
+        match *self.phase.borrow() {
+            Phase::Running => locked(&self.early).as_ref().map(Arc::clone),
+            Phase::Done => self.result().map(|result| Arc::clone(&result.drawn)),
+            Phase::Waiting | Phase::Failed | Phase::Cancelled => None,
+        }
     }
 
     /// Its warnings so far.
@@ -219,6 +251,7 @@ impl Runs {
             counted,
             phase: watch::Sender::new(Phase::Waiting),
             begun: Mutex::default(),
+            early: Mutex::default(),
             ended: Mutex::default(),
         });
         let (queue, changed) = &*self.shared;
@@ -234,7 +267,7 @@ impl Runs {
             queue.all.remove(oldest);
         }
         let is_old = |r: &Run| r.kind == kind && r.phase.borrow().is_over();
-        while matches!(kind, Kind::Shape | Kind::Stress)
+        while matches!(kind, Kind::Shape | Kind::Stress | Kind::Supports)
             && queue.all.iter().filter(|r| is_old(r)).count() >= MOST_SURFACES
         {
             let Some(oldest) = queue.all.iter().position(|r| is_old(r)) else { break };
@@ -268,6 +301,7 @@ impl Runs {
         };
         let stage = run.counted.stage.load(Ordering::Relaxed).checked_sub(1).map(|k| Stage::ALL[k].name());
         let begun = *locked(&run.begun);
+        let layers = run.drawn().is_some();
         let ended = locked(&run.ended);
         let until = ended.as_ref().map_or_else(Instant::now, |e| e.at);
         let elapsed_s = begun.map_or(0.0, |b| until.saturating_duration_since(b).as_secs_f64());
@@ -281,6 +315,7 @@ impl Runs {
             stage,
             done: run.counted.done.load(Ordering::Relaxed),
             total: run.counted.total.load(Ordering::Relaxed),
+            layers,
             elapsed_s: (elapsed_s * 1e3).round() / 1e3,
             error: refusal.map(|r| r.message.clone()),
             code: refusal.map(|r| r.code),
@@ -340,7 +375,10 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         drop(open);
         *locked(&run.begun) = Some(Instant::now());
         // A panic is a fault of ours. It ends the run and not the server, and the page says so.
-        let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| work(&run.diagnostics)));
+        let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            let ready = |program: &Arc<Program>| *locked(&run.early) = Some(Drawn::new(program));
+            work(&run.diagnostics, &ready)
+        }));
         let outcome = caught.unwrap_or_else(|_| {
             let message = "the run failed by a fault of grainpath; the terminal shows where";
             Err(Refusal { message: message.to_owned(), code: 1 })
@@ -348,8 +386,10 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         let is_stopped = run.diagnostics.check().is_err();
         match outcome {
             Ok(finished) => {
-                let records = Records::new(&finished.program);
-                run.end(Phase::Done, Ok(Arc::new(Result { finished, records })));
+                let early = locked(&run.early).take();
+                let early = early.filter(|e| Arc::ptr_eq(&e.program, &finished.program));
+                let drawn = early.unwrap_or_else(|| Drawn::new(&finished.program));
+                run.end(Phase::Done, Ok(Arc::new(Result { finished, drawn })));
             }
             Err(_) if is_stopped => run.end(Phase::Cancelled, Err(interrupted())),
             Err(refusal) => run.end(Phase::Failed, Err(refusal)),
@@ -371,7 +411,7 @@ mod tests {
     }
 
     fn endless() -> Work {
-        Box::new(|d| {
+        Box::new(|d, _| {
             d.begin(Stage::Fill, 10);
             d.advance(3);
             while d.check().is_ok() {
@@ -385,8 +425,9 @@ mod tests {
     fn runs_wait_for_each_other_and_can_be_cancelled() {
         let runs = Runs::new();
         let first = runs.add(Kind::Plan, "a".into(), endless()).expect("room");
-        let second = runs.add(Kind::Plan, "b".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
-        let third = runs.add(Kind::View, "c".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        let second =
+            runs.add(Kind::Plan, "b".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
+        let third = runs.add(Kind::View, "c".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
         until(&first, Phase::Running);
         while runs.state(&first).done < 3 {
             std::thread::sleep(Duration::from_millis(1));
@@ -407,10 +448,10 @@ mod tests {
     fn refusals_and_panics_end_a_run_and_not_the_queue() {
         let runs = Runs::new();
         let refused = runs
-            .add(Kind::View, "a".into(), Box::new(|_| Err(Refusal::input("a.stl: is empty"))))
+            .add(Kind::View, "a".into(), Box::new(|_, _| Err(Refusal::input("a.stl: is empty"))))
             .expect("room");
-        let broken = runs.add(Kind::View, "b".into(), Box::new(|_| panic!("a fault"))).expect("room");
-        let good = runs.add(Kind::View, "c".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        let broken = runs.add(Kind::View, "b".into(), Box::new(|_, _| panic!("a fault"))).expect("room");
+        let good = runs.add(Kind::View, "c".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
         until(&good, Phase::Done);
         let state = runs.state(&refused);
         assert_eq!((state.phase, state.code), (Phase::Failed, Some(3)));
@@ -425,18 +466,19 @@ mod tests {
         until(&hold, Phase::Running);
         let mut refused = 0;
         for _ in 0..100 {
-            refused +=
-                usize::from(runs.add(Kind::View, "x".into(), Box::new(|_| Ok(Finished::default()))).is_err());
+            refused += usize::from(
+                runs.add(Kind::View, "x".into(), Box::new(|_, _| Ok(Finished::default()))).is_err(),
+            );
         }
         assert_eq!(refused, 100 - MOST_WAITING);
         runs.cancel(&hold);
         let last = runs.all().pop().expect("some");
         until(&last, Phase::Done);
-        runs.add(Kind::View, "y".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        runs.add(Kind::View, "y".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
         assert!(runs.all().len() <= MOST_KEPT, "{}", runs.all().len());
         for _ in 0..2 * MOST_SURFACES {
             let shape =
-                runs.add(Kind::Shape, "z".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+                runs.add(Kind::Shape, "z".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
             until(&shape, Phase::Done);
         }
         assert_eq!(runs.all().iter().filter(|r| r.kind == Kind::Shape).count(), MOST_SURFACES);

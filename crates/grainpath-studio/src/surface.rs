@@ -3,7 +3,7 @@
 //! All numbers are 32 bits, little-endian. A surface begins with its counts, so that the page can lay typed arrays over
 //! the answer without a copy. Cost: 12 bytes a vertex and 16 bytes a triangle; 36 bytes a point and case.
 
-use crate::engine::{CaseValues, StressLine, StressSurface, Surface};
+use crate::engine::{Branch, CaseValues, StressLine, StressSurface, Surface};
 use crate::section::StressSection;
 
 fn put(bytes: &mut Vec<u8>, words: impl IntoIterator<Item = u32>) {
@@ -14,18 +14,35 @@ fn put_reals(bytes: &mut Vec<u8>, reals: impl IntoIterator<Item = f32>) {
     reals.into_iter().for_each(|r| bytes.extend(r.to_le_bytes()));
 }
 
-/// Counts of vertices, triangles, faulty edges and borders; then x, y, z of the vertices, corners of the triangles, the
-/// face of each triangle, both ends of each faulty edge, and the corners of each border between two faces.
+/// Counts of vertices, triangles, faulty edges, borders and faults of the file; then x, y, z of the vertices, corners of
+/// the triangles, the face of each triangle, both ends of each faulty edge, the corners of each border between two faces,
+/// and both ends of each fault of the file.
 pub(crate) fn part(surface: &Surface) -> Vec<u8> {
-    let Surface { vertices, triangles, face, faulty_edges, borders } = surface;
-    let words = 4 + 3 * vertices.len() + 4 * triangles.len() + 6 * faulty_edges.len() + 2 * borders.len();
+    let Surface { vertices, triangles, face, faulty_edges, file_faults, borders } = surface;
+    let edges = 6 * (faulty_edges.len() + file_faults.len()) + 2 * borders.len();
+    let words = 5 + 3 * vertices.len() + 4 * triangles.len() + edges;
     let mut bytes = Vec::with_capacity(4 * words);
-    put(&mut bytes, [vertices.len(), triangles.len(), faulty_edges.len(), borders.len()].map(|n| n as u32));
+    put(
+        &mut bytes,
+        [vertices.len(), triangles.len(), faulty_edges.len(), borders.len(), file_faults.len()]
+            .map(|n| n as u32),
+    );
     put_reals(&mut bytes, vertices.iter().flatten().copied());
     put(&mut bytes, triangles.iter().flatten().copied());
     put(&mut bytes, face.iter().copied());
     put_reals(&mut bytes, faulty_edges.iter().flatten().flatten().copied());
     put(&mut bytes, borders.iter().flatten().copied());
+    put_reals(&mut bytes, file_faults.iter().flatten().flatten().copied());
+    bytes
+}
+
+/// Ten numbers a branch: x, y, z and radius of its upper and of its lower end, what it bears, and 1 for a contact.
+pub(crate) fn branches(branches: &[Branch]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(40 * branches.len());
+    for Branch { ends, load_n, is_contact } in branches {
+        put_reals(&mut bytes, ends.iter().flatten().copied());
+        put_reals(&mut bytes, [*load_n, f32::from(u8::from(*is_contact))]);
+    }
     bytes
 }
 

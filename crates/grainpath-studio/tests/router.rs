@@ -3,6 +3,7 @@
 mod support;
 
 use std::fs;
+use std::time::{Duration, Instant};
 
 use axum::body::Body;
 use axum::http::{Request, StatusCode};
@@ -755,6 +756,39 @@ fn a_running_job_is_cancelled_and_writes_nothing() {
     assert_eq!(bench.end(waiting["id"].as_u64().expect("a number"))["phase"], "done");
 }
 
+/// The paths of a plan are shown while it is still measured, and not once it was cancelled.
+#[test]
+fn layers_are_sent_before_the_job_is_done() {
+    let bench = Bench::new();
+    let text =
+        format!("# measures until it is stopped\n[shape]\nmesh = {:?}\n", bench.shown("files/small.stl"));
+    fs::write(bench.path("files/small.stl"), support::box_stl([10.0, 10.0, 2.0])).expect("written");
+    let id =
+        bench.post("/v1/jobs", &json!({ "kind": "plan", "text": text })).json()["id"].as_u64().expect("one");
+    let begun = Instant::now();
+    let state = loop {
+        let state = bench.get(&format!("/v1/jobs/{id}")).json();
+        if state["layers"] == true {
+            break state;
+        }
+        assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers")).status, StatusCode::CONFLICT);
+        assert!(begun.elapsed() < Duration::from_secs(60), "{state}");
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert_eq!(state["phase"], "running");
+    let index = bench.get(&format!("/v1/jobs/{id}/layers")).json();
+    assert!(index["layers"].as_array().is_some_and(|l| l.len() > 2), "{index}");
+    let records = index["layers"][0]["records"].as_u64().expect("a number");
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers/0-0")).bytes.len() as u64, 8 * records);
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/result")).status, StatusCode::CONFLICT);
+    let request = bench.request("DELETE", &format!("/v1/jobs/{id}")).body(Body::empty()).expect("a request");
+    assert_eq!(bench.raw(request).status, StatusCode::NO_CONTENT);
+    while bench.get(&format!("/v1/jobs/{id}")).json()["phase"] == "running" {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers")).status, StatusCode::CONFLICT);
+}
+
 #[test]
 fn a_waiting_job_is_cancelled_at_once() {
     let bench = Bench::new();
@@ -1049,12 +1083,13 @@ fn the_surface_of_a_part_has_its_faces_and_its_open_edges() {
     let answer = bench.get(&format!("/v1/jobs/{}/surface", state["id"]));
     assert_eq!(answer.header("content-type"), "application/octet-stream");
     let all = words(&answer.bytes);
-    assert_eq!(all[..4], [4, 2, 1, 1]);
-    assert_eq!(reals(&all[4..16])[9..], [0.0, 3.0, 0.5]);
-    assert_eq!(all[16..22], [0, 1, 2, 0, 2, 3]);
-    assert_eq!(all[22..24], [7, u32::MAX]);
-    assert_eq!(reals(&all[24..30]), [0.0, 0.0, 0.0, 2.0, 0.0, 0.25]);
-    assert_eq!(all[30..], [0, 2]);
+    assert_eq!(all[..5], [4, 2, 1, 1, 1]);
+    assert_eq!(reals(&all[5..17])[9..], [0.0, 3.0, 0.5]);
+    assert_eq!(all[17..23], [0, 1, 2, 0, 2, 3]);
+    assert_eq!(all[23..25], [7, u32::MAX]);
+    assert_eq!(reals(&all[25..31]), [0.0, 0.0, 0.0, 2.0, 0.0, 0.25]);
+    assert_eq!(all[31..33], [0, 2]);
+    assert_eq!(reals(&all[33..]), [2.0, 0.0, 0.0, 2.0, 3.0, 0.75]);
 }
 
 #[test]
@@ -1066,6 +1101,35 @@ fn a_shape_is_shown_without_saving_its_text() {
     assert_eq!(report["report"]["text"], "# mine\n");
     assert!(report["report"]["folder"].as_str().expect("a folder").ends_with("studio"));
     assert_eq!(fs::read_dir(bench.path("files/studio")).map_or(0, Iterator::count), before);
+}
+
+#[test]
+fn poses_are_told_without_saving_the_text() {
+    let bench = Bench::new();
+    let before = fs::read_dir(bench.path("files/studio")).map_or(0, Iterator::count);
+    let state = bench.run(&json!({ "kind": "orient", "text": "# mine\n", "name": "bar" }));
+    assert_eq!(
+        (&state["phase"], &state["kind"], &state["title"]),
+        (&json!("done"), &json!("orient"), &json!("bar"))
+    );
+    let report = bench.get(&format!("/v1/jobs/{}/result", state["id"])).json();
+    assert_eq!((&report["report"]["text"], &report["report"]["poses"]), (&json!("# mine\n"), &json!([])));
+    assert_eq!(fs::read_dir(bench.path("files/studio")).map_or(0, Iterator::count), before);
+}
+
+#[test]
+fn branches_of_supports_have_ten_numbers() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "supports", "text": "[shape]\n" }));
+    let answer = bench.get(&format!("/v1/jobs/{}/branches", state["id"]));
+    let all = reals(&words(&answer.bytes));
+    assert_eq!(all[..10], [1.0, 2.0, 3.0, 0.25, 1.0, 2.5, 0.0, 4.0, 0.5, 1.0]);
+    assert_eq!(all[10..], [0.0; 10]);
+    let none = bench.get(&format!("/v1/jobs/{}/branches", bench.square()));
+    assert_eq!(
+        (none.status, none.json()["error"].as_str()),
+        (StatusCode::NOT_FOUND, Some("this job grew no supports"))
+    );
 }
 
 #[test]

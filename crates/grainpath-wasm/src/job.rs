@@ -78,6 +78,7 @@ impl Inputs {
                     photos,
                     texture: None,
                     regions,
+                    known: None,
                 };
                 grainpath::plan_job(&settings, inputs, diagnostics)
             }

@@ -166,6 +166,7 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
             photos: Vec::new(),
             texture: Some(open()),
             regions: Default::default(),
+            known: None,
         };
         let planned = grainpath::plan_job(&settings, inputs, &Diagnostics::default()).expect(name);
         let (mean, length) = mean_off(&planned, |p| {

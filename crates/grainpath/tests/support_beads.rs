@@ -124,6 +124,7 @@ fn printed(mesh: &TriMesh, sets: &[&str]) -> Outcome {
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),
+        known: None,
     };
     let planned = plan_job(&settings, inputs, &Diagnostics::default()).expect("a plan");
     let (air_mm, support_mm) = on_air_mm(&planned.plan.layers);

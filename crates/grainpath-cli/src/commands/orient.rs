@@ -1,12 +1,15 @@
 //! `grainpath orient`: which way up a part carries its loads best.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
+use grainpath::guide::KnownStress;
 use grainpath::orient::{self, BeadDirections, Pose, PoseReserve};
 use grainpath::run::config;
 use grainpath::run::placed_mesh;
 use grainpath_core::Diagnostics;
+use grainpath_core::diagnostics::Stage;
 use grainpath_core::units::bead_area_mm2;
 use grainpath_io::MeshFile;
 use grainpath_job::Settings;
@@ -16,7 +19,7 @@ use serde_json::{Value, json};
 
 use crate::args::Orient;
 use crate::commands::run::checked;
-use crate::commands::support::grow;
+use crate::commands::support::supported;
 use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
 use crate::{Failure, files, outputs, progress};
 
@@ -26,7 +29,7 @@ const MOST_POSES: usize = 10;
 
 /// A pose and what speaks for it.
 #[derive(Debug)]
-struct Ranked {
+pub(super) struct Ranked {
     rotate_deg: [f64; 3],
     /// The factor on the loads at first failure; left out where none can be told.
     reserve: Option<PoseReserve>,
@@ -41,7 +44,7 @@ struct Ranked {
 }
 
 impl Ranked {
-    fn json(&self) -> Value {
+    pub(super) fn json(&self) -> Value {
         let mut value = json!({
             "rotate_deg": self.rotate_deg, "support_g": self.support_g, "height_mm": self.height_mm,
             "time_s": self.time_s, "flat_mm2": self.flat_mm2, "tilt_deg": self.tilt_deg,
@@ -57,44 +60,14 @@ impl Ranked {
 pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
-    let has_places = !settings.guide.fixture.is_empty()
-        || !settings.guide.load.is_empty()
-        || !settings.guide.case.is_empty();
-    if args.write && has_places && settings.guide.frame == LoadFrame::Placed {
+    if args.write && is_loaded(&settings) && settings.guide.frame == LoadFrame::Placed {
         return Err(Failure::usage(format!(
             "{}: --write turns the part, and its loads only with guide.frame = \"part\", whose coordinates are those of the shape's file",
             args.job.display()
         )));
     }
     let diagnostics = progress::diagnostics();
-    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
-        return Err(Failure::usage("orient needs a part from a mesh or an outline"));
-    }
-    let (file, _) = read_body(&settings, &shape, &diagnostics)?;
-    let start = Instant::now();
-    let given = Given { shape: Some(Handed::Mesh(file.clone())), ..Given::default() };
-    let guide = checked(&settings, given, &shape, &folder, &diagnostics)?;
-    let solve_s = start.elapsed().as_secs_f64();
-    let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
-    let placed = placed_mesh(&config::placing(&settings), file.clone(), &diagnostics).map_err(source)?;
-    let turned = config::standing(&settings, placed.lowered_mm).rotation;
-    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES)
-        .map_err(|e| Failure { code: 4, ..Failure::usage(format!("{}: {e}", shape.display())) })?;
-    let strength = config::strength(&settings);
-    let beads = beads(&settings);
-    let mut ranked = Vec::with_capacity(poses.len());
-    for pose in &poses {
-        diagnostics.check().map_err(grainpath::Error::from)?;
-        let reserve = orient::reserve(&guide, pose.rotation(), &beads, &strength);
-        let reserve = reserve.map_err(grainpath::Error::from)?;
-        ranked.push(ranked_pose(&settings, pose, reserve, file.clone(), &shape)?);
-    }
-    let key = |r: &Ranked| {
-        let nominal = r.reserve.as_ref().map(|r| r.first_failure[1]);
-        orient::rank(nominal, r.support_g, r.height_mm, r.time_s)
-    };
-    // Equal ranks keep the order of their flats.
-    ranked.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let (ranked, solve_s) = ranked(&settings, &shape, &folder, None, &diagnostics)?;
     let warnings = diagnostics.warnings();
     drop(diagnostics);
     if args.common.strict && !warnings.is_empty() {
@@ -137,6 +110,59 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The poses of a job's part, the best first, and the seconds that its loads took. A part without fixtures and loads is
+/// ranked by support and height.
+pub(super) fn ranked(
+    settings: &Settings,
+    shape: &Path,
+    folder: &Path,
+    known: Option<Arc<KnownStress>>,
+    diagnostics: &Diagnostics,
+) -> Result<(Vec<Ranked>, f64), Failure> {
+    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+        return Err(Failure::usage("orient needs a part from a mesh or an outline"));
+    }
+    let (file, _) = read_body(settings, shape, diagnostics)?;
+    let start = Instant::now();
+    let given = || Given { shape: Some(Handed::Mesh(file.clone())), known, ..Given::default() };
+    let guide = if is_loaded(settings) {
+        Some(checked(settings, given(), shape, folder, diagnostics)?)
+    } else {
+        None
+    };
+    let solve_s = start.elapsed().as_secs_f64();
+    let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
+    let placed = placed_mesh(&config::placing(settings), file.clone(), diagnostics).map_err(source)?;
+    let turned = config::standing(settings, placed.lowered_mm).rotation;
+    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES)
+        .map_err(|e| Failure { code: 4, ..Failure::usage(format!("{}: {e}", shape.display())) })?;
+    let strength = config::strength(settings);
+    let beads = beads(settings);
+    let mut ranked = Vec::with_capacity(poses.len());
+    diagnostics.begin(Stage::Support, poses.len());
+    for pose in poses {
+        let reserve = |guide| orient::reserve(guide, pose.rotation(), &beads, &strength);
+        let reserve = guide.as_ref().map(reserve).transpose().map_err(grainpath::Error::from)?.flatten();
+        let (settings, file, name) = (settings.clone(), file.clone(), shape.display().to_string());
+        let rank = move || ranked_pose(settings, &pose, reserve, file, &name);
+        ranked.push(diagnostics.leave_at_stop(rank).map_err(grainpath::Error::from)??);
+        diagnostics.advance(1);
+    }
+    let key = |r: &Ranked| {
+        let nominal = r.reserve.as_ref().map(|r| r.first_failure[1]);
+        orient::rank(nominal, r.support_g, r.height_mm, r.time_s)
+    };
+    // Equal ranks keep the order of their flats.
+    ranked.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    Ok((ranked, solve_s))
+}
+
+/// Whether a job says where its part is held or loaded.
+fn is_loaded(settings: &Settings) -> bool {
+    let guide = &settings.guide;
+    !guide.fixture.is_empty() || !guide.load.is_empty() || !guide.case.is_empty()
+}
+
 /// The directions of beads in a layer of the job.
 fn beads(settings: &Settings) -> BeadDirections {
     if settings.fill.pattern.follows_field() {
@@ -148,23 +174,21 @@ fn beads(settings: &Settings) -> BeadDirections {
 }
 
 fn ranked_pose(
-    settings: &Settings,
+    mut settings: Settings,
     pose: &Pose,
     reserve: Option<PoseReserve>,
     file: MeshFile,
-    shape: &Path,
+    name: &str,
 ) -> Result<Ranked, Failure> {
-    let mut settings = settings.clone();
     settings.shape.rotate_deg = pose.rotate_deg;
     if settings.support.style == SupportStyle::None {
         settings.support.style = SupportStyle::Tree;
     }
     // Each pose has warnings of its own, of which its run tells.
     let quiet = Diagnostics::default();
-    let grown = grow(&settings, file, &shape.display().to_string(), &quiet)?;
-    let supports_mm3 =
-        grown.support.beads_mm3(&grown.stack).unwrap_or_else(|| grown.support.volume_mm3(&grown.stack));
-    let part_mm3: f64 = grown.stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
+    let (_, stack, support, _) = supported(&settings, file, name, &quiet)?;
+    let supports_mm3 = support.beads_mm3(&stack).unwrap_or_else(|| support.volume_mm3(&stack));
+    let part_mm3: f64 = stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
     let p = &settings.process;
     let flow_mm3_s = bead_area_mm2(p.bead_width_mm, p.layer_height_mm) * p.solid_speed_mm_s;
     // Adding zero turns -0, the volume of no support, into 0.

@@ -148,6 +148,7 @@ pub fn checked(
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),
+        known: given.known,
     };
     Ok(grainpath::run::check_loads(settings, inputs, diagnostics)?)
 }
@@ -178,7 +179,8 @@ pub(crate) fn execute(
             return Err(Failure::strict(warnings, false));
         }
     }
-    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
+    let report =
+        outputs::write(settings, planned, &paths, read_s, common.json, truth, &|_| {}, &diagnostics)?;
     // The progress line is cleared before anything is printed.
     drop(diagnostics);
     let refused = common.strict && !report.warnings.is_empty();

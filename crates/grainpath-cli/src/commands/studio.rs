@@ -3,11 +3,14 @@
 //! The server is `grainpath-studio`; runs are done here by the code of `run` and `strength`, so that the page and the
 //! command line give the same bytes. Every file that a job names is checked against the studio's folders first.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 
+use grainpath::guide::KnownStress;
 use grainpath_core::Diagnostics;
+use grainpath_gcode::Program;
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
 use grainpath_studio::roots::Roots;
@@ -21,7 +24,7 @@ use super::strength::TestedJob;
 use super::studio_part;
 use crate::args::Studio;
 use crate::claims::Claims;
-use crate::inputs::{Given, claim_inputs, no_shape, plan, read_program, shape_of};
+use crate::inputs::{Given, claim_inputs, no_shape, plan_given, shape_of};
 use crate::{Failure, files, interrupt, memory, outputs};
 
 /// Name of the folder below the current one that the studio writes to.
@@ -47,7 +50,7 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
             open(address);
         }
     };
-    let served = serve(&options, Arc::new(Commands), ready);
+    let served = serve(&options, Arc::new(Commands::default()), ready);
     interrupt::remove_temporary();
     served.map_err(|r| Failure { message: r.message, code: r.code, warnings: Vec::new(), page: None })
 }
@@ -70,7 +73,17 @@ fn open(address: &str) {
 }
 
 /// The commands of this program as the studio's engine.
-struct Commands;
+#[derive(Default)]
+struct Commands {
+    /// The stress that was solved last: new settings of paths do not solve it again.
+    known: Arc<KnownStress>,
+}
+
+impl Commands {
+    fn given(&self) -> Given {
+        Given { known: Some(Arc::clone(&self.known)), ..Given::default() }
+    }
+}
 
 fn refusal(failure: Failure) -> Refusal {
     Refusal { message: failure.message.replace('\n', " "), code: failure.code }
@@ -143,7 +156,19 @@ impl Engine for Commands {
 
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
         let (settings, shape) = looked_at(job, roots)?;
-        studio_part::stress(&settings, &shape, &job.folder, diagnostics).map_err(refusal)
+        studio_part::stress(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
+            .map_err(refusal)
+    }
+
+    fn orient(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
+        let (settings, shape) = looked_at(job, roots)?;
+        studio_part::orient(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
+            .map_err(refusal)
+    }
+
+    fn supports(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
+        let (settings, shape) = looked_at(job, roots)?;
+        studio_part::supports(&settings, &shape, diagnostics).map_err(refusal)
     }
 
     fn plan(
@@ -152,6 +177,7 @@ impl Engine for Commands {
         out: &Path,
         roots: &Roots,
         diagnostics: &Diagnostics,
+        ready: &dyn Fn(&Arc<Program>),
     ) -> Result<Finished, Refusal> {
         let settings = settings(job, roots)?;
         let shape = shape_of(&settings, &job.folder).ok_or_else(|| refusal(no_shape(&job.name)))?;
@@ -161,11 +187,18 @@ impl Engine for Commands {
         claim_inputs(&settings, &shape, &job.folder, &mut claims);
         paths.claim(&mut claims);
         allowed(&claims, roots)?;
-        let (planned, read_s) = plan(&settings, &shape, &job.folder, diagnostics).map_err(refusal)?;
+        let (planned, read_s) =
+            plan_given(&settings, self.given(), &shape, &job.folder, diagnostics).map_err(refusal)?;
         let truth = None;
-        let report = outputs::write(&settings, planned, &paths, read_s, true, truth, diagnostics);
+        let program = OnceCell::new();
+        let ready = |read: &Arc<Program>| {
+            ready(read);
+            program.get_or_init(|| Arc::clone(read));
+        };
+        let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;
-        let program = read_program(paths.gcode()).map_err(refusal)?;
+        // What is measured is read back, so the program is there.
+        let program = program.into_inner().unwrap_or_default();
         let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
         let outputs = outputs.filter(|(_, path)| path.is_file());
         Ok(Finished {
@@ -191,12 +224,8 @@ impl Engine for Commands {
         allowed(&claims, roots)?;
         let bytes = program.map(|p| files::read(&roots.readable(p)?).map_err(refusal)).transpose()?;
         let input = program.unwrap_or(Path::new(&job.name)).to_owned();
-        let tested = TestedJob {
-            settings,
-            folder: job.folder.clone(),
-            name: job.name.clone(),
-            given: Given::default(),
-        };
+        let tested =
+            TestedJob { settings, folder: job.folder.clone(), name: job.name.clone(), given: self.given() };
         let done = tested.test(&input, bytes.as_deref(), diagnostics, &|_| {}).map_err(refusal)?;
         let size_mm = done.tested.element_mm();
         let cells = done.tested.broken();
@@ -213,7 +242,7 @@ impl Engine for Commands {
                 cells: cells.iter().map(|c| (c.at_mm.as_vec3().to_array(), c.lost, c.state)).collect(),
                 states: done.tested.outcome.states.iter().map(|p| [p.displacement_mm, p.load_n]).collect(),
             }),
-            program: done.program,
+            program: Arc::new(done.program),
             warnings: done.warnings,
             ..Finished::default()
         })

@@ -4,22 +4,27 @@
 //! means. Loads are solved as `grainpath run --check` solves them.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use grainpath::guide::{ResultMesh, ResultSurface, ResultVolume, StressLine, faces_as_in_file};
-use grainpath::measure::report::StressReport;
+use grainpath::guide::{KnownStress, ResultMesh, ResultSurface, ResultVolume, StressLine, faces_as_in_file};
+use grainpath::measure::report::{StressReport, SupportReport};
 use grainpath::run::{Placed, config, placed_mesh};
 use grainpath::shape::likely_unit;
+use grainpath::support::tree::{Kind as NodeKind, Node};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::faces::Faces;
-use grainpath_core::mesh::{EdgeUses, MeshHealth, diagnose};
+use grainpath_core::mesh::{EdgeUses, MeshHealth, examine};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
+use grainpath_io::MeshBody;
 use grainpath_job::Settings;
-use grainpath_job::choices::LoadFrame;
-use grainpath_studio::{CaseValues, Finished, StressSurface, StressVolume, Surface};
+use grainpath_job::choices::{LoadFrame, SupportStyle};
+use grainpath_studio::{Branch, CaseValues, Finished, StressSurface, StressVolume, Surface};
 use serde_json::{Value, json};
 
 use super::inspect_faces::face_json;
+use super::orient;
+use super::support::supported;
 use crate::Failure;
 use crate::inputs::{read_body, read_deck, read_stress};
 
@@ -31,6 +36,10 @@ const MOST_FACES: usize = 1000;
 const TOO_MANY_FACES: usize = 5000;
 /// Faces that are named then. Source: as many as `grainpath inspect --faces` lists.
 const FEW_FACES: usize = 200;
+
+/// Faults of a file that are drawn. Source: chosen; more than these hide the part, and a soup of a million triangles has
+/// three million.
+const MOST_FAULTS: usize = 100_000;
 
 fn single(p: DVec3) -> [f32; 3] {
     p.as_vec3().to_array()
@@ -45,7 +54,15 @@ pub(super) fn shape(
     let (file, _) = read_body(settings, path, diagnostics)?;
     diagnostics.check().map_err(grainpath::Error::from)?;
     let stated = file.unit;
-    let found: Vec<MeshHealth> = file.bodies.iter().filter_map(|b| diagnose(&b.mesh)).collect();
+    let mut faults = Vec::new();
+    let mut examined = |body: &MeshBody| {
+        let (health, edges, _) = examine(&body.mesh)?;
+        let room = MOST_FAULTS.saturating_sub(faults.len());
+        let ends = |edge: [u32; 2]| edge.map(|v| body.mesh.vertices[v as usize]);
+        faults.extend(edges.unsound().take(room).map(ends));
+        Some(health)
+    };
+    let found: Vec<MeshHealth> = file.bodies.iter().filter_map(&mut examined).collect();
     let sum = |count: &dyn Fn(&MeshHealth) -> usize| found.iter().map(count).sum::<usize>();
     let span = |h: &MeshHealth| (h.bounds.1 - h.bounds.0).max_element();
     let longest = found.iter().map(span).fold(0.0, f64::max);
@@ -88,6 +105,10 @@ pub(super) fn shape(
     add("faces", face_rows(&faces, standing.rotation, standing.shift()));
     let ends = |edge: [u32; 2]| edge.map(|v| single(mesh.vertices[v as usize]));
     let edges = EdgeUses::count(&mesh);
+    let faulty_edges: Vec<_> = edges.faulty().map(ends).collect();
+    add("edges_left", json!(faulty_edges.len()));
+    let factor = unit.mm() * standing.scale;
+    let placed = |p: DVec3| single(standing.rotation * (factor * p) + standing.shift());
     // A mesh of noise has as many faces as triangles; borders between them would hide it.
     let borders = if faces.len() > TOO_MANY_FACES { Vec::new() } else { borders(&mesh, &edges, &faces) };
     let surface = Surface {
@@ -96,7 +117,8 @@ pub(super) fn shape(
         face: (0..mesh.triangles.len())
             .map(|t| faces.of_triangle(t).map_or(u32::MAX, |f| f as u32))
             .collect(),
-        faulty_edges: edges.faulty().map(ends).collect(),
+        faulty_edges,
+        file_faults: faults.into_iter().map(|ends: [DVec3; 2]| ends.map(placed)).collect(),
         triangles: mesh.triangles,
     };
     Ok(Finished { report, surface: Some(surface), warnings: diagnostics.warnings(), ..Finished::default() })
@@ -139,11 +161,67 @@ fn face_rows(faces: &Faces, rotation: DMat3, shift: DVec3) -> Value {
     (0..shown).map(row).collect()
 }
 
+/// The poses in which the part of a job stands, the best first.
+pub(super) fn orient(
+    settings: &Settings,
+    path: &Path,
+    base: &Path,
+    known: Arc<KnownStress>,
+    diagnostics: &Diagnostics,
+) -> Result<Finished, Failure> {
+    let (poses, _) = orient::ranked(settings, path, base, Some(known), diagnostics)?;
+    let poses: Vec<Value> = poses.iter().map(orient::Ranked::json).collect();
+    let report = json!({ "ok": true, "kind": "orient", "poses": poses });
+    Ok(Finished { report, warnings: diagnostics.warnings(), ..Finished::default() })
+}
+
+/// The supports of a job's part, and what each branch bears.
+pub(super) fn supports(
+    settings: &Settings,
+    path: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Finished, Failure> {
+    let mut settings = settings.clone();
+    // Who asks wants to see some; a job may have none yet.
+    if settings.support.style == SupportStyle::None {
+        settings.support.style = SupportStyle::Tree;
+    }
+    let (file, _) = read_body(&settings, path, diagnostics)?;
+    diagnostics.begin(Stage::Support, 0);
+    let name = path.display().to_string();
+    let grow = {
+        let settings = settings.clone();
+        move || {
+            let quiet = Diagnostics::default();
+            supported(&settings, file, &name, &quiet).map(|grown| (grown, quiet.warnings()))
+        }
+    };
+    let (grown, warnings) = diagnostics.leave_at_stop(grow).map_err(grainpath::Error::from)??;
+    let (_, stack, support, _) = grown;
+    warnings.into_iter().for_each(|w| diagnostics.push(w));
+    let nodes = &support.forest.nodes;
+    let end = |node: &Node| node.at.extend(node.radius_mm).as_vec4().to_array();
+    let branch = |node: &Node| {
+        let below = &nodes[node.below? as usize];
+        Some(Branch {
+            ends: [end(node), end(below)],
+            load_n: (f64::from(node.carries) * settings.support.load_per_contact_n) as f32,
+            is_contact: matches!(node.kind, NodeKind::Contact(_)),
+        })
+    };
+    let branches: Vec<Branch> = nodes.iter().filter_map(branch).collect();
+    let (beads, solid) = (support.beads_mm3(&stack), support.volume_mm3(&stack));
+    let told = SupportReport::new(&support, beads, solid, settings.material.density_g_cm3);
+    let report = json!({ "ok": true, "kind": "supports", "support": told });
+    Ok(Finished { report, branches: Some(branches), warnings: diagnostics.warnings(), ..Finished::default() })
+}
+
 /// The stress under the loads of a job, on the surface of the mesh that was solved.
 pub(super) fn stress(
     settings: &Settings,
     path: &Path,
     base: &Path,
+    known: Arc<KnownStress>,
     diagnostics: &Diagnostics,
 ) -> Result<Finished, Failure> {
     let (mesh, _) = read_body(settings, path, diagnostics)?;
@@ -157,6 +235,7 @@ pub(super) fn stress(
         photos: Vec::new(),
         texture: None,
         regions: Default::default(),
+        known: Some(known),
     };
     let guide = grainpath::run::check_loads(settings, inputs, diagnostics)?;
     let bottom_mm = config::placing(settings).lift_mm;

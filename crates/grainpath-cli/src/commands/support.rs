@@ -113,22 +113,37 @@ pub fn grow(
     name: &str,
     diagnostics: &Diagnostics,
 ) -> Result<Grown, Failure> {
+    let (mesh, stack, found, [slice_s, grow_s]) = supported(settings, file, name, diagnostics)?;
+    let start = Instant::now();
+    let layers = &found.cut.layers;
+    let surface =
+        support::surface(layers, &stack, settings.support.solid, diagnostics).map_err(Error::from)?;
+    let support_s = grow_s + start.elapsed().as_secs_f64();
+    Ok(Grown { mesh, stack, support: found, surface, slice_s, support_s })
+}
+
+/// A mesh, its layers, its supports without their surface, and the seconds of slicing and of growing.
+///
+/// # Errors
+/// As [`grow`].
+pub(super) fn supported(
+    settings: &Settings,
+    file: MeshFile,
+    name: &str,
+    diagnostics: &Diagnostics,
+) -> Result<(TriMesh, LayerStack, Planned, [f64; 2]), Failure> {
     let start = Instant::now();
     let Sliced { mesh, stack, painted, .. } = mesh_and_layers(&config::placing(settings), file, diagnostics)
         .map_err(|source| Error::Shape { path: name.to_owned(), source })?;
     let slice_s = start.elapsed().as_secs_f64();
-    let start = Instant::now();
     // The bed limits jobs only, which know where the part stands on it; here the part stands where its
     // file says.
     let wanted =
         config::support(settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
     let found = support::plan(&mesh, &stack, &wanted, diagnostics).map_err(Error::from)?;
-    let layers = &found.cut.layers;
-    let surface =
-        support::surface(layers, &stack, settings.support.solid, diagnostics).map_err(Error::from)?;
-    let support_s = start.elapsed().as_secs_f64();
-    Ok(Grown { mesh, stack, support: found, surface, slice_s, support_s })
+    let grow_s = start.elapsed().as_secs_f64() - slice_s;
+    Ok((mesh, stack, found, [slice_s, grow_s]))
 }
 
 fn default_output(model: &Path) -> PathBuf {

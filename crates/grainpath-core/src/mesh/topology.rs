@@ -90,6 +90,14 @@ impl EdgeUses {
         let all = self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high));
         all.filter(|uses| uses.len() != 2).map(|uses| [uses[0].low, uses[0].high])
     }
+
+    /// Edges whose triangles are not two that run along them in opposite directions, as pairs of vertices: those of
+    /// [`EdgeUses::faulty`], and those of triangles wound against each other.
+    pub fn unsound(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let all = self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high));
+        let is_sound = |uses: &[Use]| uses.len() == 2 && (uses[0].triangle ^ uses[1].triangle) & 1 == 1;
+        all.filter(move |uses| !is_sound(uses)).map(|uses| [uses[0].low, uses[0].high])
+    }
 }
 
 /// Triangles grouped into shells, which are connected over edges of two faces.

@@ -11,13 +11,13 @@ use axum::body::Body;
 use axum::http::{HeaderMap, Request, StatusCode};
 use grainpath::run::{Inputs, plan_job};
 use grainpath_core::Diagnostics;
-use grainpath_gcode::{Limits, simulate, write_gcode};
+use grainpath_gcode::{Limits, Program, simulate, write_gcode};
 use grainpath_io::parse_mesh;
 use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, StressSurface,
-    StressVolume, Studio, Surface, router,
+    Branch, CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal,
+    StressSurface, StressVolume, Studio, Surface, router,
 };
 use http_body_util::BodyExt;
 use serde_json::Value;
@@ -51,6 +51,7 @@ impl Engine for Planner {
             face: vec![7, u32::MAX],
             faulty_edges: vec![[[0.0, 0.0, 0.0], [2.0, 0.0, 0.25]]],
             borders: vec![[0, 2]],
+            file_faults: vec![[[2.0, 0.0, 0.0], [2.0, 3.0, 0.75]]],
         };
         let report = serde_json::json!({ "ok": true, "text": job.text, "folder": job.folder });
         Ok(Finished { report, surface: Some(surface), ..Finished::default() })
@@ -76,12 +77,24 @@ impl Engine for Planner {
         Ok(Finished { stress: Some(stress), ..Finished::default() })
     }
 
+    fn orient(&self, job: &JobText, _: &Roots, _: &Diagnostics) -> Result<Finished, Refusal> {
+        let report = serde_json::json!({ "ok": true, "kind": "orient", "poses": [], "text": job.text });
+        Ok(Finished { report, ..Finished::default() })
+    }
+
+    fn supports(&self, _: &JobText, _: &Roots, _: &Diagnostics) -> Result<Finished, Refusal> {
+        let ends = [[1.0, 2.0, 3.0, 0.25], [1.0, 2.5, 0.0, 4.0]];
+        let branches = vec![Branch { ends, load_n: 0.5, is_contact: true }, Branch::default()];
+        Ok(Finished { branches: Some(branches), ..Finished::default() })
+    }
+
     fn plan(
         &self,
         job: &JobText,
         out: &Path,
         roots: &Roots,
         diagnostics: &Diagnostics,
+        ready: &dyn Fn(&Arc<Program>),
     ) -> Result<Finished, Refusal> {
         let settings = parse_job(&job.text, &job.name, &[], &|_| Err("no own profiles".to_owned()))
             .map_err(|e| Refusal::usage(e.to_string()))?;
@@ -101,6 +114,7 @@ impl Engine for Planner {
             photos: vec![],
             texture: None,
             regions: Default::default(),
+            known: None,
         };
         let planned = plan_job(&settings, inputs, diagnostics).map_err(wrong)?;
         let mut gcode = Vec::new();
@@ -109,6 +123,13 @@ impl Engine for Planner {
         fs::write(&place, &gcode).map_err(|e| Refusal::usage(e.to_string()))?;
         let program =
             simulate(&gcode, 1.75, &Limits::default()).map_err(|e| Refusal::input(e.to_string()))?;
+        let program = Arc::new(program);
+        ready(&program);
+        // Measuring may take long.
+        while job.text.contains("# measures until it is stopped") {
+            diagnostics.check().map_err(|e| Refusal::input(e.to_string()))?;
+            std::thread::sleep(Duration::from_millis(2));
+        }
         Ok(Finished {
             report: serde_json::json!({ "ok": true, "mass_g": 1.5, "time_s": 60.0, "layers": program.layers.len() }),
             program,

@@ -96,7 +96,7 @@ pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved
         sets: Vec::new(),
     }];
     let constant = result.plane;
-    let stress = Box::new(Imported { field, shift });
+    let stress = Arc::new(Imported { field, shift });
     Ok(Solved {
         cases: vec![CaseStress { name: "imported".into(), weight: 1.0, stress }],
         results,

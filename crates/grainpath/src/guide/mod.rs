@@ -14,6 +14,7 @@ pub mod field;
 pub mod grain;
 mod import;
 mod inside;
+mod known;
 mod mix;
 mod plane;
 mod results;
@@ -48,6 +49,7 @@ pub(crate) use plane::constant_section;
 
 use crate::shape::Standing;
 pub use inside::{ResultVolume, StressLine};
+pub use known::KnownStress;
 use mix::{Family, Fields, LAYERS_OF_A_MIX, mixes_of};
 pub use results::{Families, ResultSurface};
 
@@ -155,13 +157,14 @@ impl InPlaneStress for PlaneStress {
 }
 
 /// The stress of one load case.
+#[derive(Clone)]
 pub struct CaseStress {
     /// Name of the case.
     pub name: String,
     /// Weight of the case.
     pub weight: f64,
     /// Its stress field.
-    pub stress: Box<dyn InPlaneStress>,
+    pub stress: Arc<dyn InPlaneStress>,
 }
 
 /// Size, solver and main results of an analysis.
@@ -542,6 +545,8 @@ pub struct GuidedPart<'a> {
     pub stack: &'a LayerStack,
     /// Where it stands.
     pub standing: Standing,
+    /// Stress that was solved before, and is taken where it is that of this part under these loads.
+    pub known: Option<&'a KnownStress>,
 }
 
 /// The fixtures and loads of a job, as typed.
@@ -671,7 +676,7 @@ fn solve(
     if conditions.fixtures.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]], or a guide.deck with supports"));
     }
-    match settings.analysis {
+    let solve = || match settings.analysis {
         Analysis::Plane => plane::solve(settings, part, conditions),
         Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
         Analysis::Auto => match plane::solve(settings, part, conditions) {
@@ -682,10 +687,15 @@ fn solve(
             }
             other => other,
         },
+    };
+    match part.known {
+        Some(known) => known.or_solve(settings, part, conditions, diagnostics, solve),
+        None => solve(),
     }
 }
 
 /// Result of a solver.
+#[derive(Clone)]
 struct Solved {
     cases: Vec<CaseStress>,
     results: Vec<ResultMesh>,

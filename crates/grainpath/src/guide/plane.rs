@@ -118,7 +118,7 @@ pub(super) fn solve(
                 .map(|(name, on)| (name.to_owned(), plate.nodes_on(on)))
                 .collect(),
         });
-        stresses.push(CaseStress { name: case.name.clone(), weight: case.weight, stress: Box::new(stress) });
+        stresses.push(CaseStress { name: case.name.clone(), weight: case.weight, stress: Arc::new(stress) });
     }
     Ok(Solved { cases: stresses, results, summary, constant: true })
 }

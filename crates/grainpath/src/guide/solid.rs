@@ -3,6 +3,8 @@
 //! Lengths are in mm, forces in N, stresses in MPa. Directions use the in-plane components of the
 //! stress.
 
+use std::sync::Arc;
+
 use grainpath_core::{DVec3, Diagnostics, WarningId};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_fea::material::Stiffness;
@@ -119,7 +121,7 @@ pub(super) fn solve(
                 .map(|(name, on)| (name.to_owned(), loaded.nodes_on(on)))
                 .collect(),
         });
-        let stress = Box::new(Solid(StressField::new(result)));
+        let stress = Arc::new(Solid(StressField::new(result)));
         solved.cases.push(CaseStress { name: case.name.clone(), weight: case.weight, stress });
     }
     Ok(solved)

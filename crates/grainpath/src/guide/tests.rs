@@ -1,6 +1,7 @@
 //! Plates whose principal lines are known.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use grainpath_core::math::{atan2, direction};
 use grainpath_core::{DVec2, DVec3, Diagnostics, Polygon, Region};
@@ -131,7 +132,7 @@ impl<F: Fn(DVec2) -> [f64; 3] + Send + Sync> InPlaneStress for Known<F> {
 }
 
 fn layer_of(region: &Region, stress: impl Fn(DVec2) -> [f64; 3] + Send + Sync + 'static) -> LayerField {
-    let case = CaseStress { name: "known".into(), weight: 1.0, stress: Box::new(Known(stress)) };
+    let case = CaseStress { name: "known".into(), weight: 1.0, stress: Arc::new(Known(stress)) };
     let settings = DirectionSettings {
         follow: Follow::MaxAbs,
         across: false,
@@ -206,7 +207,7 @@ fn mix_of(cases: &[(f64, [f64; 3])], card: &StrengthCard) -> Vec<usize> {
     let case = |&(weight, stress): &(f64, [f64; 3])| CaseStress {
         name: format!("{stress:?}"),
         weight,
-        stress: Box::new(Known(move |_| stress)),
+        stress: Arc::new(Known(move |_| stress)),
     };
     let cases: Vec<CaseStress> = cases.iter().map(case).collect();
     let settings = DirectionSettings {

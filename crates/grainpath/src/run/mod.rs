@@ -14,6 +14,7 @@ mod steps;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
@@ -29,7 +30,7 @@ use crate::error::Error;
 use crate::guide::density::{GradedDensity, stress_share};
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
-use crate::guide::{self, Guide, GuidedPart, StressSettings};
+use crate::guide::{self, Guide, GuidedPart, KnownStress, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
 use crate::measure::density::{AskedDensity, LaidDensity};
@@ -67,6 +68,8 @@ pub struct Inputs {
     pub texture: Option<Box<dyn SliceSource>>,
     /// The meshes of regions, by the index of the region.
     pub regions: BTreeMap<usize, MeshFile>,
+    /// Stress that earlier runs solved; it is taken where nothing that it depends on has changed.
+    pub known: Option<Arc<KnownStress>>,
 }
 
 /// Plans a job whose shape is a mesh.
@@ -100,6 +103,7 @@ pub fn plan_job(
         scan,
         regions: inputs.regions,
         filled: None,
+        known: inputs.known,
     };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
@@ -114,7 +118,7 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
     // A job may have loads for the strength test alone; they are solved all the same.
     let mut settings = settings.clone();
     settings.guide.kind = GuideKind::Stress;
-    let Inputs { mesh, path, stress, deck, .. } = inputs;
+    let Inputs { mesh, path, stress, deck, known, .. } = inputs;
     let sliced = mesh_and_layers(&config::placing(&settings), mesh, diagnostics)
         .map_err(|source| Error::Shape { path, source })?;
     let Sliced { stack, mesh, lowered_mm, .. } = sliced;
@@ -122,7 +126,7 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
     warn_of_deck(deck.as_ref(), diagnostics);
     let loads = config::loads(&settings, deck.as_ref());
     let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
-    let part = GuidedPart { mesh: &mesh, stack: &stack, standing };
+    let part = GuidedPart { mesh: &mesh, stack: &stack, standing, known: known.as_deref() };
     let wanted = config::stress(&settings, deck.as_ref()).expect("the kind is stress");
     Ok(guide::solved_only(&wanted, &part, &conditions, stress, diagnostics)?)
 }
@@ -305,6 +309,7 @@ struct GuideSource<'a> {
     regions: BTreeMap<usize, MeshFile>,
     /// The paths of all layers, where they were laid before.
     filled: Option<Vec<LayerPaths>>,
+    known: Option<Arc<KnownStress>>,
 }
 
 /// The grain that infill follows; `None` for other guides. `own` is the report of the scan that is
@@ -387,7 +392,7 @@ fn plan_stack(
     // The test runs on the finished program. Its setup keeps what it needs of the mesh.
     let test = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
-    let guided = GuidedPart { mesh: &mesh, stack: &stack, standing };
+    let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, known: source.known.as_deref() };
     let stress_settings = config::stress(settings, deck.as_ref());
     config::warn_of_mix(settings, diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
