@@ -130,7 +130,7 @@ fn from_sdist(wheels: &Path) -> Result<(), String> {
     let unpacked = wheels.join(folder);
     // The members of the workspace that the package does not need are left out of the source distribution. Cargo then
     // takes them out of the lock, which `--locked` would refuse; that nothing else changes is checked instead.
-    build(&unpacked.join(MANIFEST), wheels, "release", &[])?;
+    build(&unpacked.join(MANIFEST), wheels, "dist", &[])?;
     let read = |path: PathBuf| fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()));
     let (ours, theirs) = (read(crate::root().join("Cargo.lock"))?, read(unpacked.join("Cargo.lock"))?);
     match not_in(&theirs, &ours) {

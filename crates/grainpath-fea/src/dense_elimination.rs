@@ -70,6 +70,7 @@ fn factor_block(whole: &mut [f64], size: usize, start: usize, end: usize) -> Res
 fn copy_rows(whole: &[f64], size: usize, start: usize, end: usize, copy: &mut Vec<f64>) {
     let (n_rows, n_columns) = (size - end, end - start);
     copy.clear();
+    // Zeros in place of missing rows spare the tiles a case of their own at the border.
     copy.resize(n_rows.div_ceil(TILE[0]) * TILE[0] * n_columns, 0.0);
     for (p, column) in whole[start * size..end * size].chunks_exact(size).enumerate() {
         for (strip, rows) in column[end..].chunks(TILE[0]).enumerate() {
@@ -86,6 +87,7 @@ fn subtract_products(whole: &mut [f64], size: usize, end: usize, copy: &[f64], n
     for first_column in (end..size).step_by(TILE[1]) {
         let columns = &mut whole[first_column * size..size.min(first_column + TILE[1]) * size];
         let (own, offset) = ((first_column - end) / TILE[0], (first_column - end) % TILE[0]);
+        // The lower half only: strips above the diagonal are left out.
         for k in own..(size - end).div_ceil(TILE[0]) {
             // The tile on the diagonal reaches above it, where nothing is read.
             let tile = products(strip(k), strip(own), offset);
@@ -100,6 +102,7 @@ fn subtract_products(whole: &mut [f64], size: usize, end: usize, copy: &[f64], n
 /// Products of the rows of a strip with `TILE[1]` rows of another one, summed over the columns.
 #[inline(always)]
 fn products(rows: &[f64], others: &[f64], offset: usize) -> [[f64; TILE[0]]; TILE[1]] {
+    // These stay in registers over the whole block; each is one sum from the first column to the last.
     let mut sums = [[0.0; TILE[0]]; TILE[1]];
     let (rows, _) = rows.as_chunks::<{ TILE[0] }>();
     let (others, _) = others.as_chunks::<{ TILE[0] }>();

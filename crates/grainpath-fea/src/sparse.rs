@@ -105,6 +105,7 @@ impl Cholesky {
         let above = Above::new(a, &place);
         let (parents, counts) = above.tree_and_counts();
         let n_values: usize = counts.iter().sum();
+        // The rows of entries take half as much again; the limit has always been that of the values.
         let needed_mib = n_values as f64 * size_of::<f64>() as f64 / BYTES_PER_MIB;
         if needed_mib > max_mib {
             return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
@@ -191,6 +192,7 @@ impl Cholesky {
 
 /// An order of elimination by approximate minimum degree.
 fn minimum_degree(a: &Symmetric) -> Vec<u32> {
+    // The library takes signed numbers.
     let starts: Vec<i64> = a.starts.iter().map(|&start| start as i64).collect();
     let rows: Vec<i64> = a.rows.iter().map(|&row| row as i64).collect();
     // Any order gives a right factor: where the library refuses the pattern, the unknowns keep theirs.
@@ -219,6 +221,7 @@ impl Above {
         let mut counts = vec![0; n];
         (0..n).flat_map(&entries).for_each(|(_, column, _)| counts[column as usize] += 1);
         let starts = running_sums(&counts);
+        // Entries are put at the next free place of their column, in the order of the matrix.
         let mut next = starts.clone();
         let (mut rows, mut values) = (vec![0; a.rows.len()], vec![0.0; a.rows.len()]);
         for (row, column, value) in (0..n).flat_map(&entries) {
@@ -304,6 +307,7 @@ impl TreeWalk {
                 length += 1;
                 i = parents[i as usize];
             }
+            // The path was found from the leaf up and stands before the paths of earlier entries, which may be its ancestors.
             self.stack.copy_within(..length, top - length);
             top -= length;
         }

@@ -191,6 +191,7 @@ impl Run {
     /// Its program: once it is done, or while it runs, as soon as it is handed over.
     pub fn drawn(&self) -> Option<Arc<Drawn>> {
         match *self.phase.borrow() {
+            // A program is shown while its strength is still tested.
             Phase::Running => locked(&self.early).as_ref().map(Arc::clone),
             Phase::Done => self.result().map(|result| Arc::clone(&result.drawn)),
             Phase::Waiting | Phase::Failed | Phase::Cancelled => None,
@@ -386,6 +387,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         let is_stopped = run.diagnostics.check().is_err();
         match outcome {
             Ok(finished) => {
+                // The records that the page has already are kept where they are of the same program.
                 let early = locked(&run.early).take();
                 let early = early.filter(|e| Arc::ptr_eq(&e.program, &finished.program));
                 let drawn = early.unwrap_or_else(|| Drawn::new(&finished.program));

@@ -217,6 +217,7 @@ impl Front {
         self.factor.clear();
         self.factor.extend_from_slice(&whole[..k * size]);
         self.rest.clear();
+        // Growing column by column would take up to twice the memory, and this is most of what a test holds.
         self.rest.reserve_exact((size - k) * (size - k + 1) / 2);
         for (j, column) in whole[k * size..].chunks_exact(size.max(1)).enumerate() {
             self.rest.extend_from_slice(&column[k + j..]);

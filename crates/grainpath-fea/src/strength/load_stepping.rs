@@ -201,6 +201,7 @@ pub(super) fn run_to_failure(
         }
         if failed {
             // The peak lies within this step: back to the last equilibrium, and on in smaller steps.
+            // Plies that have not changed since the equilibrium are as they were then.
             let before = std::mem::take(&mut equilibrium.before);
             before.iter().for_each(|(e, before)| states[part.plies(*e)].copy_from_slice(before));
             let changed: Vec<usize> = before.into_keys().collect();
@@ -222,6 +223,7 @@ pub(super) fn run_to_failure(
         }
         let grown = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
         let changed: Vec<usize> = grown.iter().map(|(e, _)| *e).collect();
+        // The first state after an equilibrium is the one to go back to; later ones are not.
         for (e, before) in grown {
             equilibrium.before.entry(e).or_insert(before);
         }
@@ -312,6 +314,7 @@ fn grow_damage(
     };
     for e in (0..weakest.len()).filter(|&e| weakest[e].load_factor < level && is_weakest_across(e)) {
         let mut element_changed = false;
+        // A few numbers for each element that fails, instead of a second copy of all plies.
         let unchanged = states[part.plies(e)].to_vec();
         for (p, indices) in part.plies(e).zip(&indices[part.plies(e)]) {
             let state = &mut states[p];

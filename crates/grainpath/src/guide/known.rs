@@ -69,20 +69,25 @@ impl KnownStress {
     ) -> Result<Solved, GuideError> {
         let settings = read_by_solvers(settings);
         let section = match settings.analysis {
+            // A solid is meshed from its surface, whose section no solver reads.
             Analysis::Solid => None,
             Analysis::Plane | Analysis::Auto => constant_section(part.stack).cloned(),
         };
+        // The lock is not held while a stress is solved: another run may look meanwhile.
         let last = self.last().clone();
         let is_same = |known: &Known| {
+            // What is cheap to compare comes first; the mesh last.
             known.settings == settings
                 && known.conditions == *conditions
                 && known.section == section
                 && known.mesh == *part.mesh
         };
         if let Some(known) = last.filter(|known| is_same(known)) {
+            // Warnings belong to the results: a run that takes them tells the same.
             known.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
             return Ok(known.solved.clone());
         }
+        // Only what the solver adds is kept, since other stages warn by themselves.
         let before = diagnostics.warnings();
         let solved = solve()?;
         self.solved.fetch_add(1, Ordering::Relaxed);

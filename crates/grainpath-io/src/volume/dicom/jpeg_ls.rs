@@ -89,6 +89,7 @@ impl Context {
     /// The parameter of the Golomb code for errors whose sizes sum up to `sizes` (k).
     fn golomb(&self, sizes: i64) -> u32 {
         let mut k = 0;
+        // The mean size of an error is about 2^k: shorter codes for contexts that err little.
         while self.n << k < sizes {
             k += 1;
         }
@@ -97,6 +98,7 @@ impl Context {
 
     /// Halves the sums from time to time, so that the latest pixels count most, and counts a pixel.
     fn count(&mut self, reset: i64) {
+        // Halving keeps the sums small and lets a context follow a picture that changes.
         if self.n == reset {
             self.sizes >>= 1;
             self.errors >>= 1;
@@ -171,12 +173,15 @@ impl Coder {
         // A row and one pixel on either side of it: before the first row all are 0 (A.2.1).
         let (mut above, mut row) = (vec![0i32; w + 2], vec![0i32; w + 2]);
         for _ in 0..h {
+            // Source: T.87, A.2.1: the pixel left of a row is the first of the row above, that right of it its last.
             row[0] = above[1];
             above[w + 1] = above[w];
             let mut x = 1;
             while x <= w {
                 let (a, b, c, d) = (row[x - 1], above[x], above[x - 1], above[x + 1]);
+                // Left, above, above left and above right; the steps between them choose the context.
                 let steps = [d - b, b - c, c - a];
+                // A flat neighbourhood begins a run of equal pixels.
                 if steps.iter().all(|s| s.abs() <= self.near) {
                     let n = self.run_length(bits, w + 1 - x)?;
                     row[x..x + n].fill(a);
@@ -190,6 +195,7 @@ impl Coder {
                     x += 1;
                 }
             }
+            // Bits past the end read as 0, so a file that is cut short is told here and not by a wrong picture.
             if bits.ended() {
                 return Err("they end before the last pixel".into());
             }
@@ -205,6 +211,7 @@ impl Coder {
         // Three regions of nine give 729 numbers from -364 to 364.
         // A context and its mirror image are one, told apart by the sign.
         let (context, sign) = (&mut self.contexts[number.unsigned_abs() as usize], number.signum());
+        // Source: T.87, A.4.1: an edge is followed, and a slope is continued.
         let median = if c >= a.max(b) {
             a.min(b)
         } else if c <= a.min(b) {
