@@ -29,6 +29,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         [] => make(),
         ["run", pages @ ..] => run_blocks(pages, false),
         ["json"] => crate::json::check(),
+        ["axe"] => crate::page::ask_axe(&crate::target().join("book/html")),
         ["pictures", pages @ ..] => run_blocks(pages, true),
         ["install"] => {
             println!("installing mdBook {MDBOOK} below {}", crate::target().display());
@@ -37,7 +38,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
             command.args(["--no-default-features", "--features", "search", "--root"]);
             crate::run(command.arg(crate::target().join("tools")))
         }
-        _ => Err("usage: cargo xtask book [install | run [PAGE...] | pictures [PAGE...] | json]".to_owned()),
+        _ => Err("usage: cargo xtask book [install | axe | run [PAGE...] | pictures [PAGE...] | json]".to_owned()),
     }
 }
 

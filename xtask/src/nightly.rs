@@ -39,7 +39,8 @@ const CHECKS: &[Check] = &[
     ("planner as a page", || crate::wasm::run(&[])),
     ("book", || {
         crate::book::run(&["install"])?;
-        crate::book::run(&[])
+        crate::book::run(&[])?;
+        crate::book::run(&["axe"])
     }),
     ("mutated files, kills, full disk", || crate::campaign::run(&[])),
     ("fuzz targets", || fuzz::run(FUZZ_SECONDS, true)),

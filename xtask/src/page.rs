@@ -76,6 +76,15 @@ pub fn bench(binary: &Path) -> Result<(), String> {
     node(binary, &["bench/studio.mjs"], "the bench failed")
 }
 
+/// Asks axe about every page of a folder of HTML, as readers with impairments meet it.
+pub fn ask_axe(folder: &Path) -> Result<(), String> {
+    let browser = setup::browser(false)?;
+    install()?;
+    let mut command = Command::new("node");
+    command.arg("book.mjs").arg(folder).current_dir(web()).env("BROWSER", browser);
+    ended_well(&mut command, "axe found what readers stumble over")
+}
+
 /// Runs scripts of the page in Node, with a program and a browser.
 fn node(binary: &Path, words: &[&str], failed: &str) -> Result<(), String> {
     let browser = setup::browser(false)?;
@@ -83,6 +92,10 @@ fn node(binary: &Path, words: &[&str], failed: &str) -> Result<(), String> {
     let mut command = Command::new("node");
     command.args(words).current_dir(web());
     command.env("GRAINPATH", binary).env("BROWSER", browser);
+    ended_well(&mut command, failed)
+}
+
+fn ended_well(command: &mut Command, failed: &str) -> Result<(), String> {
     let status = command.status().map_err(|e| format!("node: {e}"))?;
     if status.success() { Ok(()) } else { Err(failed.to_owned()) }
 }
