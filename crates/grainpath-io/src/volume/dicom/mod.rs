@@ -13,7 +13,7 @@
 //! ways are refused, each with its reason.
 //!
 //! Measured against dicom-object and dicom-pixeldata 0.10.1 (with their openjp2; JPEG-LS needs a C++ compiler there), on two
-//! cores: they are 53 crates and 65 s of processor time to build, this module with hayro-jpeg2000 about 15 s. Of 2000 mutants of the
+//! cores: they are 53 crates and 65 s of processor time to build; hayro-jpeg2000, all that this module adds, takes 7 s. Of 2000 mutants of the
 //! files in `tests/dicom` they panic in 23, abort in 1 and take up to 1.1 s and 1364 MiB; this module refuses 1569 in
 //! one line, reads 431, and takes at most 0.02 s and 4 MiB. Frames of 512 x 512 pixels of 12 bits: lossless JPEG 5 ms (theirs 6),
 //! JPEG 2000 38 ms (theirs 53), JPEG-LS 12 ms and 12-bit JPEG 7 ms, both refused by them; JPEG of 8 bits 3 ms (theirs 1).
