@@ -30,10 +30,10 @@ export class Poses {
         n(`${fixed(pose.height_mm, 1)} mm`), n(`${fixed(pose.support_g, 2)} g`), n(duration(pose.time_s)),
         ...(isLoaded ? [n(pose.reserve ? `${fixed(pose.reserve.across_layers_mpa, 2)} MPa` : "–"), el("td", { class: "n", title: low === undefined ? "" : `${fixed(low, 2)} to ${fixed(high!, 2)}, ${pose.reserve!.mode}` }, nominal === undefined ? "–" : `${fixed(nominal, 2)} ×`)] : []));
     };
-    const heads = ["", "Height", "Support", "Time", ...(isLoaded ? ["Pull across", "Fails at"] : [])];
+    const heads = ["", "Height", "Support", "Time", ...(isLoaded ? ["Across", "Fails at"] : [])];
     this.element.replaceChildren(
       el("div", { class: "wide" }, el("table", {}, el("tr", {}, ...heads.map((words) => el("th", { scope: "col" }, words || el("span", { class: "sr" }, "Choose")))), ...this.all.map(row))),
-      el("p", { class: "note" }, isLoaded ? "The best first: by the factor on the loads at which the first bead or bond fails, then by support, height and time. The pull across is the tension from layer to layer. Loads turn with the part." : "The best first: by support, height and time. With fixtures and loads, what they do to the layers counts before that."),
+      el("p", { class: "note" }, isLoaded ? "The best first: by the factor on the loads at which the first bead or bond fails, then by support, height and time. Across is the tension from layer to layer. Loads turn with the part." : "The best first: by support, height and time. With fixtures and loads, what they do to the layers counts before that."),
       ...this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
       el("div", { class: "row" }, compare));
   }
