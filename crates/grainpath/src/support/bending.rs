@@ -18,7 +18,7 @@
 //!
 //! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: braces and
 //! the branches that join are taken not to help; a tip that moves too far with branches as thick as `base_radius_mm` and the
-//! part allow moves up to [`SHORTFALL`] times as far as it would with those.
+//! part allow moves up to twice as far as it would with those.
 
 use std::collections::BTreeMap;
 
