@@ -240,7 +240,7 @@ warning_ids! {
         "turn the part, set support.from_plate_only = false, or raise support.margin_mm";
     SupportBends = "support-bends",
         "Tips of the support move by more than half a bead under the drag of the nozzle while they are printed.",
-        "raise support.walls, support.base_radius_mm or support.branch_radius_mm, or turn the part so that it needs lower support";
+        "raise support.base_radius_mm, support.walls or support.branch_radius_mm, or turn the part so that it needs lower support";
     PartInMidAir = "part-in-mid-air",
         "A piece of the part begins in mid-air, with nothing below it, and there is no support.",
         "set support.style = \"tree\", or turn the part";

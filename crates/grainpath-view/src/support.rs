@@ -187,7 +187,7 @@ fn trees(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
     // The part is drawn dark, and trees over it without regard to depth, so that no branch is hidden.
     let mut canvas = shaded(mesh, view, |_| [96.0, 101.0, 110.0]);
     for (a, b) in support.forest.branches() {
-        let width = (a.radius_mm + b.radius_mm) * view.scale;
+        let width = (a.radius_mm + a.end_mm) * view.scale;
         let colour = if a.post { [230, 160, 60] } else { [70, 190, 90] };
         line(&mut canvas, view.at(a.at), view.at(b.at), width, colour);
     }

@@ -120,11 +120,15 @@ fn the_figure_of_trees() {
         "stroke=\"#000\" stroke-width=\"2\"",
     );
     // Skewed cones: from the radius of a node to that of the node below.
+    let slope = grainpath_core::math::tan(settings.branch_angle_rad);
     for node in nodes {
         let Some(below) = node.below.map(|k| &nodes[k as usize]) else { continue };
-        let across =
-            |n: &grainpath::support::tree::Node, sign: f64| side(n.at) + DVec2::X * sign * n.radius_mm;
-        let corners = vec![across(node, -1.0), across(below, -1.0), across(below, 1.0), across(node, 1.0)];
+        let across = |i: i32, sign: f64| {
+            let at = node.at.lerp(below.at, f64::from(i) / 20.0);
+            side(at) + DVec2::X * sign * node.radius_at_mm(below, at.z, slope)
+        };
+        let down = (0..=20).map(|i| across(i, -1.0));
+        let corners = down.chain((0..=20).rev().map(|i| across(i, 1.0))).collect();
         let cone = Region { polygons: vec![Polygon { outer: corners, holes: Vec::new() }] };
         figure.area(&panel, &cone, &format!("fill=\"#bfe3c8\" stroke=\"{GREEN}\" stroke-width=\".8\""));
     }

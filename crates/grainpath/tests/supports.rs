@@ -11,10 +11,11 @@ use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::shape::{SliceSettings, slice};
 use grainpath::support::bending;
+use grainpath::support::clearance::Clearance;
 use grainpath::support::cut::count_floating;
 use grainpath::support::tree::{Forest, Kind, Node, cones_meet};
 use grainpath::support::{Style, Support, SupportSettings, plan, warn_of_mid_air};
-use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
+use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
@@ -303,6 +304,7 @@ fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
     let node = |z: f64, below: Option<u32>, kind: Kind| Node {
         at: DVec3::new(0.0, 0.0, z),
         radius_mm: 2.0,
+        end_mm: 2.0,
         carries: 1,
         top_mm: 40.0,
         below,
@@ -310,7 +312,11 @@ fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
         post: false,
     };
     let nodes = vec![node(40.0, Some(1), Kind::Contact(0)), node(0.0, None, Kind::Foot)];
-    let found = bending::tip_bending(&Forest { nodes, ..Forest::default() }, &s);
+    // A part that is far away.
+    let stack = layers(&boxes(&[[[20.0, 0.0, 0.0], [30.0, 10.0, 45.0]]]), &Diagnostics::default());
+    let bed = Bounds2 { min: DVec2::splat(-100.0), max: DVec2::splat(100.0) };
+    let clearance = Clearance::new(&stack, bed, 40.0, 1.0, s.branch_angle_rad);
+    let found = bending::tip_bending(&Forest { nodes, ..Forest::default() }, &clearance, &s);
     let wall = s.beads.bead_width_mm;
     let second = 0.25 * std::f64::consts::PI * (2f64.powi(4) - (2.0 - wall).powi(4));
     let exact = s.side_load_n * 40f64.powi(3) / (3.0 * s.stiffness_mpa * second);
@@ -318,10 +324,69 @@ fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
     // A slender trunk is warned of, a stout one of little height is not.
     let post =
         |top: f64| boxes(&[[[0.0; 3], [4.0, 4.0, top + 3.0]], [[0.0, 0.0, top], [14.0, 4.0, top + 3.0]]]);
-    for (top, load_n, bends) in [(60.0, 1.0, true), (60.0, 0.0, false), (5.0, 0.01, false)] {
+    let radius_mm = |s: &Support| s.forest.nodes.iter().map(|n| n.radius_mm).fold(0.0, f64::max);
+    let (slender, ..) = planned(&post(60.0), |s| s.side_load_n = 0.0);
+    for (top, load_n, bends) in
+        [(60.0, 1.0, true), (60.0, 0.1, false), (60.0, 0.0, false), (5.0, 0.01, false)]
+    {
         let (held, _, warnings) = planned(&post(top), |s| s.side_load_n = load_n);
+        // No thicker than it has to be: what it may move is used.
+        if (top, load_n) == (60.0, 0.1) {
+            let limit_mm = s.tip_moves_at_most_mm();
+            assert!((0.9 * limit_mm..=limit_mm).contains(&held.bending.worst_mm), "{:?}", held.bending);
+            assert!(radius_mm(&held) > 1.5 * radius_mm(&slender), "{} mm", radius_mm(&held));
+        }
         assert_eq!(held.bending.over > 0, bends, "{top} mm, {load_n} N: {:?}", held.bending);
         assert_eq!(warnings.iter().any(|w| w.id == grainpath_core::WarningId::SupportBends), bends);
+    }
+}
+
+#[test]
+fn trees_do_not_depend_on_how_the_surface_is_cut_into_triangles() {
+    // Every triangle in three about a point of its own, or in four about the middles of its sides.
+    let in_three = |mesh: &TriMesh| {
+        let mut out = TriMesh { vertices: mesh.vertices.clone(), triangles: Vec::new() };
+        for (k, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+            let [p, q, r] = [a, b, c].map(|i| mesh.vertices[i as usize]);
+            let (u, v) = ([0.2, 0.37, 0.61][k % 3], [0.3, 0.11, 0.25][k % 3]);
+            let middle = out.vertices.len() as u32;
+            out.vertices.push(p + u * (q - p) + v * (r - p));
+            out.triangles.extend([[a, b, middle], [b, c, middle], [c, a, middle]]);
+        }
+        out.triangles.reverse();
+        out
+    };
+    let in_four = |mesh: &TriMesh| {
+        let mut out = TriMesh { vertices: mesh.vertices.clone(), triangles: Vec::new() };
+        let mut middles = std::collections::BTreeMap::new();
+        for &[a, b, c] in &mesh.triangles {
+            let [x, y, z] = [(a, b), (b, c), (c, a)].map(|(i, j)| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    out.vertices.push(0.5 * (mesh.vertices[i as usize] + mesh.vertices[j as usize]));
+                    out.vertices.len() as u32 - 1
+                })
+            });
+            out.triangles.extend([[x, y, z], [a, x, z], [x, b, y], [z, y, c]]);
+        }
+        out
+    };
+    // Flat, and with an underside that leans in both directions; on the grid of the samples and beside it.
+    for (lean, shift) in [(DVec2::ZERO, 0.0), (DVec2::ZERO, 0.3), (DVec2::new(0.21, 0.13), 0.3)] {
+        let mut whole = table(false);
+        for p in &mut whole.vertices {
+            p.z += if p.z > 6.0 { lean.dot(p.truncate()) } else { 0.0 };
+            *p += DVec3::new(shift, -shift, 0.0);
+        }
+        let (support, ..) = planned(&whole, |_| ());
+        let places = |s: &Support| -> Vec<DVec3> { s.overhangs.contacts.iter().map(|c| c.at).collect() };
+        assert!(places(&support).len() > 20);
+        for cut in [in_three(&whole), in_four(&whole), in_three(&in_four(&whole))] {
+            let (other, ..) = planned(&cut, |_| ());
+            assert_eq!(places(&other), places(&support), "{lean}, {shift}");
+            assert_eq!(other.overhangs.lines, support.overhangs.lines);
+            let mm = |s: &Support| s.cut.layers.iter().map(|l| l.region.area_mm2()).sum::<f64>();
+            assert!((mm(&other) / mm(&support) - 1.0).abs() < 1e-6);
+        }
     }
 }
 

@@ -166,11 +166,28 @@ fn discs(
             None => heights.middles.partition_point(|&m| m < upper.at.z),
         };
         let n_interface = if tip.is_some() { settings.interface_layers } else { 0 };
-        for k in first..end {
+        let at = |z: f64| {
+            let share = (z - lower.at.z) / (upper.at.z - lower.at.z).max(1e-9);
+            lower.at.lerp(upper.at, share.clamp(0.0, 1.0))
+        };
+        let is_tip = tip.is_some() && !upper.post;
+        let thickest_mm = |k: usize| {
+            let at = at(heights.middles[k]).with_z(heights.middles[k]);
+            if is_tip { f64::INFINITY } else { settings.thickest_mm(clearance, at) }
+        };
+        // Thinner where the part is near, before anything is cut off.
+        let mut radii: Vec<f64> = (first..end)
+            .map(|k| upper.radius_at_mm(lower, heights.middles[k], slope).min(thickest_mm(k)))
+            .collect();
+        // Where the part makes a branch thinner, it becomes so no faster than a branch may lean.
+        for i in 1..radii.len() {
+            radii[i] = radii[i].min(radii[i - 1] + slope * heights.height_mm(first + i));
+        }
+        for i in (1..radii.len()).rev() {
+            radii[i - 1] = radii[i - 1].min(radii[i] + slope * heights.height_mm(first + i));
+        }
+        for (k, mut radius_mm) in (first..end).zip(radii) {
             let z = heights.middles[k];
-            let t = ((z - lower.at.z) / (upper.at.z - lower.at.z).max(1e-9)).clamp(0.0, 1.0);
-            let at = lower.at.lerp(upper.at, t);
-            let mut radius_mm = lower.radius_mm + t * (upper.radius_mm - lower.radius_mm);
             if lower.kind == Kind::Foot && z < settings.base_height_mm {
                 let share = 1.0 - z / settings.base_height_mm;
                 radius_mm += share * (settings.base_radius_mm - radius_mm).max(0.0);
@@ -181,12 +198,12 @@ fn discs(
                 let flare = settings.interface_radius_mm - (heights.tops[below] - z).max(0.0) * slope;
                 radius_mm = radius_mm.max(flare);
             }
+            let at = at(z);
             let trim = if tip.is_some() || upper.post {
                 Trim::AtPart
             } else {
                 let free_mm = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
-                // Thinner where the part is near, before anything is cut off.
-                radius_mm = radius_mm.min(free_mm.max(settings.branch_radius_mm));
+                radius_mm = radius_mm.min(thickest_mm(k));
                 if free_mm > radius_mm + 0.8 { Trim::Nothing } else { Trim::AtGap }
             };
             out[k].push(Disc { at: at.truncate(), radius_mm, trim, interface });

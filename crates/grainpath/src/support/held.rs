@@ -14,14 +14,15 @@
 //! it what stood on it. What is left is held by construction; [`on_air`] counts it afresh, as a judge would.
 //!
 //! Lengths are mm. Cost: one search in a grid of points for every `STEP_MM` of bead and pass; about a second for
-//! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever its sections are;
+//! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever walls and what they
+//! enclose will be;
 //! sparse fill inside branches (`support.density` above 0) bridges from wall to wall and is not asked.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::{direction, tan};
-use grainpath_core::poly::{FillRule, LineClipper, simplify_contour, simplify_line};
+use grainpath_core::poly::{FillRule, Join, LineClipper, simplify_contour, simplify_line};
 use grainpath_core::segment;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, Density, LayerStack, Region, Role, Toolpath};
@@ -72,11 +73,12 @@ const FAR_MM: f64 = 2.0;
 ///
 /// Source: the least loop that `beads::lay` lays.
 const SHORT_MM: f64 = 0.3;
-/// The part holds a bead whose centreline is this many widths outside its section: its wall's centreline lies half a
-/// bead inside the section.
+/// Points of the beads below may lie this far apart along them before and behind a place, mm.
 ///
-/// Source: [`REACH`] and that half bead.
-const PART_REACH: f64 = REACH - 0.5;
+/// Source: the outside check takes points up to 0.3 mm apart.
+const APART_MM: f64 = 0.15;
+/// A point of a bead is held for that check by points this many widths away. Source: the outside check.
+const CHECKED: f64 = 0.95;
 
 /// Lays the beads of all layers, adds what holds them, and leaves out what nothing can hold.
 pub fn stand(
@@ -94,13 +96,13 @@ pub fn stand(
     for (layer, islands) in out.layers.iter_mut().zip(islands) {
         layer.islands = Some(islands);
     }
-    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let mut part = Part::new(stack, heights, settings);
     let interface = interface::lay(&overhangs.lines, heights, out.layers.len(), settings);
     for (k, beads) in interface.into_iter().enumerate().rev().filter(|(_, beads)| !beads.is_empty()) {
         add_interface(&mut out.layers[k], k, beads, &mut part);
         part.forget_above(k);
     }
-    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let mut part = Part::new(stack, heights, settings);
     let mut arches = BTreeSet::new();
     // The beads of each layer before any are added, found once: what is below one layer's beads is beside the next one's.
     let mut before = out.layers.iter().rev().nth(1).and_then(|layer| Beads::new(layer.islands()));
@@ -121,7 +123,7 @@ pub fn stand(
         before = deeper;
         part.forget_above(k);
     }
-    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let mut part = Part::new(stack, heights, settings);
     let mut left_out_mm = 0.0;
     for k in 1..out.layers.len() {
         let (low, high) = out.layers.split_at_mut(k);
@@ -176,7 +178,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
 pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> (usize, f64) {
     let heights = Heights::new(stack);
     let of_layer = |k: usize| -> (usize, f64) {
-        let mut part = Part::new(stack, &heights, settings.z_gap_mm);
+        let mut part = Part::new(stack, &heights, settings);
         let below = Beads::new(layers[k - 1].islands());
         let air_mm = paths(layers[k].islands()).map(|path| {
             let samples = samples(path);
@@ -234,19 +236,19 @@ impl Beads {
         let mut beads = Self(PointGrid2::new(bounds, 1.0));
         for (i, island) in islands.iter().enumerate() {
             for path in paths(std::slice::from_ref(island)) {
-                beads.add(path, i as u32, is_line(path));
+                beads.add(path, i as u32);
             }
         }
         Some(beads)
     }
 
-    /// Adds the points of a bead; `trimmed` without the ends that hold nothing beyond them.
-    fn add(&mut self, path: &Toolpath, island: u32, trimmed: bool) {
-        if !trimmed {
+    /// Adds the points of a bead, of an open one without the ends that hold nothing beyond them.
+    fn add(&mut self, path: &Toolpath, island: u32) {
+        if path.closed || path.n_segments() == 0 {
             samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
             return;
         }
-        let end_mm = END_MM.min(0.25 * path.length_mm());
+        let end_mm = END_MM.min(0.4 * path.length_mm());
         let ends = [path.segment(0), path.segment(path.n_segments() - 1)];
         let [first, last] = ends.map(|(a, b, _)| (a, b));
         for (end, inwards) in [(first.0, first.1 - first.0), (last.1, last.0 - last.1)] {
@@ -267,20 +269,33 @@ struct Part<'a> {
     stack: &'a LayerStack,
     heights: &'a Heights,
     gap_mm: f64,
+    bead_width_mm: f64,
     clippers: BTreeMap<usize, LineClipper>,
+    /// Where centrelines of walls lie, and where the section is too thin for them.
+    beads: BTreeMap<usize, [LineClipper; 2]>,
 }
 
 impl<'a> Part<'a> {
-    fn new(stack: &'a LayerStack, heights: &'a Heights, gap_mm: f64) -> Self {
-        Self { stack, heights, gap_mm, clippers: BTreeMap::new() }
+    fn new(stack: &'a LayerStack, heights: &'a Heights, settings: &SupportSettings) -> Self {
+        Self {
+            stack,
+            heights,
+            gap_mm: settings.z_gap_mm,
+            // Walls of the part are as wide as beads of the support.
+            bead_width_mm: settings.beads.bead_width_mm,
+            clippers: BTreeMap::new(),
+            beads: BTreeMap::new(),
+        }
     }
 
     fn forget_above(&mut self, k: usize) {
         self.clippers.retain(|&j, _| j <= k);
+        self.beads.retain(|&j, _| j <= k);
     }
 
     fn forget_below(&mut self, k: usize) {
         self.clippers.retain(|&j, _| j + 8 >= k);
+        self.beads.retain(|&j, _| j + 8 >= k);
     }
 
     /// Whether a section lies within a distance of a point.
@@ -290,18 +305,29 @@ impl<'a> Part<'a> {
         if !region.bounds().is_some_and(|b| b.meets(here)) {
             return false;
         }
-        let clipper = self.clippers.entry(layer).or_insert_with(|| LineClipper::new(region));
-        if clipper.contains(p) {
-            return true;
-        }
-        let across = |i: u32| direction(f64::from(i) * std::f64::consts::FRAC_PI_8) * reach_mm;
-        (0..8).any(|i| clipper.meets(p - across(i), p + across(i)))
+        is_near(self.clippers.entry(layer).or_insert_with(|| LineClipper::new(region)), p, reach_mm)
     }
 
-    /// Whether the part lies below a point of layer `k`, across the removal gap.
+    /// Whether a bead of the part lies below a point of layer `k`, across the removal gap.
     fn holds(&mut self, k: usize, p: DVec2, reach_mm: f64) -> bool {
         let below = self.heights.below(k, self.gap_mm);
-        below.into_iter().any(|j| self.near(j, p, reach_mm))
+        below.into_iter().any(|j| self.has_bead_near(j, p, reach_mm))
+    }
+
+    /// Whether a bead of the part lies within a distance of a point. Centrelines of walls lie half a bead inside the
+    /// section; where it is thinner than a bead, one of its own width runs along its middle.
+    fn has_bead_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
+        let half_mm = 0.5 * self.bead_width_mm;
+        if !self.near(layer, p, reach_mm) {
+            return false;
+        }
+        let (region, half) = (self.stack.layers()[layer].region(), half_mm);
+        let [middles, thin] = self.beads.entry(layer).or_insert_with(|| {
+            let middles = region.offset(-half, Join::Miter(2.0));
+            let thin = region.difference(&middles.offset(1.05 * half, Join::Miter(2.0)));
+            [&middles, &thin].map(LineClipper::new)
+        });
+        is_near(middles, p, reach_mm) || (reach_mm >= half && is_near(thin, p, reach_mm - half))
     }
 
     /// Whether a bead may lie here in layer `k`.
@@ -312,9 +338,23 @@ impl<'a> Part<'a> {
     }
 }
 
+/// Whether a region lies within a distance of a point.
+fn is_near(region: &LineClipper, p: DVec2, reach_mm: f64) -> bool {
+    let across = |i: u32| direction(f64::from(i) * std::f64::consts::FRAC_PI_8) * reach_mm;
+    region.contains(p) || (0..8).any(|i| region.meets(p - across(i), p + across(i)))
+}
+
 fn held(s: &Sample, below: Option<&Beads>, part: &mut Part<'_>, k: usize, reach: f64) -> bool {
-    let on_bead = |b: &Beads| b.0.within(s.at, reach * s.width_mm).next().is_some();
-    below.is_some_and(on_bead) || part.holds(k, s.at, (PART_REACH + reach - REACH) * s.width_mm)
+    let reach_mm = reach_mm(s.width_mm, reach);
+    let on_bead = |b: &Beads| b.0.within(s.at, reach_mm).next().is_some();
+    below.is_some_and(on_bead) || part.holds(k, s.at, reach_mm)
+}
+
+/// How far away a bead may be that holds one of this width, for a reach in widths: less for narrow beads, for which the
+/// points of the beads below lie far apart.
+fn reach_mm(width_mm: f64, reach: f64) -> f64 {
+    let checked_mm = ((CHECKED * width_mm).powi(2) - APART_MM * APART_MM).max(0.0).sqrt();
+    (reach * width_mm).min(checked_mm)
 }
 
 /// The stretches of a path whose samples are `wanted`; whether one is the whole closed path.
@@ -406,9 +446,8 @@ fn hold(
     let close_mm = spacing_mm.min(CLOSE * w);
     let lean_mm = height_mm * tan(settings.branch_angle_rad);
     let far_mm = settings.base_radius_mm + FAR_MM;
-    let usual = Added { width_mm: w, close_mm: [spacing_mm; 2], end_mm: 0.0, far_mm, deeper };
     let leaning_mm = (close_mm - lean_mm).max(CLOSEST * w);
-    let below_lines = Added { close_mm: [close_mm, leaning_mm], end_mm: END_MM, ..usual };
+    let added = Added { width_mm: w, close_mm: [close_mm, leaning_mm], far_mm, deeper };
     let mut around = Vec::new();
     for path in paths(upper.islands()) {
         let samples = samples(path);
@@ -417,15 +456,14 @@ fn hold(
             continue;
         }
         let is_arch = is_line(path) || arches.contains(&name(path));
-        let added = if is_arch { &below_lines } else { &usual };
         for (stretch, closed) in stretches(&samples, path.closed, &free) {
             let neighbours = if is_arch { before } else { &below };
-            for (points, closed, island) in carriers(&stretch, closed, k, neighbours, part, added) {
+            for (points, closed, island) in carriers(&stretch, closed, k, neighbours, part, &added) {
                 let path = Toolpath::new(points, w, Role::Support, closed);
                 if is_arch {
                     next.insert(name(&path));
                 }
-                below.add(&path, island, is_arch && !closed);
+                below.add(&path, island);
                 if path.points.iter().any(|&p| !lower.region.contains(p)) {
                     around.push(Region::around_line(&path.points, closed, 0.5 * w));
                 }
@@ -448,8 +486,6 @@ struct Added<'a> {
     /// Least distance of an added bead's centreline from the nearest bead of its layer: beside an upright branch, and
     /// beside one that leans away from it.
     close_mm: [f64; 2],
-    /// How far its ends go on beyond what they are to hold.
-    end_mm: f64,
     /// Largest distance of an added bead from the nearest bead of its layer, mm.
     far_mm: f64,
     /// The beads of the layer below that of the added ones.
@@ -519,7 +555,7 @@ fn carriers(
         } else {
             // A line that cannot be lengthened would not stick.
             let mut has_room = |p: DVec2| part.leaves_room(k - 1, p, w);
-            line = with_longer_ends(simplify_line(&line, SMOOTH_MM), added.end_mm, &mut has_room);
+            line = with_longer_ends(simplify_line(&line, SMOOTH_MM), &mut has_room);
             line = lengthened(line, towards, &mut has_room)?;
         }
         let enough = if closed { line.len() >= 3 } else { line.len() >= 2 };
@@ -529,17 +565,10 @@ fn carriers(
 }
 
 /// A line with both ends moved outwards by what an end does not hold, where there is room.
-fn with_longer_ends(
-    mut line: Vec<DVec2>,
-    end_mm: f64,
-    has_room: &mut dyn FnMut(DVec2) -> bool,
-) -> Vec<DVec2> {
-    if end_mm == 0.0 {
-        return line;
-    }
+fn with_longer_ends(mut line: Vec<DVec2>, has_room: &mut dyn FnMut(DVec2) -> bool) -> Vec<DVec2> {
     for _ in 0..2 {
         if let [.., before, last] = line[..] {
-            let further = last + (last - before).normalize_or_zero() * end_mm;
+            let further = last + (last - before).normalize_or_zero() * END_MM;
             if has_room(further) {
                 line.push(further);
             }

@@ -81,20 +81,30 @@ pub fn spacing_mm(settings: &SupportSettings) -> f64 {
     0.6 * settings.max_unsupported_mm
 }
 
-/// Lines on the undersides of flat overhangs. `flat` are their samples with the names of their grids; samples lie at
-/// multiples of [`SupportSettings::sample_mm`] in plan.
-pub fn lines(
-    flat: &[(u32, DVec3)],
-    grids: &BTreeMap<u32, Grid>,
-    settings: &SupportSettings,
-) -> Vec<Vec<DVec3>> {
-    let mut groups: BTreeMap<u32, Vec<DVec3>> = BTreeMap::new();
-    flat.iter().for_each(|(g, p)| groups.entry(*g).or_default().push(*p));
-    let groups: Vec<(Grid, Vec<DVec3>)> = groups.into_iter().map(|(g, points)| (grids[&g], points)).collect();
+/// A sample of an overhang.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    /// The name of its grid.
+    pub group: u32,
+    /// Its position, mm.
+    pub at: DVec3,
+    /// Whether interface lines run below it.
+    pub is_flat: bool,
+}
+
+/// Lines on the undersides of flat overhangs. Points lie at multiples of [`SupportSettings::sample_mm`] in plan.
+pub fn lines(points: &[Point], grids: &BTreeMap<u32, Grid>, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
+    let mut groups: BTreeMap<u32, Vec<Point>> = BTreeMap::new();
+    points.iter().for_each(|p| groups.entry(p.group).or_default().push(*p));
+    let groups: Vec<(Grid, Vec<Point>)> = groups
+        .into_iter()
+        .filter(|(_, points)| points.iter().any(|p| p.is_flat))
+        .map(|(g, points)| (grids[&g], points))
+        .collect();
     let swap = |p: DVec3| DVec3::new(p.y, p.x, p.z);
-    let of_group = |(grid, points): &(Grid, Vec<DVec3>)| {
+    let of_group = |(grid, points): &(Grid, Vec<Point>)| {
         let mut lines = rows(points, *grid, settings);
-        let turned: Vec<DVec3> = points.iter().copied().map(swap).collect();
+        let turned: Vec<Point> = points.iter().map(|p| Point { at: swap(p.at), ..*p }).collect();
         let across = rows(&turned, Grid { low: swap(grid.low), ..*grid }, settings);
         lines.extend(across.into_iter().map(|line| line.into_iter().map(swap).collect()));
         lines
@@ -129,7 +139,7 @@ fn usual_height_mm(stack: &LayerStack, settings: &SupportSettings) -> f64 {
 
 /// Lines in x through the rows of points that lie nearest to the middles of the grid's cells, and lines along the parts of
 /// the rim that run more in y than in x.
-fn rows(points: &[DVec3], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
+fn rows(points: &[Point], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
     let (pitch_mm, cell_mm) = (settings.sample_mm(), grid.cell_mm);
     let index = |v: f64| (v / pitch_mm).round() as i64;
     // The row of samples in the middle of the cell that holds a place; the first sample of a cell lies on its border. Of
@@ -139,43 +149,64 @@ fn rows(points: &[DVec3], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVe
         index(low + (cell + 0.5) * cell_mm - 0.5 * pitch_mm - 1e-9)
     };
     let mut surface = Surface { heights: BTreeMap::new(), climb_mm: CLIMB * pitch_mm };
-    for p in points {
+    for Point { at: p, is_flat, .. } in points {
         let (i, j) = (index(p.x), index(p.y));
         if (DVec2::new(i as f64, j as f64) * pitch_mm).distance(p.truncate()) <= 1e-6 {
-            surface.heights.entry((i, j)).or_default().push(p.z);
+            surface.heights.entry((i, j)).or_default().push((p.z, *is_flat));
         }
     }
-    surface.heights.values_mut().for_each(|z| z.sort_by(f64::total_cmp));
+    surface.heights.values_mut().for_each(|z| z.sort_by(|a, b| a.0.total_cmp(&b.0)));
     let at = |i: i64, j: i64, z: f64| DVec3::new(i as f64 * pitch_mm, j as f64 * pitch_mm, z);
     let mut out = Vec::new();
     let stretches = surface.stretches();
+    let shortest = SHORTEST_SHARE * settings.max_unsupported_mm / pitch_mm;
     for (&j, stretches) in
         stretches.iter().filter(|(j, _)| **j == middle_row(**j as f64 * pitch_mm, grid.low.y))
     {
-        let shortest = SHORTEST_SHARE * settings.max_unsupported_mm / pitch_mm;
-        for line in stretches.iter().filter(|line| line.len() as f64 >= shortest) {
-            let (first, last) = (line[0], line[line.len() - 1]);
-            // The overhang ends up to a pitch beyond its last sample.
-            let mut points = vec![at(first.0 - 1, j, first.1)];
-            points.extend(line.iter().map(|&(i, z)| at(i, j, z)));
-            points.push(at(last.0 + 1, j, last.1));
-            out.push(points);
+        for stretch in stretches {
+            for flat in flat_parts(stretch).filter(|flat| flat.len() as f64 >= shortest) {
+                let (first, last) = (stretch[flat.start], stretch[flat.end - 1]);
+                // A wall at the end of what is flat may still hang over the one below, so the line goes on below one more
+                // sample; where the overhang ends, it ends up to a pitch beyond its last sample.
+                let before = flat
+                    .start
+                    .checked_sub(1)
+                    .map_or((first.0 - 1, first.1), |i| (stretch[i].0, stretch[i].1));
+                let behind = stretch.get(flat.end).map_or((last.0 + 1, last.1), |s| (s.0, s.1));
+                let mut points = vec![at(before.0, j, before.1)];
+                points.extend(stretch[flat].iter().map(|&(i, z, _)| at(i, j, z)));
+                points.push(at(behind.0, j, behind.1));
+                out.push(points);
+            }
         }
     }
-    let rim = surface.rim(&stretches, settings);
+    let flat_rows = |stretches: &Vec<Stretch>| -> Vec<Stretch> {
+        stretches.iter().flat_map(|s| flat_parts(s).map(|flat| s[flat].to_vec())).collect()
+    };
+    let flat_rows = stretches.iter().map(|(j, stretches)| (*j, flat_rows(stretches))).collect();
+    let rim = surface.rim(&flat_rows, settings);
     out.extend(rim.into_iter().map(|line| line.into_iter().map(|(i, j, z)| at(i, j, z)).collect()));
     out
 }
 
+/// The flat parts of a stretch.
+fn flat_parts(stretch: &[(i64, f64, bool)]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    let mut end = 0;
+    stretch.chunk_by(|a, b| a.2 == b.2).filter_map(move |part| {
+        end += part.len();
+        part[0].2.then(|| end - part.len()..end)
+    })
+}
+
 /// The samples of an overhang by their place on the grid; surfaces may lie above each other.
 struct Surface {
-    heights: BTreeMap<(i64, i64), Vec<f64>>,
+    heights: BTreeMap<(i64, i64), Vec<(f64, bool)>>,
     /// Neighbours on one surface differ by at most this.
     climb_mm: f64,
 }
 
-/// Neighbouring samples of a row on one surface: place in the row, and height.
-type Stretch = Vec<(i64, f64)>;
+/// Neighbouring samples of a row on one surface: place in the row, height, and whether the surface is flat there.
+type Stretch = Vec<(i64, f64, bool)>;
 
 impl Surface {
     /// The stretches of each row; surfaces above each other each continue their own.
@@ -183,13 +214,17 @@ impl Surface {
         let mut rows: BTreeMap<i64, Vec<Stretch>> = BTreeMap::new();
         for (&(i, j), heights) in &self.heights {
             let stretches = rows.entry(j).or_default();
-            for &z in heights {
+            for &(z, is_flat) in heights {
+                // Samples at an end are not flat, and may climb more.
+                let climbs =
+                    |other_is_flat: bool| if is_flat && other_is_flat { 1.0 } else { 2.0 } * self.climb_mm;
                 let follows = |stretch: &&mut Stretch| {
-                    stretch.last().is_some_and(|&(h, y)| h + 1 == i && (z - y).abs() <= self.climb_mm)
+                    let last = stretch.last();
+                    last.is_some_and(|&(h, y, flat)| h + 1 == i && (z - y).abs() <= climbs(flat))
                 };
                 match stretches.iter_mut().find(follows) {
-                    Some(stretch) => stretch.push((i, z)),
-                    None => stretches.push(vec![(i, z)]),
+                    Some(stretch) => stretch.push((i, z, is_flat)),
+                    None => stretches.push(vec![(i, z, is_flat)]),
                 }
             }
         }
@@ -211,7 +246,8 @@ impl Surface {
             let mut lines: Vec<Vec<(i64, i64, f64)>> = Vec::new();
             for (&j, stretches) in rows {
                 for stretch in stretches.iter().filter(|stretch| stretch.len() >= widest) {
-                    let (i, z) = if side { stretch[stretch.len() - 1 - set_back] } else { stretch[set_back] };
+                    let (i, z, _) =
+                        if side { stretch[stretch.len() - 1 - set_back] } else { stretch[set_back] };
                     let follows = |line: &&mut Vec<(i64, i64, f64)>| {
                         line.last().is_some_and(|&(h, g, y)| {
                             g + 1 == j && (h - i).abs() <= 1 && (z - y).abs() <= 2.0 * self.climb_mm

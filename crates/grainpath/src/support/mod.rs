@@ -1,5 +1,5 @@
 //! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
-//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]), interface below
+//! branches that meet where their cones do ([`tree`]), how thick they must be ([`bending`]), their layers ([`cut`]), their beads ([`beads`]), interface below
 //! flat overhangs ([`interface`]), what holds each of those up ([`held`]) and the same as one closed surface ([`solid`],
 //! [`poisson`]).
 
@@ -283,13 +283,15 @@ pub fn plan(
     let clearance = Clearance::new(stack, bed, settings.margin_mm, keep, settings.branch_angle_rad);
     diagnostics.check()?;
     diagnostics.advance(1);
-    let forest = tree::grow(&overhangs.contacts, &clearance, settings);
+    let mut forest = tree::grow(&overhangs.contacts, &clearance, settings);
+    bending::stiffen(&mut forest, &clearance, settings);
+    tree::brace(&mut forest, &clearance, settings);
     diagnostics.check()?;
     diagnostics.advance(1);
     let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
     held::stand(&mut cut, &forest, &overhangs, stack, settings);
     diagnostics.advance(1);
-    let bending = bending::tip_bending(&forest, settings);
+    let bending = bending::tip_bending(&forest, &clearance, settings);
     let mut support = Support { overhangs, forest, cut, bending, ..Support::default() };
     support.tell(stack, settings, diagnostics);
     Ok(support)

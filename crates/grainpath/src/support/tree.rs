@@ -8,7 +8,7 @@
 //! 2. The highest node is taken. Among its neighbours it joins the one that saves most branch length.
 //! 3. A node without such a neighbour goes straight down, or round the part where the part is in the way. It ends on
 //!    the plate, or on the part where the plate cannot be reached.
-//! 4. Trunks that are too slender are braced to a neighbour.
+//! 4. Trunks that are too slender are braced to a neighbour ([`brace`]).
 //!
 //! Nodes are taken in order of height, so all that a node carries is known when its turn comes, and no choice is ever
 //! undone. Lengths are in mm, angles in radians. Cost: about n log n for n contacts. Contacts with neither a way to the
@@ -51,6 +51,8 @@ pub struct Node {
     pub at: DVec3,
     /// Radius of the horizontal section there, mm.
     pub radius_mm: f64,
+    /// Radius of the branch below it at its lower end, mm, before that widens to what it stands on.
+    pub end_mm: f64,
     /// Number of contacts it carries.
     pub carries: u32,
     /// Height of the highest of them, mm.
@@ -61,6 +63,17 @@ pub struct Node {
     pub kind: Kind,
     /// Whether the branch from here down is a last resort: a post that keeps no distance but is cut to fit.
     pub post: bool,
+}
+
+impl Node {
+    /// Radius at height `z_mm` of the branch from here down to `lower`. It widens to what it stands on as steeply as a branch
+    /// may lean (`slope`), so that no ring lies in the hollow of the one below.
+    pub fn radius_at_mm(&self, lower: &Self, z_mm: f64, slope: f64) -> f64 {
+        let above_mm = z_mm - lower.at.z;
+        let share = (above_mm / (self.at.z - lower.at.z).max(1e-9)).clamp(0.0, 1.0);
+        let own_mm = self.end_mm + share * (self.radius_mm - self.end_mm);
+        own_mm.max(lower.radius_mm - above_mm * slope)
+    }
 }
 
 /// A strut between two trunks.
@@ -121,6 +134,11 @@ pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
     (high.truncate() + across * (from_high / d)).extend(z)
 }
 
+/// How far branches go sideways for each millimetre down: a little less than they may.
+fn slope(settings: &SupportSettings) -> f64 {
+    tan(settings.branch_angle_rad) * 0.999
+}
+
 /// Grows trees from the contacts to the plate.
 pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSettings) -> Forest {
     let bounds = Bounds2::around_points(contacts.iter().map(|c| c.at.truncate()));
@@ -128,7 +146,7 @@ pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSetti
     let mut grower = Grower {
         s: settings,
         clearance,
-        slope: tan(settings.branch_angle_rad) * 0.999,
+        slope: slope(settings),
         forest: Forest::default(),
         queue: BinaryHeap::new(),
         index: grid_from_above(bounds, contacts.len()),
@@ -139,7 +157,7 @@ pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSetti
     }
     grower.run();
     grower.stand();
-    grower.brace();
+    grower.give_ends();
     grower.forest
 }
 
@@ -214,7 +232,16 @@ impl Grower<'_> {
             Kind::Contact(_) => self.s.contact_radius_mm,
             _ => self.s.radius_mm(carries, top_mm - at.z),
         };
-        self.forest.nodes.push(Node { at, radius_mm, carries, top_mm, below: None, kind, post: false });
+        self.forest.nodes.push(Node {
+            at,
+            radius_mm,
+            end_mm: radius_mm,
+            carries,
+            top_mm,
+            below: None,
+            kind,
+            post: false,
+        });
         self.state.push(state);
         let name = self.forest.nodes.len() as u32 - 1;
         if let State::Waiting { .. } = state {
@@ -451,48 +478,64 @@ impl Grower<'_> {
         }
     }
 
-    /// Ties trunks that are too slender to a neighbour.
-    fn brace(&mut self) {
-        let Some(slender) = self.s.brace_slenderness else { return };
-        let trunks: Vec<(DVec2, f64, f64)> = self
-            .forest
-            .branches()
-            .filter(|(a, b)| b.kind == Kind::Foot && (a.at - b.at).truncate().length() < 1e-9 && !a.post)
-            .map(|(a, b)| (a.at.truncate(), a.at.z, b.radius_mm))
+    /// Gives the lower end of every branch its radius.
+    fn give_ends(&mut self) {
+        for name in 0..self.forest.nodes.len() {
+            let node = self.forest.nodes[name];
+            let Some(below) = node.below else { continue };
+            let below = self.node(below);
+            // A post ends as wide as its foot.
+            let is_thin = node.post && matches!(node.kind, Kind::Contact(_));
+            self.forest.nodes[name].end_mm = if is_thin {
+                below.radius_mm
+            } else {
+                self.s.radius_mm(node.carries, node.top_mm - below.at.z)
+            };
+        }
+    }
+}
+
+/// Ties trunks that are too slender to a neighbour.
+pub fn brace(forest: &mut Forest, clearance: &Clearance, settings: &SupportSettings) {
+    let Some(slender) = settings.brace_slenderness else { return };
+    let slope = slope(settings);
+    let trunks: Vec<(DVec2, f64, f64)> = forest
+        .branches()
+        .filter(|(a, b)| b.kind == Kind::Foot && (a.at - b.at).truncate().length() < 1e-9 && !a.post)
+        .map(|(a, b)| (a.at.truncate(), a.at.z, b.radius_mm))
+        .collect();
+    let radius = settings.branch_radius_mm;
+    let mut braces = Vec::new();
+    for (i, &(p, top, r)) in trunks.iter().enumerate() {
+        if top < slender * 2.0 * r {
+            continue;
+        }
+        let mut near: Vec<(f64, usize)> = trunks
+            .iter()
+            .enumerate()
+            .filter(|&(j, t)| j != i && t.0.distance(p) > 2.0 * r)
+            .map(|(j, t)| (t.0.distance(p), j))
+            .filter(|&(d, j)| d < settings.max_reach_mm && d / slope < 0.5 * top.min(trunks[j].1))
             .collect();
-        let radius = self.s.branch_radius_mm;
-        let mut braces = Vec::new();
-        for (i, &(p, top, r)) in trunks.iter().enumerate() {
-            if top < slender * 2.0 * r {
-                continue;
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let step = slender * 2.0 * r;
+        for &(d, j) in near.iter().take(2) {
+            let mut z = top.min(trunks[j].1 + d / slope) - 1.0;
+            let mut n = 0;
+            while z - d / slope > settings.base_height_mm {
+                let (high, low) = (p.extend(z), trunks[j].0.extend(z - d / slope));
+                if clearance.is_clear(high, low, radius + settings.xy_gap_mm) {
+                    braces.push(Brace { high, low, radius_mm: radius });
+                    n += 1;
+                }
+                z -= step;
             }
-            let mut near: Vec<(f64, usize)> = trunks
-                .iter()
-                .enumerate()
-                .filter(|&(j, t)| j != i && t.0.distance(p) > 2.0 * r)
-                .map(|(j, t)| (t.0.distance(p), j))
-                .filter(|&(d, j)| d < self.s.max_reach_mm && d / self.slope < 0.5 * top.min(trunks[j].1))
-                .collect();
-            near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let step = slender * 2.0 * r;
-            for &(d, j) in near.iter().take(2) {
-                let mut z = top.min(trunks[j].1 + d / self.slope) - 1.0;
-                let mut n = 0;
-                while z - d / self.slope > self.s.base_height_mm {
-                    let (high, low) = (p.extend(z), trunks[j].0.extend(z - d / self.slope));
-                    if self.clearance.is_clear(high, low, radius + self.s.xy_gap_mm) {
-                        braces.push(Brace { high, low, radius_mm: radius });
-                        n += 1;
-                    }
-                    z -= step;
-                }
-                if n > 0 {
-                    break;
-                }
+            if n > 0 {
+                break;
             }
         }
-        self.forest.braces = braces;
     }
+    forest.braces = braces;
 }
 
 impl SupportSettings {
@@ -504,7 +547,17 @@ impl SupportSettings {
         let pi3 = std::f64::consts::PI.powi(3);
         let euler = pow(16.0 * load_n / (pi3 * self.stiffness_mpa), 0.25) * length.sqrt();
         let slender = 0.5 * length / self.max_slenderness;
-        euler.max(slender).clamp(self.branch_radius_mm, self.base_radius_mm.max(self.branch_radius_mm))
+        euler.max(slender).clamp(self.branch_radius_mm, self.most_mm())
+    }
+
+    /// The thickest branch.
+    pub(super) fn most_mm(&self) -> f64 {
+        self.base_radius_mm.max(self.branch_radius_mm)
+    }
+
+    /// The thickest that a branch may be at a place near the part.
+    pub(super) fn thickest_mm(&self, clearance: &Clearance, at: DVec3) -> f64 {
+        (clearance.distance_mm(at) - self.xy_gap_mm).max(self.branch_radius_mm)
     }
 
     /// How far a landing reaches into the part, where it is cut away again: more than a slab.
