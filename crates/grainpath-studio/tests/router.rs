@@ -846,12 +846,12 @@ fn events_do_not_grow_with_the_steps_of_the_planner() {
         let request =
             bench.request("DELETE", &format!("/v1/jobs/{id}")).body(Body::empty()).expect("a request");
         s.spawn(move || {
-            std::thread::sleep(std::time::Duration::from_secs(1));
+            std::thread::sleep(Duration::from_secs(1));
             let runtime =
                 tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
             runtime.block_on(async { tower::ServiceExt::oneshot(own, request).await.expect("an answer") });
         });
-        let begun = std::time::Instant::now();
+        let begun = Instant::now();
         let text = String::from_utf8(bench.get(&format!("/v1/jobs/{id}/events")).bytes).expect("text");
         let most = 10.0 * begun.elapsed().as_secs_f64() + 12.0;
         let n = text.matches("data: ").count();
