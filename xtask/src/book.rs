@@ -38,7 +38,10 @@ pub fn run(words: &[&str]) -> Result<(), String> {
             command.args(["--no-default-features", "--features", "search", "--root"]);
             crate::run(command.arg(crate::target().join("tools")))
         }
-        _ => Err("usage: cargo xtask book [install | axe | run [PAGE...] | pictures [PAGE...] | json]".to_owned()),
+        _ => {
+            Err("usage: cargo xtask book [install | axe | run [PAGE...] | pictures [PAGE...] | json]"
+                .to_owned())
+        }
     }
 }
 

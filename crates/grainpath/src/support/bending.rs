@@ -201,6 +201,7 @@ impl<'a> Beams<'a> {
     /// Sets the radii of a tree by the multipliers of its tips; no branch becomes thinner than it was.
     fn set_radii(&self, nodes: &mut [Node], forest: &Forest, tree: &[u32], multipliers: &[(u32, f64)]) {
         let mut sums: BTreeMap<u32, Quadratic> = BTreeMap::new();
+        // A tip bends a piece below it by its lever arm squared, which is what the sum of each node adds up.
         for &(tip, multiplier) in multipliers {
             sums.entry(tip).or_default().add(multiplier, forest.nodes[tip as usize].at.z);
         }
@@ -212,12 +213,14 @@ impl<'a> Beams<'a> {
                 pow(sum.at(z).max(0.0), 0.25).clamp(least_mm, self.settings.most_mm().max(least_mm))
             };
             let node = &mut nodes[i as usize];
+            // A tip stays as fine as its contact: it has to come off the part.
             let is_tip = matches!(was.kind, Kind::Contact(_));
             if !is_tip {
                 node.radius_mm = thick(was.at.z, was.radius_mm);
             }
             let Some(below) = was.below else { continue };
             node.end_mm = thick(forest.nodes[below as usize].at.z, was.end_mm);
+            // What bends a branch bends all that it stands on.
             sums.entry(below).or_default().join(sum);
         }
     }
@@ -243,6 +246,7 @@ impl Quadratic {
 }
 
 fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
+    // A ring of beads with nothing inside; thinner than its walls it is a full disc.
     let hollow = (radius_mm - wall_mm).max(0.0);
     0.25 * std::f64::consts::PI * (radius_mm.powi(4) - hollow.powi(4))
 }

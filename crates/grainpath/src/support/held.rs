@@ -248,6 +248,7 @@ impl Beads {
             samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
             return;
         }
+        // The last stretch of an open bead has nothing beyond it to lie on, so it holds nothing; short beads keep their middle.
         let end_mm = END_MM.min(0.4 * path.length_mm());
         let ends = [path.segment(0), path.segment(path.n_segments() - 1)];
         let [first, last] = ends.map(|(a, b, _)| (a, b));
@@ -295,6 +296,7 @@ impl<'a> Part<'a> {
 
     fn forget_below(&mut self, k: usize) {
         self.clippers.retain(|&j, _| j + 8 >= k);
+        // No gap to the part spans more layers, so what lies further down is not asked for again.
         self.beads.retain(|&j, _| j + 8 >= k);
     }
 
@@ -340,6 +342,7 @@ impl<'a> Part<'a> {
 
 /// Whether a region lies within a distance of a point.
 fn is_near(region: &LineClipper, p: DVec2, reach_mm: f64) -> bool {
+    // Eight chords through the point find a region that its middle misses, at a fraction of an exact distance.
     let across = |i: u32| direction(f64::from(i) * std::f64::consts::FRAC_PI_8) * reach_mm;
     region.contains(p) || (0..8).any(|i| region.meets(p - across(i), p + across(i)))
 }
