@@ -208,6 +208,8 @@ test("a bracket, from its file over its loads and stress to its G-code and to wh
 test("an error in the text of a job names its line", async () => {
   const { page, close } = await visit(browser, server.address);
   await choose(page, "bracket.stl");
+  // The page turns to the part once it is read.
+  await shaped(page);
   await page.click("#tab-job");
   await page.fill("#panel-job textarea", "[process]\nwals = 3\n");
   await page.click("#panel-job >> text=Plan the paths");
