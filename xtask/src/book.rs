@@ -99,6 +99,9 @@ fn make() -> Result<(), String> {
     if !told.status.success() || said.contains("ERROR") || said.contains("WARN") {
         return Err(format!("mdbook: {said}"));
     }
+    // mdBook gives no title to the contents that readers without scripts see in a frame.
+    let contents = html.join("toc.html");
+    write(&contents, &read(&contents)?.replacen("<head>", "<head>\n<title>Table of contents</title>", 1))?;
     let (n, broken) = dead_links_of_html(&html)?;
     if !broken.is_empty() {
         return Err(broken.join("\n       "));
