@@ -333,12 +333,12 @@ fn reduce(from: &Path, to: &Path) -> Result<(), String> {
     writer.write_image_data(&small).map_err(|e| e.to_string())
 }
 
-fn pages(folder: &Path) -> Result<Vec<PathBuf>, String> {
+pub fn pages(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files(folder)?.into_iter().filter(|p| p.extension().is_some_and(|e| e == "md")).collect())
 }
 
 /// All files below a folder, sorted.
-fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
+pub fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?.flatten() {
         let path = entry.path();
@@ -357,7 +357,7 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<String, String> {
+pub fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 

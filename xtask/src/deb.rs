@@ -94,11 +94,14 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
         date.trim()
     );
     put(&at("usr/share/doc/grainpath/changelog.gz"), &gzip(changes.as_bytes())?)?;
-    let size: u64 =
-        files(&tree)?.iter().filter_map(|p| p.metadata().ok()).map(|m| m.len().div_ceil(1024)).sum();
+    let size: u64 = crate::book::files(&tree)?
+        .iter()
+        .filter_map(|p| p.metadata().ok())
+        .map(|m| m.len().div_ceil(1024))
+        .sum();
     put(&at("DEBIAN/control"), control(&version, arch, size, program)?.as_bytes())?;
     let mut sums = String::new();
-    for file in files(&tree)?.iter().filter(|f| !f.starts_with(at("DEBIAN"))) {
+    for file in crate::book::files(&tree)?.iter().filter(|f| !f.starts_with(at("DEBIAN"))) {
         let sum = crate::output(Command::new("md5sum").arg(file))?;
         let name = file.strip_prefix(&tree).map_err(|e| e.to_string())?.display();
         let _ = writeln!(sums, "{}  {name}", sum.split_whitespace().next().unwrap_or_default());
@@ -233,17 +236,6 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
 fn gzip(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
     packed.write_all(bytes).and_then(|()| packed.finish()).map_err(|e| e.to_string())
-}
-
-/// All files below a folder, sorted.
-fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut all = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|e| e.to_string())?.flatten() {
-        let path = entry.path();
-        if path.is_dir() { all.extend(files(&path)?) } else { all.push(path) }
-    }
-    all.sort();
-    Ok(all)
 }
 
 #[cfg(test)]

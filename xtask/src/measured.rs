@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
+use crate::book::{self, read};
+
 /// The numbers.
 const FILE: &str = "docs/measured.toml";
 /// What stands above them.
@@ -226,7 +228,7 @@ fn quotes(page: &str) -> Vec<Quote<'_>> {
 /// half of the rows hold two numbers with a decimal point or more.
 pub fn tables_without_keys(root: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
-    for page in markdown(&root.join("docs"))? {
+    for page in book::pages(&root.join("docs"))? {
         if GENERATED.iter().any(|name| page.ends_with(name)) {
             continue;
         }
@@ -261,29 +263,9 @@ fn is_bare(rows: &[&str]) -> bool {
 
 /// All pages that may quote.
 fn pages() -> Result<Vec<PathBuf>, String> {
-    let mut all = markdown(&crate::root().join("docs"))?;
+    let mut all = book::pages(&crate::root().join("docs"))?;
     all.push(crate::root().join("README.md"));
     Ok(all)
-}
-
-/// The Markdown files of a folder and those below it, in order.
-fn markdown(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
-    paths.sort();
-    let mut found = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            found.extend(markdown(&path)?);
-        } else if path.extension().is_some_and(|e| e == "md") {
-            found.push(path);
-        }
-    }
-    Ok(found)
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 #[cfg(test)]
