@@ -5,7 +5,8 @@
 //! that `debootstrap` makes, where the program is run. Times of all files are that of the last commit and owners are
 //! root, so that two builds of one commit have the same bytes where their programs have.
 //!
-//! Programs it needs: dpkg-deb, and lintian and debootstrap, which are looked for and named where they lack.
+//! It needs dpkg-deb, strip and objdump; lintian and debootstrap are used where they are installed, and a message names the
+//! missing one and the line that installs it.
 
 use std::fmt::Write;
 use std::fs;
@@ -30,7 +31,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         return Err(format!("{} is not there; {hint}", program.display()));
     }
     let package = pack(&program)?;
-    if there("lintian") {
+    if is_installed("lintian") {
         // Warnings count as errors.
         let told = crate::output(Command::new("lintian").args(["--fail-on", "error,warning"]).arg(&package));
         told.map_err(|e| format!("lintian: {e}"))?;
@@ -38,7 +39,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     } else {
         println!("NOT RUN: lintian is not there; apt-get install lintian brings it");
     }
-    match (in_root, there("debootstrap")) {
+    match (in_root, is_installed("debootstrap")) {
         (false, _) => Ok(()),
         (true, true) => try_in_bare_root(&package),
         (true, false) => Err("debootstrap is not there; apt-get install debootstrap brings it".to_owned()),
@@ -218,7 +219,7 @@ fn version() -> Result<String, String> {
     Ok(manifest["workspace"]["package"]["version"].as_str().unwrap_or_default().to_owned())
 }
 
-fn there(program: &str) -> bool {
+fn is_installed(program: &str) -> bool {
     quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]))
 }
 

@@ -256,8 +256,8 @@ fn bad_scans_are_told_apart_by_name() {
         "step.raw: 10 x 10 x 11",
     );
     fails("grey", &format!("path = \"flat.raw\"\n{raw}"), 3, "every voxel has the grey value 7");
-    fails("nothing", &format!("path = \"step.raw\"\n{raw}threshold = 250"), 3, "leaves nothing");
-    fails("everything", &format!("path = \"step.raw\"\n{raw}threshold = -1"), 3, "leaves everything");
+    fails("nothing", &format!("path = \"step.raw\"\n{raw}threshold = 250"), 3, "leaves no material");
+    fails("everything", &format!("path = \"step.raw\"\n{raw}threshold = -1"), 3, "every voxel material");
     fails(
         "word",
         &format!("path = \"step.raw\"\n{raw}threshold = \"otzu\""),

@@ -5,10 +5,10 @@ mod support;
 use std::time::Instant;
 
 use grainpath_core::mesh::VertexWelder;
-use grainpath_core::{DVec3, TriMesh};
+use grainpath_core::{DVec3, Diagnostics, TriMesh};
 use grainpath_fea::solid::{
-    MeshSettings, Meshed, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, mesh,
-    nodal_forces, recover, solve,
+    MeshSettings, Meshed, Method, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh,
+    expected_dofs, mesh, nodal_forces, recover, solve,
 };
 use support::isotropic;
 
@@ -68,6 +68,28 @@ fn a_box_however_turned_keeps_its_edges() {
                 assert!((area / want - 1.0).abs() < 0.06, "{areas:?}");
             }
         }
+    }
+}
+
+#[test]
+fn a_stop_ends_meshing_and_both_solvers() {
+    let surface = boxed(DVec3::new(20.0, 10.0, 5.0), 0.0);
+    let diagnostics = Diagnostics::default();
+    let cancel = diagnostics.cancel_flag();
+    let mesh_settings = MeshSettings { cancel: cancel.clone(), ..MeshSettings::default() };
+    let meshed = mesh(&surface, &mesh_settings).expect("not stopped yet").mesh;
+    let mut supports = Supports::new(meshed.nodes.len());
+    for node in 0..4 {
+        supports.fix(&meshed, node).expect("a node of the mesh");
+    }
+    let model = Model::uniform(&meshed, isotropic(2000.0, 0.35));
+    let loads = [vec![DVec3::X; meshed.nodes.len()]];
+    diagnostics.stop();
+    assert!(matches!(mesh(&surface, &mesh_settings), Err(SolidError::Interrupted(_))));
+    for method in [Method::Direct, Method::Iterative] {
+        let settings = SolveSettings { method, cancel: cancel.clone(), ..SolveSettings::default() };
+        let stopped = solve(&model, &supports, &loads, &settings);
+        assert!(matches!(stopped, Err(SolidError::Interrupted(_))), "{method:?}");
     }
 }
 

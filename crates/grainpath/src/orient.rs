@@ -278,7 +278,7 @@ pub fn reserve(
     beads: &BeadDirections,
     settings: &StrengthSettings,
 ) -> Result<Option<PoseReserve>, StrengthError> {
-    let cards = settings.told_cards()?;
+    let cards = settings.bounding_cards()?;
     if !guide.is_trusted() {
         return Ok(None);
     }

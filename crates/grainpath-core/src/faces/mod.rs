@@ -36,7 +36,7 @@ use glam::DVec3;
 
 use crate::TriMesh;
 use graph::{Graph, NONE};
-use name::{CLEARER, DIGITS, Description, FOUND};
+use name::{DIGITS, Description, MAX_DISTANCE, MIN_MARGIN};
 pub use name::{FaceError, FaceName};
 pub use surface::Surface;
 
@@ -124,7 +124,7 @@ impl Faces {
         let alone = |digits: &usize| {
             let name = own.name(*digits);
             let mut others = self.descriptions.iter().enumerate().filter(|(i, _)| *i != face);
-            others.all(|(_, other)| name.distance(other) >= FOUND + CLEARER)
+            others.all(|(_, other)| name.distance(other) >= MAX_DISTANCE + MIN_MARGIN)
         };
         let digits = (DIGITS.0..=DIGITS.1).find(alone).unwrap_or(DIGITS.1);
         own.name(digits).to_string()
@@ -147,13 +147,13 @@ impl Faces {
         let mut near: Vec<(f64, usize)> =
             self.descriptions.iter().enumerate().map(|(i, d)| (name.distance(d), i)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let first = near.first().copied().filter(|n| n.0 <= FOUND);
+        let first = near.first().copied().filter(|n| n.0 <= MAX_DISTANCE);
         let Some((distance, face)) = first else {
             let candidates = self.listed(near.iter().take(3).map(|n| n.1));
             return Err(FaceError::NotFound { name: name.to_string(), candidates });
         };
         let alike: Vec<usize> =
-            near.iter().take_while(|n| n.0 < distance + CLEARER).take(4).map(|n| n.1).collect();
+            near.iter().take_while(|n| n.0 < distance + MIN_MARGIN).take(4).map(|n| n.1).collect();
         if alike.len() > 1 {
             let candidates = self.listed(alike.into_iter());
             return Err(FaceError::Doubtful { name: name.to_string(), candidates });

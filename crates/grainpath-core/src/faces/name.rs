@@ -54,9 +54,9 @@ const RANGES: [(f64, f64, f64); N] = [
 /// half of its tolerance.
 pub(super) const DIGITS: (usize, usize) = (4, 15);
 /// Greatest distance at which a name still means a face. Source: derived: one tolerance.
-pub(super) const FOUND: f64 = 1.0;
-/// Distance by which the next face has to be further away. Source: derived: half a tolerance.
-pub(super) const CLEARER: f64 = 0.5;
+pub(super) const MAX_DISTANCE: f64 = 1.0;
+/// Least distance by which the second nearest face has to be further away. Source: derived: half a tolerance.
+pub(super) const MIN_MARGIN: f64 = 0.5;
 
 impl Description {
     pub(super) fn new(
@@ -132,22 +132,22 @@ impl fmt::Display for FaceName {
     }
 }
 
-/// Text that is no name of a face.
+/// Text that does not have the form of a name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no name of a face; names are f: and 4 to 15 hexadecimal digits, and `grainpath inspect FILE --faces` lists them"
+    "{0:?} is not the name of a face; a name is f: and 4 to 15 hexadecimal digits, and `grainpath inspect FILE --faces` lists them"
 )]
-pub struct NoName(String);
+pub struct InvalidName(String);
 
 impl FromStr for FaceName {
-    type Err = NoName;
+    type Err = InvalidName;
 
-    fn from_str(text: &str) -> Result<Self, NoName> {
+    fn from_str(text: &str) -> Result<Self, InvalidName> {
         let digits = text.strip_prefix("f:").filter(|d| (DIGITS.0..=DIGITS.1).contains(&d.len()));
-        let digits = digits.ok_or_else(|| NoName(text.to_owned()))?.to_ascii_lowercase();
+        let digits = digits.ok_or_else(|| InvalidName(text.to_owned()))?.to_ascii_lowercase();
         let mut intervals = RANGES.map(|(low, high, _)| (low, high));
         for c in digits.chars() {
-            let digit = c.to_digit(16).ok_or_else(|| NoName(text.to_owned()))?;
+            let digit = c.to_digit(16).ok_or_else(|| InvalidName(text.to_owned()))?;
             for bit in (0..4).rev() {
                 let axis = widest(&intervals);
                 let (low, high) = intervals[axis];
@@ -162,10 +162,10 @@ impl FromStr for FaceName {
 /// A name that means no face, or more than one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FaceError {
-    /// Not of the form of a name.
+    /// The text does not have the form of a name.
     #[error(transparent)]
-    NoName(#[from] NoName),
-    /// No face is near.
+    InvalidName(#[from] InvalidName),
+    /// Every face is too far from the name.
     #[error("{name} is no face of the part; nearest are {candidates}")]
     NotFound {
         /// The name.
@@ -173,14 +173,14 @@ pub enum FaceError {
         /// Faces that are nearest, described.
         candidates: String,
     },
-    /// Two faces are about as near.
+    /// Two or more faces are about equally near.
     #[error(
         "{name} is doubtful, for several faces are alike: {candidates}; use a box, a plane or a cylinder instead"
     )]
     Doubtful {
         /// The name.
         name: String,
-        /// Those faces, described.
+        /// These faces, described.
         candidates: String,
     },
 }

@@ -464,7 +464,7 @@ fn equal_and_missing_faces_are_refused_with_candidates() {
     let error = faces.find(&hole.name(bore)).expect_err("a channel has no bore");
     assert!(matches!(&error, FaceError::NotFound { candidates, .. } if candidates.contains("f:")), "{error}");
     for wrong in ["9c1e", "f:9c", "f:9c1g", "f:0123456789abcdef", ""] {
-        assert!(matches!(faces.find(wrong), Err(FaceError::NoName(_))), "{wrong}");
+        assert!(matches!(faces.find(wrong), Err(FaceError::InvalidName(_))), "{wrong}");
     }
 }
 

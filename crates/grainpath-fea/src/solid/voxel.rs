@@ -8,7 +8,6 @@
 //! are in mm, forces in N, stresses in MPa. Cost: linear in the nodes in use. Limits: slanted
 //! surfaces are stair-stepped.
 
-use grainpath_core::diagnostics::{CancelFlag, Interrupted};
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -93,7 +92,6 @@ const MOST_EASING: usize = 60;
 const EASED: f64 = 0.25;
 
 struct VoxelCells {
-    cancel: CancelFlag,
     part: VoxelPart,
     supports: Supports,
     /// Element matrices of the palette: `[corner][corner]` blocks.
@@ -167,11 +165,6 @@ impl VoxelSystem {
         let cells = VoxelCells::new(part, hold, settings)?;
         let multigrid = cells.multigrid();
         Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1, last: None, changed: Vec::new() })
-    }
-
-    /// Lets a flag stop solutions.
-    pub fn stop_on(&mut self, cancel: CancelFlag) {
-        self.cells.cancel = cancel;
     }
 
     /// Number of times that the preconditioner was made.
@@ -284,7 +277,7 @@ impl VoxelSystem {
             self.last = Some(last);
             return Ok(Followed { iterations: 0, cells: Some(self.cells.around_nodes(&near[0])) });
         }
-        let settings = SolveSettings { tolerance: goal / last.load_size, ..*settings };
+        let settings = SolveSettings { tolerance: goal / last.load_size, ..settings.clone() };
         let iterations = self.iterated(load, Some((last.displacement, last.residual)), &settings)?.iterations;
         Ok(Followed { iterations, cells: None })
     }
@@ -307,7 +300,8 @@ impl VoxelSystem {
         let patience = self.usual.map_or(settings.max_iterations, |n| 2 * n + 10);
         let mut solved = None;
         if self.stale {
-            let short = SolveSettings { max_iterations: patience.min(settings.max_iterations), ..*settings };
+            let short =
+                SolveSettings { max_iterations: patience.min(settings.max_iterations), ..settings.clone() };
             // The start is copied, because the attempt after a new preconditioner begins there
             // again.
             match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
@@ -491,9 +485,7 @@ impl VoxelCells {
         let uniform = vec![(VOID, 0.0); nodes.len()];
         let supports = Supports::new(nodes.len());
         let around = around(&part, &node_of, &nodes);
-        let cancel = CancelFlag::default();
-        let mut cells =
-            Self { cancel, part, supports, elements, stencils, node_of, nodes, around, uniform, rough };
+        let mut cells = Self { part, supports, elements, stencils, node_of, nodes, around, uniform, rough };
         for &(p, direction, value) in hold {
             let inside = (0..3).all(|a| p[a] <= cells.part.n[a]);
             let p = IVec3::new(p[0] as i32, p[1] as i32, p[2] as i32);
@@ -843,10 +835,6 @@ impl Rows for VoxelCells {
 }
 
 impl System for VoxelCells {
-    fn check_cancelled(&self) -> Result<(), Interrupted> {
-        self.cancel.check()
-    }
-
     fn n_nodes(&self) -> usize {
         self.nodes.len()
     }

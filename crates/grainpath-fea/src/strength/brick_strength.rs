@@ -186,9 +186,9 @@ impl SolidTest<'_> {
             max_iterations: 300,
             max_mib: self.max_mib,
             method: Method::Iterative,
+            cancel: self.cancel.clone(),
         };
         let mut system = VoxelSystem::new(part, &holds, &settings)?;
-        system.stop_on(self.cancel.clone());
         let mut forces = vec![DVec3::ZERO; system.n_nodes()];
         for (p, f) in self.forces_n {
             if let Some(i) = system.node(*p) {
@@ -415,9 +415,9 @@ impl LoadedPart for LoadedSolid<'_> {
     fn solve(&mut self) -> Result<UnitSolution, TestError> {
         self.solved += 1;
         let settings = if self.solved == 1 {
-            self.settings
+            self.settings.clone()
         } else {
-            SolveSettings { tolerance: self.later_tolerance, ..self.settings }
+            SolveSettings { tolerance: self.later_tolerance, ..self.settings.clone() }
         };
         let followed = self.system.follow(&self.forces, RESIDUAL_GAIN, &settings)?;
         self.iterations += followed.iterations;

@@ -50,7 +50,7 @@ pub struct CellGrid {
     pub ny: usize,
 }
 
-fn usable(s: &BeadSheet, b: &BeadPiece) -> bool {
+fn is_usable(s: &BeadSheet, b: &BeadPiece) -> bool {
     b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
 }
 
@@ -67,30 +67,30 @@ struct Ribbon {
     material: u8,
 }
 
-/// A bead counts as this wide at most, mm: more volume on its length is a blob, laid while hardly moving, and stands higher
-/// instead. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a margin of 2.5.
-const WIDEST: f64 = 10.0;
+/// The largest width of a bead, mm. A piece with more volume on its length is a blob: the nozzle hardly moved while it was
+/// laid, so the blob is taken as higher instead of wider. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a margin of 2.5.
+const MAX_BEAD_WIDTH_MM: f64 = 10.0;
 /// Two pieces become one where the point between them lies at most this far from their common line, in widths of the
 /// bead. Measured: row `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
 static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
 /// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path. Source: derived.
 /// The tip of a turn lies half a width over the cosine of half the turn away, which is 60 degrees then.
-const SHARPEST: f64 = 1.732;
+const MAX_HALF_TURN_TANGENT: f64 = 1.732;
 
 /// The ribbons of a layer. A piece that begins where the one before it ended continues the same path.
 fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
-    let beads: Vec<&BeadPiece> = sheet.beads.iter().filter(|b| usable(sheet, b)).collect();
+    let beads: Vec<&BeadPiece> = sheet.beads.iter().filter(|b| is_usable(sheet, b)).collect();
     let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
-    paths.flat_map(|path| ribbon(&evened(path, sheet.height_mm), sheet.height_mm)).collect()
+    paths.flat_map(|path| ribbon(&without_wiggles(path, sheet.height_mm), sheet.height_mm)).collect()
 }
 
 fn width(b: &BeadPiece, height_mm: f64) -> f64 {
-    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST)
+    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(MAX_BEAD_WIDTH_MM)
 }
 
 /// A path without wiggles that are finer than the bead. A piece too short for the turns at its ends is merged with that
 /// neighbour whose direction differs less.
-fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
+fn without_wiggles(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
     let mut out: Vec<BeadPiece> = Vec::with_capacity(path.len());
     for piece in path {
         out.push(**piece);
@@ -119,7 +119,7 @@ fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
 
 /// Tangent of half the turn from one direction to another, positive to the left.
 fn turn(from: DVec2, to: DVec2) -> f64 {
-    (cross(from, to) / (1.0 + from.dot(to)).max(1e-9)).clamp(-SHARPEST, SHARPEST)
+    (cross(from, to) / (1.0 + from.dot(to)).max(1e-9)).clamp(-MAX_HALF_TURN_TANGENT, MAX_HALF_TURN_TANGENT)
 }
 
 /// The ribbons of one path. Where the path turns, both ribbons end at the bisector of the angle. Each loses on the inner

@@ -39,13 +39,13 @@ pub enum ScanError {
         "the grey values are noise: neighbouring voxels are unrelated; check the size, the sample type and the byte order of raw data, or set {section}.smooth for a very noisy scan"
     )]
     Noise { section: &'static str },
-    #[error("every voxel has the grey value {grey}: nothing to tell from air")]
+    #[error("every voxel has the grey value {grey}, so the part cannot be told from air")]
     Blank { grey: f32 },
     #[error("the scan ends early")]
     EndsEarly,
-    #[error("a threshold of {threshold} leaves nothing; {greys}")]
+    #[error("a threshold of {threshold} leaves no material; {greys}")]
     ThresholdTooHigh { threshold: GreyRange, greys: GreyValues },
-    #[error("a threshold of {threshold} leaves everything; {greys}")]
+    #[error("a threshold of {threshold} makes every voxel material; {greys}")]
     ThresholdTooLow { threshold: GreyRange, greys: GreyValues },
     #[error(
         "a threshold of {threshold} leaves only islands below min_island_mm2 = {min_island_mm2}; {greys}"
@@ -61,13 +61,13 @@ pub enum ScanError {
         "turned, the slices have {columns} x {rows} pixels; at most {limit} are made: set crop_px or turn by quarters"
     )]
     TooManyPixels { columns: f64, rows: f64, limit: f64 },
-    #[error("a scan that is turned is not cut in parts, since each of its slices meets all of the file's")]
+    #[error("a scan that is turned cannot be read in parts: each turned slice needs every slice of the file")]
     TurnedInParts,
-    #[error("a part of the slices {first} to {end}, where the scan has {n}")]
+    #[error("a part of the scan names the slices {first} to {end}, but the scan has {n} slices")]
     PartOutside { first: usize, end: usize, n: usize },
-    #[error("parts of a scan with the same layer: they were cut after different surveys")]
+    #[error("two parts of the scan hold the same layer: they were cut from different surveys of the scan")]
     PartsOverlap,
-    #[error("no part, or more than one, has slice {slice}")]
+    #[error("slice {slice} is in no part of the scan, or in more than one")]
     MissingPart { slice: usize },
     #[error("no layer of the part has any area")]
     NothingLeft,

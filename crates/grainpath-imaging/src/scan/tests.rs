@@ -318,10 +318,11 @@ fn thresholds_that_make_no_sense_say_so() {
         slice_scan(&mut phantom, &s, &Diagnostics::default()).expect_err("no layers").to_string()
     };
     assert!(
-        fails(CtSettings { threshold: Threshold::Value(60000.0), ..settings() }).contains("leaves nothing")
+        fails(CtSettings { threshold: Threshold::Value(60000.0), ..settings() })
+            .contains("leaves no material")
     );
     assert!(
-        fails(CtSettings { threshold: Threshold::Value(0.0), ..settings() }).contains("leaves everything")
+        fails(CtSettings { threshold: Threshold::Value(0.0), ..settings() }).contains("every voxel material")
     );
     assert!(
         fails(CtSettings { window: Some([3, 20]), ..settings() })

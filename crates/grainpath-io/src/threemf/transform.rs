@@ -47,7 +47,7 @@ impl Transform {
         self.determinant() < 0.0
     }
 
-    /// Whether the map presses every shape flat.
+    /// Whether the map flattens every shape: its volume becomes zero.
     pub(super) fn is_singular(&self) -> bool {
         let lengths = self.0[..9].chunks_exact(3).map(|r| DVec3::new(r[0], r[1], r[2]).length());
         // A flat map leaves a determinant of rounding size, which is compared with the product of its row

@@ -112,9 +112,18 @@ pub enum GuideError {
     #[error("{0}")]
     Plane(#[from] PlaneError),
     #[error("{0}")]
-    Solid(#[from] SolidError),
+    Solid(SolidError),
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+impl From<SolidError> for GuideError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Interrupted(stop) => Self::Interrupted(stop),
+            other => Self::Solid(other),
+        }
+    }
 }
 
 impl GuideError {

@@ -39,8 +39,12 @@ pub(super) fn solve(
     conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
-    let mesh_settings =
-        MeshSettings { size_mm: settings.element_mm, max_mib: settings.max_mib, ..MeshSettings::default() };
+    let mesh_settings = MeshSettings {
+        size_mm: settings.element_mm,
+        max_mib: settings.max_mib,
+        cancel: diagnostics.cancel_flag(),
+        ..MeshSettings::default()
+    };
     let meshed = mesh(part.mesh, &mesh_settings)?;
     // Such a shell, for example a facet and its mirror image, has no inside to mesh.
     if meshed.n_flat_shells > 0 {
@@ -65,7 +69,11 @@ pub(super) fn solve(
         }
         forces.push(sum);
     }
-    let solve_settings = SolveSettings { max_mib: settings.max_mib, ..SolveSettings::default() };
+    let solve_settings = SolveSettings {
+        max_mib: settings.max_mib,
+        cancel: diagnostics.cancel_flag(),
+        ..SolveSettings::default()
+    };
     // All cases are solved with one preparation of the solver.
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     diagnostics.check()?;

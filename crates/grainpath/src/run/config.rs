@@ -533,7 +533,7 @@ const GRADED: f64 = 0.5;
 
 /// The strengths that a share of them taken by the stress is told for; `None` for a material without a card.
 pub(crate) fn nominal_card(s: &Settings) -> Option<StrengthCard> {
-    strength(s).told_cards().ok().map(|[_, nominal, _]| nominal)
+    strength(s).bounding_cards().ok().map(|[_, nominal, _]| nominal)
 }
 
 /// What a graded density is made with.

@@ -61,8 +61,8 @@ impl Steps<'_> {
         0.5 * bead_spacing_mm(self.settings.walls.bead_width_mm, layer.height_mm())
     }
 
-    /// `wall_mm`, the distance of [`Self::border_mm`], for an area that a border between regions bounds in part: the mean over
-    /// its edges.
+    /// Distance of centrelines from the border of an area, mm. Where part of the border is shared with another region, it is the
+    /// mean over the edges of the area: `wall_mm` along walls ([`Self::border_mm`]) and [`Self::inset_mm`] along the other region.
     fn border_of(&self, layer_idx: usize, wall_mm: f64, infill_region: &Polygon) -> f64 {
         let Some(areas) = self.areas.and_then(|a| a.of_layer(layer_idx)) else { return wall_mm };
         let inset_mm = self.inset_mm(&self.stack.layers()[layer_idx]);

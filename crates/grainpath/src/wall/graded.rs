@@ -11,7 +11,8 @@
 //!     ||||| ||||||||||| |||||   infill
 //! ```
 //!
-//! Units: mm. Cost: the walls once for each number of them that meets the polygon, and three booleans for each.
+//! Units: mm. Cost: the walls of the polygon are laid once for each number of walls that occurs in it, with three boolean
+//! operations each.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +36,7 @@ pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -
         return lay(least);
     }
     let laid: BTreeMap<usize, Walls> = (least..=least + zones.len()).map(|n| (n, lay(n))).collect();
-    // Each zone without the next one: where its number of walls is the right one.
+    // Each zone without the next one is the place for its number of walls.
     let outer = std::iter::once(&section).chain(&zones);
     let own =
         |(k, zone): (usize, &Region)| zones.get(k).map_or_else(|| zone.clone(), |next| zone.difference(next));

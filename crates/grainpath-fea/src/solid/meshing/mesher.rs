@@ -8,6 +8,7 @@
 
 use std::collections::BTreeMap;
 
+use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
@@ -49,7 +50,7 @@ const SIZE_STEP: f64 = 1.06;
 const SIZES_TRIED: usize = 36;
 
 /// Fineness of a mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct MeshSettings {
     /// Edge of a lattice cell, mm; cells at thin walls and gaps are up to eight times smaller.
     /// `None` chooses the size from the thinnest walls and the part's size.
@@ -58,11 +59,13 @@ pub struct MeshSettings {
     pub max_dofs: usize,
     /// Memory limit of the later solution, MiB. A refusal names a size that fits it.
     pub max_mib: f64,
+    /// Ends the meshing between two of its steps.
+    pub cancel: CancelFlag,
 }
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { size_mm: None, max_dofs: 300_000, max_mib: 4096.0 }
+        Self { size_mm: None, max_dofs: 300_000, max_mib: 4096.0, cancel: CancelFlag::default() }
     }
 }
 
@@ -101,7 +104,8 @@ pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
 /// Meshes the volume that a surface encloses.
 ///
 /// # Errors
-/// Walls thinner than the elements, a lattice too fine for memory, or no enclosed volume.
+/// Walls thinner than the elements, a lattice too fine for memory, no enclosed volume, or a stop by the
+/// flag of the settings.
 pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
     let clean = clean_surface::without_flat_shells(surface);
     let surface: &TriMesh = &clean.mesh;
@@ -109,7 +113,7 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let walls = wall_thickness::walls(surface, &bvh);
     let wall_mm = walls.decisive_thickness_mm();
     let mut size_mm = choose_size(surface, &walls, settings)?;
-    let mut tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
+    let mut tets = fill(surface, &bvh, size_mm, settings)?;
     for _ in 0..COARSENINGS {
         let over = DOFS_PER_TET * tets.tets.len() as f64 / settings.max_dofs.max(1) as f64;
         if settings.size_mm.is_some() || over < 1.1 {
@@ -117,7 +121,7 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
         }
         // Finer cells at thin walls used up the unknowns, so all cells grow.
         size_mm *= over.cbrt();
-        tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
+        tets = fill(surface, &bvh, size_mm, settings)?;
     }
     let n_crumbs = separate(&mut tets);
     if tets.tets.is_empty() {
@@ -125,8 +129,10 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
         // No tetrahedron at all: either every wall was too thin, or the surface encloses no volume.
         return Err(if wall_mm < size_mm { thin } else { SolidError::NothingInside });
     }
+    settings.cancel.check()?;
     let features = Features::find(surface);
     let bounds = snap::snap(&mut tets, &features, &bvh);
+    settings.cancel.check()?;
     let mut mesh = quadratic(&tets, &bounds, &features, &bvh);
     let lost_share = lost_walls(&mesh, &walls, size_mm);
     if lost_share > MAX_LOST_SHARE {
@@ -154,24 +160,29 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
 /// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin. The
 /// refinement is limited to twice the unknowns of an even lattice, or to the limit for automatic
 /// sizes.
-fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, max_dofs: usize) -> Result<Tets, SolidError> {
+fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, settings: &MeshSettings) -> Result<Tets, SolidError> {
     let mut lattice = Lattice::over(surface, size_mm)?;
     let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
-    let most = (2.0 * even).max(max_dofs as f64);
+    let most = (2.0 * even).max(settings.max_dofs as f64);
     // From the deepest refinement to none, until the expected unknowns fit.
     for deepest in (0..=DEEPEST).rev() {
+        settings.cancel.check()?;
         lattice.refine(surface, bvh, deepest);
         if DOFS_PER_SPLIT * lattice.n_split() as f64 <= most {
             break;
         }
     }
+    settings.cancel.check()?;
     let closed = is_closed(surface);
     lattice.classify(bvh, closed);
+    settings.cancel.check()?;
     let mut background = lattice.background(surface, bvh, closed);
     // The lattice and the tetrahedra made from it are each among the largest objects; only one is
     // needed from here on.
     drop(lattice);
+    settings.cancel.check()?;
     let stays = thin_gaps::centre(&mut background, surface, bvh);
+    settings.cancel.check()?;
     Ok(stuffing::stuff(&background, &stays, |p| bvh.contains(p)))
 }
 

@@ -1,6 +1,7 @@
 //! Settings and results of a solution.
 
 use grainpath_core::DVec3;
+use grainpath_core::diagnostics::CancelFlag;
 
 /// Choice of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -15,7 +16,7 @@ pub enum Method {
 }
 
 /// Settings of a solution.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct SolveSettings {
     /// Residual relative to the load at which the iteration ends.
     pub tolerance: f64,
@@ -25,11 +26,19 @@ pub struct SolveSettings {
     pub max_mib: f64,
     /// The solver.
     pub method: Method,
+    /// Ends the solution between two iterations.
+    pub cancel: CancelFlag,
 }
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 400, max_mib: 4096.0, method: Method::Auto }
+        Self {
+            tolerance: 1e-8,
+            max_iterations: 400,
+            max_mib: 4096.0,
+            method: Method::Auto,
+            cancel: CancelFlag::default(),
+        }
     }
 }
 

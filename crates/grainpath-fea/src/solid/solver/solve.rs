@@ -25,8 +25,8 @@ const DIRECT_LOADS: usize = 6;
 /// Solves for several loads (forces on each node, N) with one preparation.
 ///
 /// # Errors
-/// A piece that is not held, a material whose stiffness is not positive, memory above the limit, or
-/// no convergence.
+/// A piece that is not held, a material whose stiffness is not positive, memory above the limit, no
+/// convergence, or a stop by the flag of the settings.
 pub fn solve(
     model: &Model<'_>,
     supports: &Supports,
@@ -39,6 +39,7 @@ pub fn solve(
         let fitting_mm = fitting_edge_mm(model.mesh.mean_cell_mm(), need_mib, limit_mib);
         return Err(SolidError::Memory { what: "solving", need_mib, limit_mib, fitting_mm });
     }
+    settings.cancel.check()?;
     let operator = Operator::new(model, supports)?;
     let n_free = model.mesh.n_dofs() - supports.count();
     let direct = match settings.method {
@@ -47,10 +48,15 @@ pub fn solve(
     };
     if direct {
         let factored = Direct::new(model, supports, settings.max_mib)?;
-        let solutions = loads.iter().map(|load| factored.solve(&operator, load)).collect();
+        let solved = |load: &Vec<DVec3>| {
+            settings.cancel.check()?;
+            Ok(factored.solve(&operator, load))
+        };
+        let solutions = loads.iter().map(solved).collect::<Result<_, SolidError>>()?;
         let mib = factored.bytes() as f64 / BYTES_PER_MIB;
         return Ok((solutions, SolveInfo { n_free, solver: "sparse Cholesky", levels: Vec::new(), mib }));
     }
+    settings.cancel.check()?;
     let mut multigrid = Multigrid::new(model, supports, &operator)?;
     let info = SolveInfo {
         n_free,
@@ -101,7 +107,7 @@ pub(crate) fn iterate(
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.max_iterations {
-        operator.check_cancelled()?;
+        settings.cancel.check()?;
         multigrid.apply(operator, &r, &mut z);
         // The preconditioner is symmetric but for rounding. Polak and Ribiere's formula, which uses
         // the change of the residual, tolerates that (`notay2000`).

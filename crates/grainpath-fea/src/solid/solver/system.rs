@@ -1,6 +1,5 @@
 //! The interface between a stiffness and the iteration with its preconditioner.
 
-use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::{DMat3, DVec3};
 
 use crate::solid::model::constraints::Supports;
@@ -9,11 +8,6 @@ use crate::solid::model::constraints::Supports;
 pub(crate) trait System: Sync {
     /// Number of nodes.
     fn n_nodes(&self) -> usize;
-
-    /// Err once a stop was asked for.
-    fn check_cancelled(&self) -> Result<(), Interrupted> {
-        Ok(())
-    }
 
     /// Its supports.
     fn supports(&self) -> &Supports;

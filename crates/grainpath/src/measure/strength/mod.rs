@@ -169,11 +169,11 @@ impl StrengthSettings {
         std::iter::once(&self.material).chain(&self.fibre).map(|m| card(m, corner)).collect()
     }
 
-    /// The cards of the part's material at its low, nominal and high strengths.
+    /// The cards of the part's material at its low, nominal and high strengths, in this order.
     ///
     /// # Errors
     /// [`StrengthError::NoCard`] naming every strength that is missing.
-    pub fn told_cards(&self) -> Result<[StrengthCard; 3], StrengthError> {
+    pub fn bounding_cards(&self) -> Result<[StrengthCard; 3], StrengthError> {
         Ok([
             card(&self.material, CORNERS[1])?,
             card(&self.material, CORNERS[0])?,
@@ -503,7 +503,7 @@ const COARSE_OF_WALLS: f64 = 4.0 / 3.0;
 /// The cells of a test, small enough for the walls that bend.
 struct ChosenCells {
     cell_mm: f64,
-    body: LoadedPart,
+    part: LoadedPart,
     /// Size of the larger cells that the answer is compared with, over `cell_mm`.
     coarse: f64,
     bending: UnresolvedBending,
@@ -530,8 +530,8 @@ impl ChosenCells {
         let mut round = 0;
         loop {
             limits.cancel.check().map_err(TestError::from)?;
-            let body = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
-            let bending = body.unresolved_bending(cards, limits)?;
+            let part = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
+            let bending = part.unresolved_bending(cards, limits)?;
             let needed_mm = bending.wall_mm / CELLS_ACROSS;
             let is_free = given_mm.is_none()
                 && needed_mm >= smallest_mm
@@ -546,7 +546,7 @@ impl ChosenCells {
                 let fit = needed_mm >= smallest_mm;
                 return Err(StrengthError::ThinWalls { wall_mm: bending.wall_mm, cell_mm, needed_mm, fit });
             }
-            return Ok(Self { cell_mm, body, coarse, bending });
+            return Ok(Self { cell_mm, part, coarse, bending });
         }
     }
 }
@@ -563,7 +563,7 @@ fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
 
 /// Extruded volume over the part's volume above which the program's E words must mean something
 /// else.
-const MOST_LAID: f64 = 1.6;
+const MAX_VOLUME_RATIO: f64 = 1.6;
 /// Relative change of the peak load on halving the cells above which the result is not final.
 const CONVERGED: f64 = 0.03;
 
@@ -639,14 +639,14 @@ fn test_case(
     let (setup, sheets) = (&setup.in_frame(frame), frame.beads(&sheets));
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
     // E words in mm3, read as mm of 1.75 mm filament, give 2.4 times the volume.
-    if laid_mm3 > MOST_LAID * setup.volume_mm3 {
+    if laid_mm3 > MAX_VOLUME_RATIO * setup.volume_mm3 {
         let (part_mm3, filament_mm) = (setup.volume_mm3, settings.filament_mm);
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
     }
     let limits = &Limits { max_mib: settings.max_mib, cancel: diagnostics.cancel_flag() };
     let chosen = ChosenCells::new(setup, &sheets, settings.bead_mm, settings.cell_mm, &nominal, limits)?;
     let cell_mm = chosen.cell_mm;
-    let prepared = chosen.body;
+    let prepared = chosen.part;
     let corners = if settings.corners { &CORNERS[..] } else { &CORNERS[..1] };
     let coarse_mm = if settings.check || settings.corners { chosen.coarse * cell_mm } else { 0.0 };
     let first = |peak_n: f64| {
@@ -676,8 +676,8 @@ fn test_case(
     if chosen.bending.share > RESOLVED {
         diagnostics.warn(WarningId::StrengthThinWalls, thin_walls(&chosen.bending, cell_mm));
     }
-    let missed = if chosen.bending.share > RESOLVED { chosen.bending.share } else { 0.0 };
-    let grid_share = mesh_change.unwrap_or(0.0).max(placing_change).max(missed).min(0.99);
+    let unresolved = if chosen.bending.share > RESOLVED { chosen.bending.share } else { 0.0 };
+    let grid_share = mesh_change.unwrap_or(0.0).max(placing_change).max(unresolved).min(0.99);
     let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
     // Displacement at the highest point, because the curve goes on while the part softens.
@@ -762,7 +762,7 @@ fn at_corners(
     if cell_mm <= 0.0 {
         return Ok(CoarsePeaks::default());
     }
-    // Geometry and loads do not depend on the strengths, so one body serves all corners.
+    // Geometry and loads do not depend on the strengths, so one loaded part serves all corners.
     let prepared = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
     let peak = |corner: &Corner| Ok(prepared.run(&settings.cards(*corner)?, limits)?.peak_load_n);
