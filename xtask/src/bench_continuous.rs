@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::bench_paths::{field_of_bar, row, table};
+use crate::measured::Table;
 
 /// Numbers of cells of the plates that are timed.
 const CELLS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
@@ -46,10 +47,9 @@ pub fn run() -> Result<(), String> {
     for smoothing_mm in ["0.5", "0.25"] {
         sections(&grainpath, &folder, smoothing_mm)?;
     }
-    println!(
-        "\n| cells of 2 x 5 beads | plate mm | fill s | s for 100 000 cells | peak MB |\n|---|---|---|---|---|"
-    );
-    CELLS.iter().try_for_each(|&cells| plate(&grainpath, &folder, cells))
+    let header = ["shape", "cells", "plate mm", "fill s", "s for 100 000 cells", "peak MB"];
+    let table = Table::new("continuous", &header, 2);
+    CELLS.iter().try_for_each(|&cells| plate(&grainpath, &folder, cells, &table))
 }
 
 /// Sections of the test meshes; the numbers are those of the job's own report.
@@ -65,10 +65,20 @@ fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), S
         crate::output(crate::setup::python().arg(crate::root().join("xtask/py/sections.py")).args(args))
     };
     let names = python(&["write".as_ref(), meshes.as_os_str(), folder.as_os_str()])?;
-    println!(
-        "\n| section, smoothing {smoothing_mm} mm | islands | paths | mean deg | turns, square and round | stripes | undirected | better by % | filled % | filled %, one width |\n\
-         |---|---|---|---|---|---|---|---|---|---|"
-    );
+    let header = [
+        "smoothing",
+        "section",
+        "islands",
+        "paths",
+        "mean deg",
+        "turns, square and round",
+        "stripes",
+        "undirected",
+        "better by %",
+        "filled %",
+        "filled %, one width",
+    ];
+    let table = Table::new("continuous", &header, 2);
     for line in names.lines() {
         let (name, islands) = line.split_once(' ').unwrap_or((line, ""));
         let job = folder.join(name).with_extension("toml");
@@ -88,23 +98,25 @@ fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), S
         let angle = |q: &Value| number(&q["alignment_mean_deg"]);
         let filled = |q: &Value| 100.0 * (1.0 - number(&q["gap"]));
         let turns = python(&["turns".as_ref(), folder.as_os_str(), name.as_ref()])?;
-        println!(
-            "| {name} | {islands} | {} | {:.1} | {} | {:.1} | {:.1} | {:.0} | {:.1} | {:.1} |",
-            one["paths_per_layer_max"],
-            angle(&one),
-            turns.trim(),
-            angle(&stripes),
-            angle(&undirected),
-            100.0 * (1.0 - angle(&one) / angle(&undirected)),
-            filled(&one),
-            filled(&constant)
-        );
+        table.row(&[
+            format!("{smoothing_mm} mm"),
+            name.to_owned(),
+            islands.to_owned(),
+            one["paths_per_layer_max"].to_string(),
+            format!("{:.1}", angle(&one)),
+            turns.trim().to_owned(),
+            format!("{:.1}", angle(&stripes)),
+            format!("{:.1}", angle(&undirected)),
+            format!("{:.0}", 100.0 * (1.0 - angle(&one) / angle(&undirected))),
+            format!("{:.1}", filled(&one)),
+            format!("{:.1}", filled(&constant)),
+        ]);
     }
     Ok(())
 }
 
 /// A square plate of one layer, held at one corner and pulled at its right side.
-fn plate(grainpath: &Path, folder: &Path, cells: f64) -> Result<(), String> {
+fn plate(grainpath: &Path, folder: &Path, cells: f64, table: &Table) -> Result<(), String> {
     // Source: the rounded bead of slicers: neighbours overlap by height (1 - pi / 4), so that the section
     // equals the flow.
     let spacing = BEAD_MM - HEIGHT_MM * (1.0 - std::f64::consts::FRAC_PI_4);
@@ -131,10 +143,13 @@ fn plate(grainpath: &Path, folder: &Path, cells: f64) -> Result<(), String> {
     let text = crate::output(Command::new(grainpath).args(["run", "--json", "--threads", "1"]).arg(&job))?;
     let report: Value = serde_json::from_str(&text).map_err(|e| format!("plate: {e}"))?;
     let seconds = report["stages_s"]["fill"].as_f64().unwrap_or(f64::NAN);
-    println!(
-        "| {cells} | {side:.0} | {seconds:.2} | {:.2} | {} |",
-        seconds * 1e5 / cells,
-        report["peak_rss_mb"]
-    );
+    table.row(&[
+        "plate".to_owned(),
+        cells.to_string(),
+        format!("{side:.0}"),
+        format!("{seconds:.2}"),
+        format!("{:.2}", seconds * 1e5 / cells),
+        report["peak_rss_mb"].to_string(),
+    ]);
     Ok(())
 }

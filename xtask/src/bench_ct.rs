@@ -8,6 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::bench::{Cost, timed};
+use crate::measured::Table;
 
 /// A scan, the size of its voxels, its threshold, and its true dimensions.
 struct Scan {
@@ -46,31 +47,39 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
         Err(missing) => println!("engine left out: {missing}"),
     }
     println!("\n0.2 mm layers, 2 walls, 20 % grid, one run each.\n");
-    println!(
-        "| scan | way | wall s | CPU s | peak MiB | our wall / its | our CPU / its | our memory / its | mean size error % |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    let header = [
+        "scan",
+        "way",
+        "wall s",
+        "CPU s",
+        "peak MiB",
+        "our wall / its",
+        "our CPU / its",
+        "our memory / its",
+        "mean size error %",
+    ];
+    let table = Table::new("ct", &header, 2);
     if wanted.contains(&"large") {
         let Cost { wall_s, cpu_s, peak_mib } = large(&program, &folder)?;
-        println!("| large | grainpath | {wall_s:.1} | {cpu_s:.1} | {peak_mib:.0} | | | | |");
+        let cost = [format!("{wall_s:.1}"), format!("{cpu_s:.1}"), format!("{peak_mib:.0}")];
+        table.row(&[vec!["large".into(), "grainpath".into()], cost.to_vec()].concat());
     }
     for scan in scans.iter().filter(|s| wanted.contains(&s.name)) {
         let ours = straight(&program, scan, &folder, "iso")?;
         let paper = straight(&program, scan, &folder, "canny")?;
         let stl = through_stl(&program, scan, &folder)?;
-        for (way, (cost, error)) in [("grainpath", &ours), ("grainpath, as published", &paper), ("STL", &stl)]
-        {
-            println!(
-                "| {} | {way} | {:.2} | {:.2} | {:.0} | {:.3} | {:.3} | {:.3} | {} |",
-                scan.name,
-                cost.wall_s,
-                cost.cpu_s,
-                cost.peak_mib,
-                ours.0.wall_s / cost.wall_s,
-                ours.0.cpu_s / cost.cpu_s,
-                ours.0.peak_mib / cost.peak_mib,
-                error.map_or("-".into(), |e| format!("{e:.3}"))
-            );
+        for (way, (cost, error)) in [("grainpath", &ours), ("grainpath, canny", &paper), ("STL", &stl)] {
+            table.row(&[
+                scan.name.to_owned(),
+                way.to_owned(),
+                format!("{:.2}", cost.wall_s),
+                format!("{:.2}", cost.cpu_s),
+                format!("{:.0}", cost.peak_mib),
+                format!("{:.3}", ours.0.wall_s / cost.wall_s),
+                format!("{:.3}", ours.0.cpu_s / cost.cpu_s),
+                format!("{:.3}", ours.0.peak_mib / cost.peak_mib),
+                error.map_or("-".into(), |e| format!("{e:.3}")),
+            ]);
         }
     }
     Ok(())

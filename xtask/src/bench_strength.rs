@@ -103,12 +103,12 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     }
     if wants("s2") {
         // What the test takes by itself, and twice as large, which shows how far cells matter.
-        for cell_mm in ["0.225", "0.45"] {
-            S2.iter().try_for_each(|published| published.compare(&grainpath, &folder, cell_mm))?;
+        for (cells, cell_mm) in [("", "0.225"), (" 0.45 mm", "0.45")] {
+            S2.iter().try_for_each(|published| published.compare(&grainpath, &folder, cells, cell_mm))?;
         }
     }
     if wants("s1") {
-        S1.compare(&grainpath, &folder, "0.9")?;
+        S1.compare(&grainpath, &folder, "", "0.9")?;
     }
     if wants("slicers") { foreign() } else { Ok(()) }
 }
@@ -128,8 +128,9 @@ fn time(grainpath: &Path, folder: &Path, case: &Case<'_>) -> Result<(), String> 
 }
 
 impl Published {
-    /// The plans' loads with what the corners of the card make of them, and each pair beside the paper's number.
-    fn compare(&self, grainpath: &Path, folder: &Path, cell_mm: &str) -> Result<(), String> {
+    /// The loads of the plans with their intervals, and each pair beside the number of the paper. `cells` follows the name of
+    /// the example where the cells are not those of its page, so that its numbers are recorded beside the others.
+    fn compare(&self, grainpath: &Path, folder: &Path, cells: &str, cell_mm: &str) -> Result<(), String> {
         let folder = folder.join(self.example);
         let quietly = &mut Command::new(grainpath);
         crate::run(quietly.args(["new", "--force", self.example]).arg(&folder).stdout(Stdio::null()))?;
@@ -161,7 +162,7 @@ impl Published {
         for ((job, plan), row) in self.plans.iter().zip(rows) {
             let whole = |key: &str| format!("{:.0}", number(&row[key]));
             table.row(&[
-                self.example.to_owned(),
+                format!("{}{cells}", self.example),
                 (*job).to_owned(),
                 (*plan).to_owned(),
                 format!("{:.2}", number(&row["mass_g"])),
@@ -173,11 +174,19 @@ impl Published {
                 row["mode"].as_str().unwrap_or_default().to_owned(),
             ]);
         }
-        println!("\n| comparison | paper | ours |\n|---|---|---|");
+        let ratios = ["example", "comparison", "paper %", "ours %", "low %", "high %"];
+        let table = Table::new("strength", &ratios, 2);
         for &(a, b, paper) in self.paper {
             let [ours, low, high] = gain(&rows[a], &rows[b]);
-            let (a, b) = (self.plans[a].1, self.plans[b].1);
-            println!("| {a} over {b} | {paper:+.1} % | {ours:+.1} % ({low:+.1} to {high:+.1}) |");
+            let percent = |v: f64| format!("{v:+.1}");
+            table.row(&[
+                format!("{}{cells}", self.example),
+                format!("{} over {}", self.plans[a].0, self.plans[b].0),
+                percent(paper),
+                percent(ours),
+                percent(low),
+                percent(high),
+            ]);
         }
         Ok(())
     }

@@ -141,7 +141,7 @@ fn voids_and_stiffness_that_fades_are_carried_and_solved_again() {
     let few: Vec<(usize, u16, f32)> =
         (0..6).map(|k| (((10 + k / 3) * 33 + 10 + k % 3) * 48 + 30, 0, 0.3)).collect();
     system.change(&few);
-    let loose = SolveSettings { tolerance: 1e-2, ..settings };
+    let loose = SolveSettings { tolerance: 1e-2, ..settings.clone() };
     let eased = system.follow(&load, 0.1, &loose).expect("converges");
     assert!(eased.iterations == 0 && eased.cells.is_some_and(|c| few.iter().all(|f| c.contains(&f.0))));
     let near = system.displacement().to_vec();

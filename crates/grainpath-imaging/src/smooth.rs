@@ -6,7 +6,7 @@
 //!   steps of 0.2, which is within the stability limit of 0.25 in two dimensions. `step` is the grey step that counts as an
 //!   edge.
 //!
-//! Slices are `(ny, nx)`, row-major; the value beyond the border is that of the border.
+//! Slices are `(ny, nx)`, row-major; the border values continue beyond the border.
 
 use crate::raster::Grey;
 

@@ -1,13 +1,13 @@
 //! The direction of the grain: structure tensor, coherence, smoothing.
 //!
 //! # Method
-//! The gradient of a picture of grain points across the grain. Its outer product with itself has no sign,
-//! so its average over a neighbourhood does not cancel over a line with two flanks (`bigun1987` in
-//! docs/references.bib). The weak axis of that average is the grain. All averages are of the doubled
-//! angle, for which an axis and its opposite are the same. Brightness and contrast are equalised first,
-//! so that light and stains do not count as grain. Clear places then pass their direction to unclear
-//! ones: the smoothed axes solve a linear system between the evidence and the differences of neighbours,
-//! by conjugate gradients.
+//! The gradient of a picture of grain points across the grain. Its outer product with itself has no sign, so its
+//! average over a neighbourhood does not cancel over a line with two flanks (`bigun1987` in
+//! docs/references.bib). The weak axis of that average is the grain. All averages are of the doubled angle, for
+//! which an axis and its opposite are the same. Brightness and contrast are equalised first, so that light and
+//! stains do not count as grain. Clear places then pass their direction to unclear ones: the smoothed axes solve
+//! a linear system that balances the evidence against the differences between neighbours. Conjugate gradients
+//! solve it.
 //!
 //! # Units, cost and limits
 //! Lengths in mm, angles in rad; grids are `(ny, nx)`, row-major, with a node about every third of the
@@ -194,8 +194,8 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         if length > 0.0 {
             grid.double[k] = [c / length, s / length];
         }
-        // Coherence counts twice, and energy saturates at the typical one: a strong border should not
-        // dominate.
+        // The weight is the square of the coherence, times an energy that saturates at the typical one, so that a strong
+        // border does not dominate.
         weight.push(grid.coherence[k] * grid.coherence[k] * e / (e + 0.25 * typical));
     }
     spread_darkness(&mut grid.darkness);
@@ -303,7 +303,7 @@ pub(crate) fn spread_darkness(values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = ((high - *v) / range).clamp(0.0, 1.0));
 }
 
-/// The system for axes that differ little from the evidence and from each other, on a grid of nodes.
+/// The linear system on a grid of nodes whose solution differs little from the evidence and between neighbours.
 struct Smoothing {
     /// Nodes in x, y and z.
     n: [usize; 3],
@@ -402,11 +402,11 @@ pub struct Guideline<'a> {
     pub points: &'a [DVec2],
     /// Whether its end joins its start.
     pub closed: bool,
-    /// Weight relative to evidence, whose weight is at most 1.
+    /// Weight relative to that of the picture's evidence, which is at most 1.
     pub weight: f32,
 }
 
-/// The axes of `grid`, bent to follow lines near them. `keep` is the weight of the axes that were there.
+/// The axes of `grid`, bent to follow lines near them. `keep` is the weight of the present axes of `grid`.
 pub fn along_lines(grid: &AxisGrid, lines: &[Guideline<'_>], keep: f32, reach_mm: f64) -> AxisGrid {
     let mut sums = vec![[0.0f32; 3]; grid.nx * grid.ny];
     for line in lines {

@@ -210,8 +210,8 @@ fn commonest(mut values: Vec<f32>, width: f32) -> Option<f64> {
             (most, middle) = (end - start, 0.5 * (f64::from(v) + f64::from(values[start])));
         }
     }
-    // Neighbouring windows hold nearly the same number of values, so the best one is partly chance. The
-    // mean of its values, recomputed, settles on the peak.
+    // Neighbouring windows hold nearly the same number of values, so chance decides partly which is the best. The window is
+    // therefore moved to the mean of its values, again and again, until it settles on the peak.
     for _ in 0..20 {
         let held = within(middle - reach, middle + reach + f64::MIN_POSITIVE);
         if !held.is_empty() {

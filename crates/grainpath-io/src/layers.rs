@@ -64,7 +64,7 @@ pub fn write_cli(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "$$GEOMETRYEND")
 }
 
-/// Writes layers as one SVG in mm with a group a layer, y up.
+/// Writes layers as one SVG in mm, with one group for each layer and y upwards.
 ///
 /// # Errors
 /// The errors of `out`.

@@ -1,7 +1,7 @@
-//! Bytes to meshes, outlines, images, CT volumes, directions and finite-element results, and back.
+//! Readers and writers of meshes, outlines, images, CT volumes, directions and finite-element results.
 //!
-//! No function opens a file. Every reader survives any bytes: it returns a value with warnings, or an error that names the
-//! place, in time and memory that the size of the input bounds.
+//! All functions work on bytes; none opens a file. Whatever the bytes, a reader returns a value with warnings or an error
+//! that names the place. The size of the input bounds its time and memory.
 
 pub mod directions;
 pub mod fe;

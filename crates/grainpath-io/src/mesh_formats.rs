@@ -38,7 +38,7 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
     file.bodies.retain(|b| !b.mesh.triangles.is_empty());
     if file.bodies.is_empty() {
         return Err(MeshError::NoTriangles {
-            // The reader's warnings say why there is nothing: surfaces left out, an empty build.
+            // The reader's warnings say why the file has no triangles: surfaces that were left out, or an empty build.
             hints: file.warnings.iter().map(|w| format!("; {w}")).collect(),
         });
     }
@@ -61,7 +61,7 @@ pub fn sniff_exact_surfaces(bytes: &[u8]) -> Option<&'static str> {
     (first[0] == b'S' && first[1..].trim_ascii() == b"1" || first == b"S0000001").then_some("IGES")
 }
 
-/// Recognises formats of parts that are not read, to refuse them by name.
+/// Recognises known formats of parts that are not read, so that the error can name them.
 fn known_and_not_read(bytes: &[u8]) -> Option<MeshError> {
     let text = skip_space(bytes);
     // 1024 bytes are enough for an XML declaration, a comment and the root element.

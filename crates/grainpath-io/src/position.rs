@@ -11,8 +11,8 @@ pub struct BadCoordinate {
     pub value: f64,
 }
 
-/// Coordinates beyond this are damage in any unit. Source: derived. A part 1 km long has coordinates of 1e9 in micrometres, the smallest
-/// unit that files use.
+/// Coordinates beyond this come from damage, whatever the unit. Source: derived. A part 1 km long has coordinates of 1e9 in
+/// micrometres, the smallest unit that files use.
 const MAX_COORDINATE: f64 = 1e9;
 
 /// Returns `p` as a vector if all three coordinates are finite and in range.

@@ -115,7 +115,7 @@ impl<'a> Words<'a> {
         self.bytes[start..self.at].trim_ascii()
     }
 
-    /// The next word, without going past it.
+    /// The next word; the position stays before it.
     pub(crate) fn peek(&mut self) -> Option<&'a [u8]> {
         let (at, line) = (self.at, self.line);
         let word = self.word();
@@ -130,7 +130,7 @@ impl<'a> Words<'a> {
         Some(raw)
     }
 
-    /// True when nothing is left.
+    /// Whether all bytes have been read.
     pub(crate) fn at_end(&self) -> bool {
         self.at >= self.bytes.len()
     }

@@ -188,7 +188,7 @@ impl SolidTest<'_> {
             method: Method::Iterative,
             cancel: self.cancel.clone(),
         };
-        let mut system = VoxelSystem::new(part, &holds, &settings)?;
+        let system = VoxelSystem::new(part, &holds, &settings)?;
         let mut forces = vec![DVec3::ZERO; system.n_nodes()];
         for (p, f) in self.forces_n {
             if let Some(i) = system.node(*p) {

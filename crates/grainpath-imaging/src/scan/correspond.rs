@@ -25,21 +25,21 @@ pub(super) struct Pairing {
 }
 
 impl Pairing {
-    /// The contour at the fraction `t` of the way.
+    /// The contour interpolated between the lower one (`t` = 0) and the upper one (`t` = 1).
     pub(super) fn at(&self, t: f64) -> Contour {
         self.from.iter().zip(&self.to).map(|(p, q)| p.lerp(*q, t)).collect()
     }
 }
 
-/// Limit on the points of a contour that are matched. Source: derived. The table of steps takes the product of both
-/// numbers, 0.5 MB at the limit. Longer contours are thinned, so their details below perimeter / 700 are
+/// Limit on the points of a contour that are matched. Source: derived. The table of steps has one byte for each
+/// pair of points, 0.5 MB at the limit. Longer contours are thinned, so their details below perimeter / 700 are
 /// lost.
 const MAX_POINTS: f64 = 700.0;
 
-/// The contour with points at most `step_mm` apart and its corners kept.
+/// The contour resampled with points at most `step_mm` apart; its corners are kept.
 fn dense(contour: &Contour, step_mm: f64) -> Contour {
     let step = step_mm.max(perimeter_mm(contour) / MAX_POINTS);
-    // Points within a twentieth of the step are rounding of the grid and would only cost time.
+    // Details below a twentieth of the step are grid rounding; they cost time and add no shape.
     let simple = simplified_in_place(contour, 0.05 * step);
     let simple = if simple.len() > 2 { &simple } else { contour };
     let mut out = Contour::new();
@@ -55,7 +55,7 @@ fn anchor(p: &[DVec2], q: &[DVec2], shift: DVec2) -> (usize, usize) {
     let way =
         |c: &[DVec2], i: usize| (c[(i + 1) % c.len()] - c[(i + c.len() - 1) % c.len()]).normalize_or_zero();
     let mut best = (f64::INFINITY, 0, 0);
-    // 64 starting points find a close pair; the dynamic programming corrects the rest.
+    // A sample of 64 points finds a close pair, if not the closest; dynamic programming corrects the rest.
     let stride = (p.len() / 64).max(1);
     for i in (0..p.len()).step_by(stride) {
         let along = way(p, i);
@@ -84,7 +84,7 @@ pub(super) fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVe
     let (n, m) = (p.len(), q.len());
     let turned =
         |c: &[DVec2], k: usize| -> Vec<DVec2> { (0..=c.len()).map(|i| c[(i + k) % c.len()]).collect() };
-    // A cyclic pairing is opened at the anchor, which both contours pass at the beginning and at the end.
+    // The cyclic pairing is cut open at the anchor, so both contours begin and end at their anchor point.
     let (p, q) = (turned(&p, i0), turned(&q, j0));
     let ways = |c: &[DVec2]| -> Vec<DVec2> {
         let n = c.len() - 1;
@@ -98,8 +98,8 @@ pub(super) fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVe
     };
     // Steps: 1 forward on p, 2 forward on q, 3 forward on both.
     let mut steps = vec![0u8; (n + 1) * (m + 1)];
-    // One row of costs suffices, since a pair depends on the row before alone. The steps are kept whole
-    // for the way back.
+    // One row of costs suffices, because a pair depends only on the row before. The steps of all rows are stored, because
+    // the path is traced back through them.
     let mut row = vec![0.0; m + 1];
     row[0] = cost(0, 0);
     for j in 1..=m {
@@ -123,7 +123,7 @@ pub(super) fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVe
             diagonal = up;
         }
     }
-    // Backwards from the end along the steps taken.
+    // The path is traced back from the end along the stored steps.
     let (mut i, mut j) = (n, m);
     let mut out = Pairing { from: Vec::new(), to: Vec::new() };
     while i > 0 || j > 0 {
@@ -186,7 +186,7 @@ pub(super) fn by_features(
         if simple.len() > 2 { simple } else { c.clone() }
     };
     let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
-    // The coarse contour keeps points of the fine one, so each can be found there again.
+    // Every point of the coarse contour is also a point of the fine one, which gives its index there.
     let found = |fine: &Contour| -> Vec<(usize, f64)> {
         let rough = coarse(fine);
         let place = |at: DVec2| fine.iter().position(|p| *p == at);
@@ -199,7 +199,7 @@ pub(super) fn by_features(
     };
     let (fp, fq) = (found(&p), found(&q));
     let mut marks = match_features(&p, &fp, &q, &fq, step_mm, shift);
-    // Circles have no corners; one pair of points then opens the contours.
+    // Circles have no corners; such contours are cut open at one close pair of points.
     if marks.is_empty() {
         let (i, j) = anchor(&p, &q, shift);
         marks.push((i, j));
@@ -218,7 +218,7 @@ pub(super) fn by_features(
     out
 }
 
-/// The points from `i` up to `end`, around the beginning if need be, evenly spaced.
+/// The points from `i` up to `end`, evenly spaced; the range may wrap around the start of the contour.
 fn fragment(c: &[DVec2], i: usize, end: usize, step_mm: f64) -> Vec<DVec2> {
     let n = c.len();
     let count = if end > i { end - i } else { end + n - i };

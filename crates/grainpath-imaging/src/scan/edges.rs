@@ -214,9 +214,9 @@ impl Edges {
         DVec2::new(between(&self.gx), between(&self.gy))
     }
 
-    /// The shift from a point along its gradient to where that is steepest, which must be an edge within
-    /// reach. The steepest place is the vertex of a parabola through three slopes, found by steps until
-    /// it lies in the middle; the displacement by blur is added.
+    /// The shift from a point along its gradient to the place where the gradient is greatest. `None` where that place is out
+    /// of reach or no marked edge. A parabola through three slopes has its vertex there; the three are moved until the
+    /// vertex lies at the middle one. The displacement by blur is added.
     fn way_to_crest(&self, p: DVec2) -> Option<DVec2> {
         let up = self.gradient(p).try_normalize()?;
         let slopes = |s: f64| [s - 1.0, s, s + 1.0].map(|s| self.gradient(p + s * up).dot(up));
@@ -224,7 +224,7 @@ impl Edges {
         for _ in 0..6 {
             let [a, b, c] = slopes(s);
             let bend = a - 2.0 * b + c;
-            // Without a maximum between the three slopes, go towards the greater one.
+            // Where the three slopes have no maximum between them, the search moves towards the greater end.
             let top = if bend < 0.0 { 0.5 * (a - c) / bend } else { f64::INFINITY.copysign(c - a) };
             let step = top.clamp(-0.5, 0.5);
             s += step;
@@ -237,14 +237,14 @@ impl Edges {
         }
         let at = (p + s * up).round();
         let k = at.y as usize * self.smooth.width + at.x as usize;
-        // Rounding may put the place one pixel beside the marked one.
+        // Rounding may put the place one pixel beside the marked edge pixel.
         let is_edge = self.mark[k] == 2 || self.around(k).into_iter().any(|m| self.mark[m] == 2);
         is_edge.then(|| (s + self.drawn_inwards(k)) * up)
     }
 
-    /// Distance up the gradient from which smoothing has moved the edge, px. Where an edge is bent,
-    /// smoothing along it moves its steepest place towards the centre of the bend by half the curvature
-    /// times the variance (`verbeek1994`).
+    /// Distance by which a bent edge has to be moved back up the gradient after smoothing, px. Smoothing moves the
+    /// steepest place of a bent edge towards the centre of the bend by half the curvature times the variance
+    /// (`verbeek1994`).
     fn drawn_inwards(&self, k: usize) -> f64 {
         let w = self.smooth.width as isize;
         let v = |dx: isize, dy: isize| self.smooth.data[k.wrapping_add_signed(dy * w + dx)];

@@ -32,7 +32,7 @@ pub enum ScanError {
     )]
     NotFinite { voxels: u64 },
     #[error(
-        "the bytes of the voxels are in the wrong order: exchanged they make a smooth image, as they are noise; give the other {section}.byte_order for raw data, or correct the header of the file"
+        "the bytes of the voxels are in the wrong order: the image is noise as stored and smooth with the bytes exchanged; give the other {section}.byte_order for raw data, or correct the header of the file"
     )]
     ByteOrder { section: &'static str },
     #[error(
@@ -55,13 +55,13 @@ pub enum ScanError {
         "Canny finds no edge along the threshold of {threshold}: lower {section}.canny_low and {section}.canny_high"
     )]
     NoEdge { threshold: GreyRange, section: &'static str },
-    #[error("slices at uneven distances cannot be turned; resample the scan first")]
+    #[error("a scan with unevenly spaced slices cannot be rotated; resample the scan first")]
     UnevenSlices,
     #[error(
-        "turned, the slices have {columns} x {rows} pixels; at most {limit} are made: set crop_px or turn by quarters"
+        "rotated slices have {columns} x {rows} pixels; at most {limit} are made: set crop_px or rotate by quarter turns"
     )]
     TooManyPixels { columns: f64, rows: f64, limit: f64 },
-    #[error("a scan that is turned cannot be read in parts: each turned slice needs every slice of the file")]
+    #[error("a rotated scan cannot be read in parts: each rotated slice needs every slice of the file")]
     TurnedInParts,
     #[error("a part of the scan names the slices {first} to {end}, but the scan has {n} slices")]
     PartOutside { first: usize, end: usize, n: usize },

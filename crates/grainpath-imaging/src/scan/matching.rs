@@ -74,10 +74,10 @@ pub struct Events {
 #[derive(Debug, Clone, Default)]
 pub struct Slab {
     moving: Vec<Pairing>,
-    /// Contours that stay as they are, with the fractions of the way at which each begins and ends.
+    /// Contours that keep their shape, each with the fractions `t` between which it exists.
     still: Vec<(Contour, f64, f64)>,
     blends: Vec<Blend>,
-    /// Half width of the gaps between the pieces of branches that are closed, mm.
+    /// Half width of the gaps to be closed between the pieces of a branching entity, mm.
     heal_mm: f64,
     /// Births, deaths and branches between the slices.
     pub events: Events,
@@ -116,9 +116,9 @@ impl Slab {
         if self.heal_mm > 0.0 { region.closed(self.heal_mm) } else { region }
     }
 
-    /// Whether the area halfway exceeds the areas at both ends, without holes. This shows pairs that do
-    /// not belong together although each outline was paired well, such as a C and the outside of a ring:
-    /// the space between them would be filled.
+    /// Whether the area halfway between the slices, net of holes, exceeds the areas in both. Then entities were matched that
+    /// do not belong together, although each outline was paired well. An example is a C and the outside of a ring: the space
+    /// between them would be filled.
     fn swells(&self, a: &[&Polygon], b: &[&Polygon], step_mm: f64) -> bool {
         let area = |ps: &[&Polygon]| ps.iter().map(|p| p.area_mm2()).sum::<f64>();
         let moving: f64 = self.moving.iter().map(|p| signed_area_mm2(&p.at(0.5))).sum();
@@ -144,7 +144,7 @@ impl Slab {
             slab.events.deaths += usize::from(b.is_empty());
             slab.events.births += usize::from(a.is_empty());
             slab.events.branches += usize::from(a.len() + b.len() > 2);
-            // The group is built apart, so that a failure leaves nothing behind in the slab.
+            // The group is built in a slab of its own, so that a failed attempt adds nothing to the result.
             let mut part = Self::default();
             let carried = builder.group(&a, &b, &mut part).is_some();
             if !carried || part.swells(&a, &b, settings.step_mm()) {
@@ -278,8 +278,8 @@ impl Builder<'_> {
         } else {
             dynamic(p, q, step, shift)
         };
-        // A pairing that folds over itself halfway has failed: its signed area differs from the area it
-        // covers. So has one that covers more than both ends: it has slid along the contour.
+        // A pairing that folds over itself halfway has failed: its signed area differs from the area it covers. A pairing
+        // that covers more halfway than at both ends has slid along the contour and has failed too.
         let middle = pairing.at(0.5);
         let covered: f64 = Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
         let signed = signed_area_mm2(&middle);

@@ -220,9 +220,9 @@ pub struct CtStack {
     pub report: CtReport,
 }
 
-/// A pixel is plainly material or plainly air where it lies beyond the threshold by this share of the
-/// step between both. Source: derived. At a threshold halfway, noise of 10 % of the step must be off by six
-/// standard deviations to get there.
+/// A pixel is plainly material or plainly air where its grey value lies beyond the threshold by this share of the step from
+/// air to material. Source: derived. With the threshold halfway, noise of 10 % of the step makes air look plainly material
+/// only at six standard deviations.
 const CLEAR: f64 = 0.1;
 /// Limit on the layers. Source: derived. At 0.05 mm it is a part 10 m high.
 const MAX_LAYERS: f64 = 200_000.0;
@@ -230,7 +230,7 @@ const MAX_LAYERS: f64 = 200_000.0;
 ///
 /// # Errors
 /// [`ScanError`]: no voxel size, a window or crop outside the scan, a threshold that leaves nothing or everything, and
-/// what the files are to blame for.
+/// faults of the files.
 pub fn slice_scan(
     source: &mut dyn SliceSource,
     settings: &CtSettings,
@@ -239,7 +239,7 @@ pub fn slice_scan(
     let info = source.info().clone();
     info.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let lattice = Lattice::new(&info, settings)?;
-    // The rotated scan is a source of slices like any other, so everything below is the same for it.
+    // The rotated scan is a source of slices like any other, so the code below treats both alike.
     if settings.rotate_rad != [0.0; 3] {
         let mut turned = Turned::new(source, lattice, settings.rotate_rad)?;
         return slice_scan(&mut turned, &settings.as_turned(), diagnostics);
@@ -334,7 +334,7 @@ impl<'a> Slices<'a> {
 
 /// A slice that is ready for tracing.
 struct Prepared {
-    /// Signed difference to the threshold: positive inside, zero at the border.
+    /// Grey value minus threshold: positive inside the material, zero at its border.
     signed: Vec<f32>,
     /// The section, where layers are made from sections.
     region: Option<Region>,
@@ -343,7 +343,7 @@ struct Prepared {
     lost: Lost,
 }
 
-/// Counts of what was too small.
+/// Counts of islands and holes that were too small, and of contour points without an edge.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lost {
     islands: usize,
@@ -399,8 +399,8 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// The layers between some slices and those just below each. The slice below the first one is read too; it counts
-    /// with the slices before it. `source` stands before the first slice of the file.
+    /// The layers between each of these slices and the slice just below it. The slice below the first one is read too, but
+    /// counted in the part that holds it. `source` stands before the first slice of the file.
     fn collect(
         &self,
         source: &mut dyn SliceSource,
@@ -420,7 +420,7 @@ impl Job<'_> {
             let (send, receive) = sync_channel::<Result<Vec<f32>, SliceError>>(2);
             let (source, end) = (&mut *source, slices.end);
             let reader = scope.spawn(move || {
-                // Voxels that are not finite in the slice below, which belong to another part of the scan.
+                // Non-finite voxels read before the first slice of this part; another part of the scan counts them.
                 let mut below = 0;
                 let read = |source: &mut dyn SliceSource, below: &mut u64| -> Result<(), SliceError> {
                     for _ in 0..l.first + from {
@@ -484,7 +484,7 @@ impl Job<'_> {
         Ok(all)
     }
 
-    /// Height at which the part begins: the first slab with material has it. `source` stands before the first slice.
+    /// Height at which the part begins. It lies in the first slab with material. `source` stands before the first slice.
     fn find_start(
         &self,
         source: &mut dyn SliceSource,
@@ -728,7 +728,7 @@ impl Job<'_> {
             return (range.map(layer).collect(), lost, Events::default());
         }
         let (lower, upper) = (self.region(&slab.lower), self.region(&slab.upper));
-        // In a half slice at an end there is one slice alone, whose section holds all the way.
+        // A half slice at an end of the scan is bounded by one slice only, whose section holds throughout.
         if Arc::ptr_eq(&slab.lower, &slab.upper) {
             let layer = |i: usize| (i, trace::region_in_place(&lower, s.simplify_mm));
             return (range.map(layer).collect(), lost, Events::default());
@@ -763,8 +763,8 @@ impl Job<'_> {
         let raster = Raster::over(bounds, self.lattice.pixel_mm());
         let distance = |r: &Region, other: &Region| {
             if r.is_empty() {
-                // Where one slice is empty, its distance is a plane as deep as the other part is thick,
-                // so that the part ends halfway at its thickest place.
+                // An empty slice gets one constant distance: minus the greatest depth inside the other section. The part
+                // then ends halfway between the slices where it is thickest.
                 let deepest = signed_distance(other, &raster).into_iter().fold(0.0, f32::max);
                 vec![-deepest; raster.nx * raster.ny]
             } else {
@@ -817,7 +817,7 @@ impl Job<'_> {
                 Layer::new(first + i as f64 * h, if i == 0 { first } else { h }, region)
             })
             .collect();
-        // A part of one layer is printed as thick as the scan shows it: the next number of layers is far from it.
+        // A part of one layer takes its thickness from the scan, because a whole number of layers may be far off.
         let layers = match (layers.as_slice(), scan_height_mm) {
             ([only], Some(mm)) => Layer::new(mm, mm, only.region().clone()).into_iter().collect(),
             _ => layers,

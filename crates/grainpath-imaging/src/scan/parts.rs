@@ -1,11 +1,11 @@
 //! Scans cut in parts, each on a machine of its own, and the parts joined.
 //!
 //! # Method
-//! The layers of a scan lie between pairs of neighbouring slices, and each layer is made of one pair alone. What is
-//! needed of the whole scan before is small: the threshold and the height at which the part begins ([`Survey`]). A part
-//! is a range of slices; its layers lie between these slices and the ones just below them, so that one slice of the part
-//! below is read twice. What is found of the whole stack afterwards, such as loose pieces, is found when the parts are
-//! joined. [`super::slice_scan`] takes the same steps with the whole scan as one part.
+//! The layers of a scan lie between pairs of neighbouring slices, and each layer is made of one pair alone. Of the whole
+//! scan, only the threshold and the height at which the part begins have to be known before ([`Survey`]). A part is a range
+//! of slices; its layers lie between these slices and the ones just below them, so that one slice of the part below is read
+//! twice. Results that need the whole stack, such as loose pieces, are found when the parts are joined.
+//! [`super::slice_scan`] takes the same steps with the whole scan as one part.
 //!
 //! # Units, cost and limits
 //! As for whole scans. The survey reads up to 48 slices, and all below the first material. A turned scan is refused,
@@ -32,7 +32,7 @@ pub struct PartedScan {
 }
 
 impl PartedScan {
-    /// A scan of which the header alone is known.
+    /// Prepares the cutting of a scan from its header alone.
     ///
     /// # Errors
     /// [`ScanError`]: no voxel size, a window or crop outside the scan, a scan that is turned.
@@ -45,12 +45,12 @@ impl PartedScan {
         Ok(Self { info: info.clone(), settings, lattice })
     }
 
-    /// The slices of the file that are taken, which are counted from 0 here.
+    /// The slices of the file that are taken, by their numbers in the file, from 0.
     pub fn slices(&self) -> Range<usize> {
         self.lattice.first..self.lattice.first + self.lattice.z_mm.len()
     }
 
-    /// What has to be known of the whole scan before a part is cut.
+    /// Finds what every part needs of the whole scan: the threshold and the height at which the part begins.
     ///
     /// # Errors
     /// As [`super::slice_scan`].
@@ -69,10 +69,10 @@ impl PartedScan {
         Ok(Survey { start_mm, ..survey })
     }
 
-    /// Cuts the layers between some slices and those just below each.
+    /// Cuts the layers between each of these slices and the slice just below it. Slices count from the first one taken.
     ///
     /// # Errors
-    /// [`ScanError`] where slices are asked for that are not there, and what the files are to blame for.
+    /// [`ScanError`] for slices that the scan does not have, and for faults of the files.
     pub fn cut(
         &self,
         source: &mut dyn SliceSource,
@@ -86,12 +86,12 @@ impl PartedScan {
         }
         let job = self.job(survey);
         source.restart()?;
-        // Without a start there is no material, and no layer.
+        // Where the survey found no start, there is no material, and `collect` makes no layer.
         let all = job.collect(source, slices.clone(), diagnostics)?;
         Ok(ScanPart { slices, all })
     }
 
-    /// Joins parts, in any order, that leave out no slice.
+    /// Joins the parts of a scan, in any order. Together they must hold every slice.
     ///
     /// # Errors
     /// [`ScanError::MissingPart`], and as [`super::slice_scan`].
@@ -126,7 +126,7 @@ impl PartedScan {
         if next != self.lattice.z_mm.len() {
             return Err(ScanError::MissingPart { slice: next });
         }
-        // Parts of another survey may have the same layers.
+        // Parts that were cut with different surveys may hold layers of the same number.
         let mut numbers: Vec<usize> = all.layers.iter().map(|l| l.0).collect();
         numbers.sort_unstable();
         if numbers.windows(2).any(|pair| pair[0] == pair[1]) {
@@ -144,20 +144,21 @@ impl PartedScan {
     }
 }
 
-/// The layers of a range of slices, and what was counted in it.
+/// The layers of a range of slices, and the counts for the report of the scan.
 #[derive(Debug, Clone)]
 pub struct ScanPart {
     slices: Range<usize>,
     all: Collected,
 }
 
-/// Numbers before the layers in the bytes of a part. Source: derived: those of [`ScanPart::to_bytes`].
+/// How many counts precede the layers in the bytes of a part. Source: derived: those that [`ScanPart::to_bytes`] writes.
 const N_COUNTS: usize = 15;
-/// Limit on each of them. Source: derived. A scan has at most 2^46 voxels, and as many parts as slices.
+/// Limit on each of these counts. Source: derived. A scan has at most 2^46 voxels, and as many parts as slices.
 const MAX_COUNT: u64 = 1 << 47;
 
 impl ScanPart {
-    /// The part as bytes: counts of eight bytes each, and the layers as a [`LayerStack`] whose heights are their numbers.
+    /// The part as bytes: counts of eight bytes each, then the layers as a [`LayerStack`] with layer numbers in place of
+    /// heights.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Collected { lost, events, inside, range, ends, not_finite, .. } = &self.all;
         let counts: [u64; N_COUNTS] = [
@@ -201,12 +202,12 @@ impl ScanPart {
         if counts.len() < N_COUNTS {
             return Err(LayerStackError::NotAStack);
         }
-        // Sums of as many voxels as there can be stay far below the bounds of their type.
+        // The limit keeps sums over all parts far below the bounds of their type.
         if let Some(k) = counts.iter().position(|&c| c >= MAX_COUNT) {
             return Err(LayerStackError::Invalid { offset: 8 * (k + 1), found: "a count beyond all bounds" });
         }
         let stack = LayerStack::from_bytes(&bytes[8 * N_COUNTS..])?;
-        // Numbers of layers are whole and differ; heights of another stack would not be told from them.
+        // Layer numbers are whole. Heights that are not show that the bytes hold a stack of another kind.
         let whole = |l: &Layer| l.height_mm() == 1.0 && l.z_top_mm().fract() == 0.0;
         if !stack.layers().iter().all(whole) {
             return Err(LayerStackError::Invalid {

@@ -16,7 +16,7 @@ use grainpath_core::slices::SampleType;
 /// cranium, engine, fibre preform, nut, weave, cement, DICOM phantom): 0.008 to 0.076 as stored. The two
 /// of 16 bits, exchanged: 0.68 and 0.24.
 const SUSPICIOUS: f64 = 0.15;
-/// The exchanged bytes are right where their roughness is below this share of the stored one. Derived:
+/// Exchanged bytes are taken to be the right order where their roughness is below this share of the stored one. Derived:
 /// 0.03 on both scans of 16 bits, from the roughness above.
 const SMOOTHER: f64 = 0.25;
 /// Roughness from which a volume is noise. Source: derived. A scan that is half material has 0.9 when the noise

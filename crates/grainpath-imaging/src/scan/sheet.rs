@@ -1,11 +1,11 @@
 //! A contact sheet: slices of a scan side by side.
 
-/// Slices in a row of the sheet, and slices shown at most. Twenty tiles fit a screen without scrolling;
-/// only the picture depends on the values. Source: chosen by eye; only the picture depends on it.
+/// Slices in a row of the sheet. Twenty tiles in rows of five fit a screen without scrolling. Source: chosen by eye; only
+/// the picture depends on it.
 const COLUMNS: usize = 5;
 /// Source: chosen by eye; only the picture depends on it.
 const SHOWN: usize = 20;
-/// Longest side of a slice on the sheet, px. Only the picture depends on it.
+/// Longest side of a slice on the sheet, px. Longer slices are shrunk.
 /// Source: chosen by eye; only the picture depends on it.
 const TILE_PX: usize = 240;
 
@@ -20,7 +20,7 @@ pub struct ContactSheet {
 impl ContactSheet {
     /// A sheet for a scan of this size: columns, rows, slices.
     pub fn new(size: [usize; 3]) -> Self {
-        // A whole factor, so that every pixel of a tile is the mean of as many voxels.
+        // The factor is a whole number, so that every pixel of a tile is the mean of equally many voxels.
         let shrink = size[0].max(size[1]).div_ceil(TILE_PX).max(1);
         Self { size, shrink, tiles: Vec::new() }
     }
@@ -29,11 +29,11 @@ impl ContactSheet {
         (self.size[0].div_ceil(self.shrink), self.size[1].div_ceil(self.shrink))
     }
 
-    /// Offers slice `k`. Evenly spaced slices are kept.
+    /// Adds slice `k` if it is one of the evenly spaced slices that the sheet shows.
     pub fn add(&mut self, k: usize, values: &[f32]) {
         let n = self.size[2];
         let shown = SHOWN.min(n);
-        // The slices in the middle of `shown` equal parts; the first and last are often empty.
+        // The scan is cut into `shown` equal parts, whose middle slices are shown. The outermost slices are often empty.
         if self.tiles.len() >= shown || k != (2 * self.tiles.len() + 1) * n / (2 * shown) {
             return;
         }
@@ -75,7 +75,7 @@ impl ContactSheet {
         encoder.set_color(png::ColorType::Grayscale);
         encoder.set_depth(png::BitDepth::Eight);
         let written = encoder.write_header().and_then(|mut w| w.write_image_data(&pixels));
-        written.expect("memory takes all that is written");
+        written.expect("writing to memory cannot fail");
         bytes
     }
 }

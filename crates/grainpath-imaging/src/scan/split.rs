@@ -20,7 +20,7 @@ const CUT_MM: f64 = 4e-4;
 /// Cuts `parent` into one piece for each child by dividing edges. `None` where that fails: children are
 /// connected in more than one place, or one is left without a piece.
 ///
-/// The point `e` of a dividing edge and its direction are those of the module text.
+/// The module text defines the point `e` of a dividing edge and its direction.
 pub(super) fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Option<Vec<Region>> {
     let clipper = LineClipper::new(&Region::from(parent.clone()));
     let mut cuts = Vec::new();
@@ -146,7 +146,7 @@ fn dividing_edge(
     way: DVec2,
     features: Features,
 ) -> Option<(DVec2, DVec2)> {
-    // Between a C's arms the point may lie outside, where nothing can be cut.
+    // Between the arms of a C the point `e` may lie outside the parent, where there is nothing to cut.
     if !clipper.contains(e) {
         return None;
     }

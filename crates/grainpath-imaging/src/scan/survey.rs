@@ -1,4 +1,4 @@
-//! Determines which voxels are taken and what their grey values show, before any layer is made.
+//! Determines which voxels are taken and where their grey values separate air from material, before any layer is made.
 //!
 //! # Method
 //! Crop, mirroring and spacing of the job are applied to the header of the scan; values from the job win
@@ -23,11 +23,11 @@ use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold,
 /// edge then reaches from slice to slice. With slices farther apart, a flank between them would show as
 /// steps.
 const GREY_RATIO: f64 = 1.6;
-/// Slices that are sampled for the histogram, at most. The modes of air and material need a fair sample;
-/// reading every slice would double the time to read a scan.
+/// Largest number of slices that are sampled for the histogram. The modes of air and material need a fair sample; reading
+/// every slice would double the time to read a scan.
 const SAMPLED: usize = 48;
-/// Slices that are sampled at most where only their plausibility is checked. More slices cost time; fewer
-/// may all lie in the air above the part.
+/// Largest number of slices that are sampled where only plausibility is checked. More slices cost time; fewer may all lie in
+/// the air above the part.
 const PLAUSIBLE: usize = 6;
 
 /// The voxels that are taken, and where they lie.
@@ -62,7 +62,7 @@ impl Lattice {
         // A value from the job wins over that of the file: headers are often wrong.
         let known = [0, 1, 2].map(|k| s.spacing_mm[k].or(info.spacing_mm[k]));
         let [Some(dx), Some(dy), Some(dz)] = known else {
-            // Both are named at once, so that nobody is sent back twice.
+            // One message names both missing sizes, so that the user can set them in one go.
             let is_lacking = [known[0].and(known[1]).is_none(), known[2].is_none()];
             let list = |words: [String; 2], and: &str| {
                 let lacking = words.into_iter().zip(is_lacking).filter(|(_, lacks)| *lacks);
@@ -147,7 +147,7 @@ impl Lattice {
     }
 }
 
-/// What is found of a whole scan before any layer is made.
+/// Properties of a whole scan that are found before any layer is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
     /// Lowest grey value of material.
@@ -176,7 +176,7 @@ impl Survey {
         // A given threshold needs no histogram; a few slices show whether the values are those of a scan.
         let sampled = if found || contrast { SAMPLED } else { PLAUSIBLE };
         diagnostics.begin(Stage::Read, n);
-        // Every slice is passed, since packed slices cannot be reached without unpacking those before
+        // All slices are read through, because packed slices cannot be reached without unpacking those before
         // them.
         let stride = n.div_ceil(sampled).max(1);
         let (mut slice, mut n_voxels) = (Vec::new(), 0);
@@ -264,7 +264,7 @@ impl Survey {
         Ok(bottom)
     }
 
-    /// Signed difference to the threshold: positive inside.
+    /// Grey value minus threshold: positive inside the material.
     pub(super) fn signed(&self, v: f32) -> f32 {
         let v = f64::from(v);
         // For a range the nearer of the two thresholds counts, so that both borders lie at zero.

@@ -41,7 +41,7 @@ pub struct TextureSettings {
     pub integration_mm: f64,
     /// Length over which clear places pass their direction to unclear ones, mm.
     pub smooth_mm: f64,
-    /// Strength of the effect that lines lie closer where the scan is dense.
+    /// How strongly lines close up where the scan is dense; 0 keeps their spacing even.
     pub darkness: f64,
     /// Whether pictures are wanted.
     pub pictures: bool,
@@ -172,13 +172,13 @@ pub fn read_texture(
         let mut grey = each[6].clone();
         (quantile(&mut grey, 0.98) - quantile(&mut grey, 0.02)).abs()
     };
-    // The sums are the largest arrays; they go before the next ones are made.
+    // The sums are the largest arrays; they are freed before the next ones are made.
     drop(each);
     // Contrast below this share of the range of grey values counts as blank.
     let floor = FAINT * FAINT * range * range;
     let found: Vec<Node> =
         (0..near[0].len()).into_par_iter().with_min_len(4096).map(|k| Node::mean(&near, k, floor)).collect();
-    // Noise is coherent over a few voxels by chance, and texture over many: three times the neighbourhood
+    // Noise is coherent by chance over a few voxels, texture over many. The coherence over three times the neighbourhood
     // tells them apart.
     let wide = {
         let wide: Vec<Vec<f32>> =
@@ -201,7 +201,7 @@ pub fn read_texture(
         double: found.iter().map(|f| f.double).collect(),
         weight: found
             .iter()
-            // As in photographs: coherence counts twice, and energy saturates at the typical one.
+            // As for photographs: the weight is the square of the coherence, times an energy that saturates at its mean.
             .map(|f| f.coherence * f.coherence * f.energy / (f.energy + 0.25 * typical as f32 + 1e-30))
             .collect(),
     };
@@ -281,11 +281,11 @@ fn sums(
     let spacing = slices.spacing_mm();
     let pixel = 0.5 * (spacing[0] + spacing[1]);
     let shown_at: Vec<usize> =
-        // The quarters of the height; the first and last slices show little.
+        // Pictures show the slices at a quarter, a half and three quarters of the height; the end slices show little.
         if pictures { vec![size[2] / 4, size[2] / 2, 3 * size[2] / 4] } else { Vec::new() };
     let mut smoother = Smoother {
         size,
-        // The same length across slices as within them, and at least 0.3 slices against noise.
+        // The Gaussian is as long across slices as within them, and at least 0.3 slices to suppress noise.
         taps: gaussian_taps((GRADIENT_PX * pixel / spacing[2]).max(0.3)),
         held: VecDeque::new(),
         first: 0,
@@ -369,7 +369,7 @@ impl Smoother<'_, '_> {
         }
         let plane = |i: usize| &self.held[i - self.first].data;
         let mut out = vec![0.0f32; width * height];
-        // Pieces of a slice that fit the cache, however many slices the Gaussian spans.
+        // The slice is summed in pieces that fit the cache, however many slices the Gaussian spans.
         let chunk = 1 << 14;
         out.par_chunks_mut(chunk).enumerate().for_each(|(c, out)| {
             let part = |i: usize| &plane(i)[c * chunk..c * chunk + out.len()];
@@ -431,7 +431,8 @@ fn add_row(gradients: &[f32], grey: &[f32], cell: usize, cells: &mut [[f32; 7]])
     }
 }
 
-/// Smoothed by a Gaussian of these standard deviations, in nodes, within the plane and across it.
+/// The values smoothed by a Gaussian. `plane` and `depth` are its standard deviations within the layers' plane and across
+/// it, in nodes.
 fn blurred(values: &[f32], [nx, ny, nz]: [usize; 3], [plane, depth]: [f64; 2]) -> Vec<f32> {
     let mut flat = Vec::with_capacity(values.len());
     for l in 0..nz {
@@ -455,7 +456,7 @@ fn blurred(values: &[f32], [nx, ny, nz]: [usize; 3], [plane, depth]: [f64; 2]) -
     out
 }
 
-/// The tensor's result at a node.
+/// The axis that the tensor at a node gives, with its weights.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     /// Cosine and sine of twice the angle of the axis in the layers' plane, unit length.
@@ -472,8 +473,8 @@ impl Node {
         let tensor: [f64; 6] = std::array::from_fn(|c| f64::from(each[c][k]));
         let floor = f64::from(floor) + 1e-30;
         let e = eigenvalues(tensor);
-        // A fibre where the middle eigenvalue is at least halfway between the others; curved plates have
-        // some of that too.
+        // The texture counts fully as a fibre where the middle eigenvalue is at least halfway between the others. Curved
+        // plates count partly as fibres.
         let fibrous = (2.0 * (e[1] - e[2]) / (e[0] - e[2] + floor)).min(1.0);
         let line = fibrous * (e[1] - e[2]) / (e[1] + e[2].max(0.0) + floor);
         let plate = (1.0 - fibrous) * (e[0] - e[1]) / (e[0] + e[1].max(0.0) + floor);

@@ -184,9 +184,9 @@ impl Grid {
     }
 }
 
-/// Gives every connected patch that is level, within `tolerance` between its halves, its mean value. A
-/// face that lies in the plane almost exactly is then present as a whole or not at all. Entries of
-/// `patch` are ordered by pixel number.
+/// Sets every connected level patch to its mean value. A patch is level if the means of its halves differ by less than
+/// `tolerance`. A face that lies almost exactly in the plane is then present as a whole or not at all. Entries of `patch`
+/// are ordered by pixel number.
 fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32) {
     let mut free = vec![true; patch.len()];
     for seed in 0..patch.len() {
@@ -211,7 +211,7 @@ fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32
             continue;
         }
         let mean = |part: &[usize]| part.iter().map(|&i| patch[i].1).sum::<f32>() / part.len() as f32;
-        // The halves by column and by row: a patch that leans has different means on its two sides.
+        // The patch is halved by column and by row. A patch that leans has different means in its halves.
         let halves = |key: &dyn Fn(usize) -> usize| {
             let mut sorted = members.clone();
             sorted.sort_by_key(|&i| (key(patch[i].0), patch[i].0));
@@ -285,7 +285,8 @@ fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> 
         let ((a, la), (b, lb)) = (cut[(k + n - 1) % n], cut[k]);
         // A positive area lies to the right of a side, which is outside the material.
         let out = (kept[k] - before).normalize_or_zero() + (after - kept[k]).normalize_or_zero();
-        // The mean height of the cut-off area over both sides. The clamp bounds it where sides are tiny.
+        // The vertex moves by the mean height of the cut-off area over its two sides. The clamp bounds the move where sides
+        // are tiny.
         let step = ((a + b) / (la + lb)).clamp(-tolerance_mm, tolerance_mm);
         kept[k] + step * DVec2::new(out.y, -out.x).normalize_or_zero()
     };

@@ -78,7 +78,7 @@ impl<S: SliceSource> Turned<S> {
             // Cubes with the smallest stored distance lose no detail in any direction.
             DVec3::splat(spacing.min_element())
         };
-        // Half the size of the box around the rotated box: the reaches of its three axes add up.
+        // Half the size of the upright box around the rotated one: the extents of its three rotated half axes, added.
         let reach_mm: DVec3 = columns.iter().zip(half_mm.to_array()).map(|(c, half)| c.abs() * half).sum();
         // The small constant keeps rounding from adding an empty row to quarter turns.
         let size = (2.0 * reach_mm / turned_spacing - 1e-9).ceil().max(DVec3::ONE);

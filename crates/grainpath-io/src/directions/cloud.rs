@@ -7,11 +7,11 @@ use super::grid::Grid;
 use super::model::BlendedDirection;
 use crate::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 
-/// What answers at a point.
+/// The data structure that interpolates the samples at a point.
 #[derive(Debug, Clone)]
 pub(super) enum Carrier {
     Grid(Grid),
-    /// Planes of points with their heights, mm, rising; one plane holds for all heights.
+    /// Planes of points, each with its height in mm, from the lowest up. A single plane applies at all heights.
     Planes(Vec<(f64, Cloud)>),
     /// Points or a mesh in space, or a mesh of a plane.
     Cloud(Box<Cloud>),
@@ -27,17 +27,17 @@ pub(super) struct Sample {
     pub spacing_mm: f64,
 }
 
-/// Points with tensors, with elements or without.
+/// Points with the tensors of their directions, joined by elements or loose.
 #[derive(Debug, Clone)]
 pub(super) struct Cloud {
     tensors: StressField,
-    /// Spacings as the first component, where there are any.
+    /// Bead spacings, where the samples state them. The first component of the stress holds the spacing.
     spacings: Option<StressField>,
-    /// The nodes with a direction, for elements all of whose nodes have none.
+    /// The nodes that have a direction. They serve elements whose nodes all have none.
     known: Option<StressField>,
 }
 
-/// Points of fewer than this many a height are taken as points in space. Source: derived: a plane
+/// Where heights have fewer points than this on average, the points are taken as points in space. Source: derived: a plane
 /// of fewer than eight points says less about the field than the eight nearest points in space.
 const MIN_POINTS_PER_PLANE: usize = 8;
 
@@ -160,7 +160,7 @@ impl Cloud {
     fn sample(&self, p: DVec3) -> BlendedDirection {
         let mut tensor = self.tensors.sample(p);
         if let Some(known) = self.known.as_ref().filter(|_| tensor.iter().all(|v| v.abs() < 1e-9)) {
-            // The direction of the nearest nodes that have one, which hardly counts.
+            // The nearest nodes with a direction give it here, with a strength that is almost zero.
             tensor = known.sample(p).map(|v| 1e-6 * v);
         }
         BlendedDirection { tensor, spacing_mm: self.spacings.as_ref().map(|s| s.sample(p)[0]) }

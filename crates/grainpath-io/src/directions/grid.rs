@@ -4,8 +4,8 @@ use grainpath_core::{DVec2, DVec3};
 
 use super::model::BlendedDirection;
 
-/// Cells without a direction decide only where no other cell counts. Source: derived: far below the
-/// smallest strength that eight bits of alpha can state, 1/255, and far above the rounding of the
+/// Strength of cells without a direction: their filled-in direction decides only where no other cell counts. Source:
+/// derived: far below the smallest strength that eight bits of alpha can state, 1/255, and far above the rounding of the
 /// sums.
 const FILLED_STRENGTH: f32 = 1e-6;
 
@@ -14,7 +14,7 @@ const FILLED_STRENGTH: f32 = 1e-6;
 pub(super) struct Grid {
     pub columns: usize,
     pub rows: usize,
-    /// Unit vectors of the doubled angle.
+    /// Cosine and sine of the doubled angle.
     double: Vec<[f32; 2]>,
     /// From 0 to 1; [`FILLED_STRENGTH`] where the cell had no direction.
     strength: Vec<f32>,
@@ -80,7 +80,7 @@ impl Grid {
                 spacing += wx * wy * self.spacing_mm.as_ref().map_or(0.0, |all| f64::from(all[k]));
             }
         }
-        // The trace is the strength, and the doubled angle is what is left of it.
+        // The trace of the tensor is the strength; the doubled angle gives the deviatoric rest.
         let half = 0.5 * double;
         BlendedDirection {
             tensor: [0.5 * strength + half.x, 0.5 * strength - half.x, 0.0, half.y, 0.0, 0.0],
@@ -89,8 +89,8 @@ impl Grid {
     }
 }
 
-/// A level of the pyramid: columns, rows, and for each cell the sum of what is known and how much
-/// that is, up to 1.
+/// A level of the pyramid. Each cell holds the weighted sum of the doubled angle (two numbers) and the weight, at most
+/// 1.
 struct Level {
     columns: usize,
     rows: usize,
@@ -98,7 +98,7 @@ struct Level {
 }
 
 impl Level {
-    /// The level of half the size, each cell with the mean of its four.
+    /// The level of half the size. Each of its cells combines four cells of this level.
     fn halved(&self) -> Self {
         let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
         let mut cells = vec![[0.0f32; 3]; columns * rows];
@@ -116,7 +116,7 @@ impl Level {
         Self { columns, rows, cells }
     }
 
-    /// Completes every cell from the level of half the size, bilinearly.
+    /// Fills up every cell with values interpolated bilinearly from the level of half the size.
     fn complete(&mut self, coarse: &Self) {
         let corner = |i: usize, n: usize| {
             let at = (0.5 * i as f32 - 0.25).clamp(0.0, (n - 1) as f32);

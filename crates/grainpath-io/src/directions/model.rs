@@ -1,4 +1,4 @@
-//! What the readers of directions share: limits, options, errors, and what a sample says.
+//! Types that all readers of directions share: limits, options, errors, and the direction at a point.
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DMat3, DVec2, DVec3};
@@ -32,7 +32,7 @@ pub enum GridAxes {
 }
 
 impl GridAxes {
-    /// What the order means, for people.
+    /// The order of the indices in words, for reports.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Yx => "a[y][x]: rows rise with y, columns with x",
@@ -42,7 +42,7 @@ impl GridAxes {
     }
 }
 
-/// What a file does not state. `None` means: as stated in the file, or else the default named here.
+/// What the job states about a file of directions. `None` takes the statement of the file, or else the default given here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DirectionOptions {
     /// Unit of positions; mm.
@@ -92,7 +92,7 @@ pub struct DirectionSummary {
     pub samples: usize,
     /// Samples without one, which were left out.
     pub without_direction: usize,
-    /// What the directions were read from, with their unit.
+    /// The column, array or picture that gave the directions, and their unit.
     pub directions: String,
     /// Unit of positions and who states it; empty for grids without positions.
     pub length_unit: String,
@@ -104,7 +104,7 @@ pub struct DirectionSummary {
     pub has_spacing: bool,
 }
 
-/// What the samples say at a point.
+/// The direction at a point, interpolated between the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlendedDirection {
     /// `strength * d d^T` of the unit vector d, components xx, yy, zz, xy, yz, zx.
@@ -114,10 +114,11 @@ pub struct BlendedDirection {
 }
 
 impl BlendedDirection {
-    /// The direction in the plane z = 0 after turning it by `turn`: the axis in `[0, pi)` and its
-    /// strength, 0 to 1.
+    /// The direction, rotated by `turn` and projected onto the plane z = 0: the axis in `[0, pi)` and its strength, 0 to
+    /// 1.
     ///
-    /// Directions that disagree cancel, so that the strength falls to 0 in the core of a defect.
+    /// Directions that disagree cancel, so the strength falls to 0 at a point around which the directions turn by a half or
+    /// full turn.
     pub fn in_plane(&self, turn: &DMat3) -> (f64, f64) {
         let [xx, yy, zz, xy, yz, zx] = self.tensor;
         let tensor = DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));

@@ -7,8 +7,8 @@
 //! read here. Read are booleans, integers and floats of 4 and 8 bytes in either byte order, and
 //! structured arrays of them. Objects (pickles), complex numbers and strings are refused.
 //!
-//! Memory: what the header states is checked against the bytes that are there, for archives by
-//! reading no more than that.
+//! Memory: the size that the header states is checked against the bytes present. From an archive, no more than the stated
+//! size is inflated.
 
 use std::io::{Cursor, Read};
 
@@ -20,19 +20,19 @@ use super::model::{DirectionError, MAX_CELLS, invalid};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Array {
     pub shape: Vec<usize>,
-    /// Names of the fields of a structured array, each with a number for every entry; one without a
-    /// name otherwise.
+    /// Each field of a structured array: its name, and a number for every entry. A plain array has one field without a
+    /// name.
     pub fields: Vec<(String, Vec<f64>)>,
 }
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
-/// Most numbers of a file. Source: derived: a cell of a grid has at most the three components of a
+/// Limit on the numbers in a file. Source: derived: a cell of a grid has at most the three components of a
 /// vector.
 const MAX_NUMBERS: usize = 3 * MAX_CELLS;
-/// Longest header, bytes. Source: derived: a field takes some 30 bytes, so that this is beyond
-/// [`MAX_ARRAYS`] fields.
+/// Limit on the header, bytes. Source: derived: a field takes some 30 bytes, so that [`MAX_ARRAYS`] fields
+/// fit.
 const MAX_HEADER: usize = 1 << 16;
-/// Most arrays of an archive. Source: derived: a table has at most as many columns.
+/// Limit on the arrays in an archive. Source: derived: each is a column, and a table has at most 256 columns.
 const MAX_ARRAYS: usize = 256;
 
 /// The type of a number in the file.
@@ -86,9 +86,9 @@ impl Number {
     }
 }
 
-/// What a header states.
+/// The contents of a header.
 struct Header {
-    /// Offset of the field in an entry, its type and its name.
+    /// For each field its offset in an entry, its type and its name.
     fields: Vec<(usize, Number, String)>,
     entry_size: usize,
     fortran_order: bool,
@@ -177,7 +177,7 @@ fn read_stream(mut stream: impl Read, place: &str) -> Result<Array, DirectionErr
     let mut text = vec![0u8; length];
     stream.read_exact(&mut text).map_err(|_| cut("its header"))?;
     let header = Header::parse(&String::from_utf8_lossy(&text), place)?;
-    // Bounded by the limit on numbers: eight bytes each at the most.
+    // The limit on numbers bounds this: each number has eight bytes at most.
     let wanted = header.n * header.entry_size;
     let mut bytes = Vec::new();
     let found = stream.take(wanted as u64).read_to_end(&mut bytes);
@@ -196,7 +196,7 @@ fn read_stream(mut stream: impl Read, place: &str) -> Result<Array, DirectionErr
     Ok(Array { fields: fields.collect(), shape: header.shape })
 }
 
-/// Numbers whose first index is fastest, with the last index fastest.
+/// Reorders numbers from Fortran order (first index fastest) to C order (last index fastest).
 fn in_c_order(values: &[f64], shape: &[usize]) -> Vec<f64> {
     let mut out = vec![0.0; values.len()];
     let mut index = vec![0usize; shape.len()];

@@ -1,4 +1,4 @@
-//! From the bytes of a file to samples, whatever its format.
+//! Reads the samples of directions from the bytes of a file in any of the formats.
 
 use grainpath_core::number::number;
 use grainpath_core::units::LengthUnit;
@@ -18,8 +18,8 @@ use crate::fe::{Element, FeArray, FeError, FeFile, FeFormat, On, parse_fe, sniff
 use crate::image::{Image, Samples, decode_within, sniff_image};
 use crate::text::skip_space;
 
-/// Whether a file is certainly one of directions: an array of numpy, or a table whose header names
-/// a direction. Pictures and finite-element files may be much else.
+/// Whether a file certainly holds directions: an array of numpy, or a table whose header names a direction. Pictures and
+/// finite-element files are not recognised, because they may hold other data.
 pub fn sniff_directions(bytes: &[u8], name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     bytes.starts_with(MAGIC)
@@ -66,7 +66,7 @@ pub fn parse_directions(
 
 // Tables.
 
-/// Most columns of a table. Source: the reader of stress tables, `fe::csv`.
+/// Limit on the columns of a table. Source: the reader of stress tables, `fe::csv`.
 const MAX_COLUMNS: usize = 256;
 
 /// The names and the separator of the first line, unless it is made of numbers.
@@ -126,7 +126,7 @@ pub(super) fn rows(
 
 // Arrays of numpy.
 
-/// Arrays of these names and two columns or three are positions or vectors.
+/// Usual names of arrays of positions and of vectors, each with two or three columns.
 const POSITIONS: [&str; 6] = ["points", "positions", "p", "xy", "xyz", "coordinates"];
 const VECTORS: [&str; 6] = ["directions", "vectors", "director", "v", "d", "field"];
 
@@ -218,7 +218,7 @@ fn split_base(name: &str) -> String {
 struct GridNumbers<'a> {
     /// Name of the format.
     format: &'static str,
-    /// What the axes and the unit are where the job states none, if the format fixes them.
+    /// Order of the indices and unit of the angles that the format fixes. They apply where the job states none.
     axes: Option<GridAxes>,
     unit: Option<AngleUnit>,
     x: &'a Array,
@@ -292,7 +292,7 @@ fn grid(
             }
         };
         let strength = numbers.strength.map_or(1.0, |s| scale * s.fields[0].1[i]);
-        // A vector out of the plane counts as much as its part in the plane.
+        // A vector that points out of the plane counts by the square of its part in the plane.
         let strength = strength * axis.truncate().length_squared();
         (strength.is_finite() && strength > 0.0)
             .then(|| (DVec2::new(axis.x * axis.x - axis.y * axis.y, 2.0 * axis.x * axis.y), strength))
@@ -368,8 +368,8 @@ fn matrices(files: &[(&str, &[u8])], options: &DirectionOptions) -> Result<Direc
     grid(name, &numbers, options, place)
 }
 
-/// A CSV of numbers alone. Tables of two to six columns without a header are refused: they are
-/// hardly matrices.
+/// A CSV of numbers alone. Tables of two to six columns without a header are refused, because they are more likely lists of
+/// points than matrices.
 pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError> {
     let text = skip_space(bytes);
     let first = text.split(|&b| b == b'\n').next().unwrap_or_default();
@@ -421,7 +421,7 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
 
 // Pictures.
 
-/// Channels of a colour picture whose values differ by more than this share of white are no grey.
+/// A pixel is coloured, and not grey, where its channels differ by more than this share of white.
 /// Source: derived: half a step of eight bits, which rounding in a conversion may cost.
 const GREY_TOLERANCE: f32 = 0.6 / 255.0;
 
@@ -484,7 +484,7 @@ fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError
         has_strength: alpha,
         has_spacing: false,
     };
-    // Pixels with alpha 0 are meant to have no direction.
+    // Alpha 0 marks pixels without a direction on purpose, so they raise no warning.
     Ok(DirectionSamples::new(Carrier::Grid(grid), summary, warnings))
 }
 

@@ -1,4 +1,4 @@
-//! Directions at points as one field that answers everywhere.
+//! A field of directions, interpolated between samples at any point.
 
 use grainpath_core::{DVec2, DVec3, Warning, WarningId};
 
@@ -57,8 +57,8 @@ impl DirectionSamples {
         self.carrier.is_plane()
     }
 
-    /// Columns and rows of a grid that does not state where it lies, until
-    /// [`DirectionSamples::place_grid`] is called.
+    /// Columns and rows of a grid without a position; `None` for other samples and after
+    /// [`DirectionSamples::place_grid`].
     pub fn unplaced_grid(&self) -> Option<[usize; 2]> {
         match &self.carrier {
             Carrier::Grid(grid) if grid.place.is_none() => Some([grid.columns, grid.rows]),
@@ -66,8 +66,8 @@ impl DirectionSamples {
         }
     }
 
-    /// Lays a grid: its lower left corner and the size of a cell, mm. Other samples have positions
-    /// and stay.
+    /// Places a grid by its lower left corner and the size of a cell, mm. Samples of other kinds keep their own
+    /// positions.
     pub fn place_grid(&mut self, corner_mm: DVec2, cell_mm: DVec2) {
         if let Carrier::Grid(grid) = &mut self.carrier {
             grid.place = Some((corner_mm, cell_mm));

@@ -36,7 +36,7 @@ const USUAL: [&str; 5] = ["density", "rho", "densities", "infill", "fill"];
 pub struct DensitySamples(DirectionSamples);
 
 impl DensitySamples {
-    /// Whether they are the same at all heights.
+    /// Whether the densities are the same at all heights.
     pub fn is_plane(&self) -> bool {
         self.0.is_plane()
     }
@@ -63,7 +63,7 @@ impl DensitySamples {
 
     /// The density at a point, mm; outside the samples, that of the nearest place.
     pub fn at(&self, p: DVec3) -> f64 {
-        // The samples carry it where directions carry the distance of beads.
+        // Densities are stored in the field that holds the bead spacing of directions.
         self.0.sample(p).spacing_mm.unwrap_or(0.0)
     }
 }
@@ -71,7 +71,7 @@ impl DensitySamples {
 /// Reads densities; `array` names the column or array that holds them.
 ///
 /// # Errors
-/// [`DirectionError`] with what is wrong and where, a density that is no number from 0 to 1 included.
+/// [`DirectionError`] with what is wrong and where, also for a density that is no number from 0 to 1.
 pub fn parse_densities(
     bytes: &[u8],
     name: &str,
@@ -120,7 +120,7 @@ fn checked(value: f64, place: impl FnOnce() -> String) -> Result<f64, DirectionE
     }
 }
 
-/// Which of these names is that of the density: the one asked for, one with a usual name, or the only one.
+/// Index of the name that is the density: the one asked for, one with a usual name, or the only one.
 fn chosen(names: &[&str], array: Option<&str>) -> Result<usize, DirectionError> {
     let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
     let found = match array {
@@ -217,7 +217,7 @@ fn mesh(file: &FeFile, array: Option<&str>) -> Result<DensitySamples, DirectionE
             )
         })
     };
-    // Of the elements around a node, the mean.
+    // Values on elements are averaged: a node takes the mean of the elements around it.
     let mut sums = vec![(0.0, 0.0); file.nodes.len()];
     match array.on {
         On::Nodes => {

@@ -1,4 +1,4 @@
-//! Columns with names: which of them are positions, directions, spacing and strength.
+//! Tables with named columns: finds the columns of positions, directions, spacing and strength.
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
@@ -52,7 +52,7 @@ pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
 pub(super) const ANGLES: [&str; 6] = ["angle", "theta", "phi", "orientation", "direction", "axis"];
 const SPACINGS: [&str; 2] = ["spacing", "distance"];
 const STRENGTHS: [&str; 4] = ["strength", "weight", "confidence", "coherence"];
-/// Names of the components of a vector without a common stem.
+/// Names of vector components that share no stem, unlike `Fibre_x`, `Fibre_y`.
 const VECTORS: [[&str; 3]; 6] = [
     ["vx", "vy", "vz"],
     ["dx", "dy", "dz"],
@@ -130,7 +130,7 @@ pub(super) fn names_directions(names: &[String]) -> bool {
     has(0) && has(1) && (bases.iter().any(|b| ANGLES.contains(&b.as_str())) || !vectors(&bases).is_empty())
 }
 
-/// What the numbers of a direction are, in words, and the unit of its angle.
+/// The unit in which angles are read, a text on it for reports, and a warning where it was assumed.
 pub(super) struct AngleReading {
     pub unit: AngleUnit,
     pub text: String,

@@ -55,7 +55,7 @@ impl Scalar {
         }
     }
 
-    /// All numbers of this type in `bytes`; a rest shorter than one number is dropped.
+    /// All numbers of this type in `bytes`. Bytes at the end that make no whole number are dropped.
     pub(crate) fn all(self, bytes: &[u8], big: bool) -> Vec<f64> {
         bytes.chunks_exact(self.bytes()).map(|b| self.take(b, big)).collect()
     }
@@ -112,7 +112,7 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
         word = word << 6 | bits;
         n += 1;
         if n == 4 {
-            // Three bytes of the word are data. Each padding character takes one byte away.
+            // Four characters hold three bytes of data. Each padding character takes one of these away.
             out.extend_from_slice(&word.to_be_bytes()[1..4 - pad]);
             (word, n, pad) = (0, 0, 0);
             if out.len() >= limit {
@@ -185,7 +185,7 @@ pub(crate) fn decompress(
 /// Maps the numbers that a file gives its nodes or elements to indices from 0.
 #[derive(Debug, Default)]
 pub(crate) struct Numbers {
-    /// Index by number, for numbers that are small against the count of entries.
+    /// Index by number. The table holds numbers that are at most a few times the count of entries.
     table: Vec<u32>,
     /// Index of all other numbers.
     rest: HashMap<i64, u32>,

@@ -89,7 +89,7 @@ pub struct FaceLoad {
     pub pressure: f64,
 }
 
-/// Kind of a load on mass. The load is the acceleration times the density of the element's material.
+/// Kind of a body force. The force per volume is an acceleration times the density of the element's material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BodyForce {
     /// An acceleration in the deck's units.
@@ -110,18 +110,18 @@ pub enum BodyForce {
 pub struct BodyLoad {
     /// Index of the element.
     pub element: u32,
-    /// What acts on its mass.
+    /// The body force that acts on the element's mass.
     pub force: BodyForce,
 }
 
-/// A step of the analysis. Its loads are all that act at its end, those that stay from the steps before included.
+/// A step of the analysis. Its loads are all that act at its end, including those kept from earlier steps.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Step {
     /// The procedure: `STATIC`, `FREQUENCY`, ...; empty when none is given.
     pub procedure: String,
     /// Whether large deformations are asked for.
     pub nlgeom: bool,
-    /// Whether all supports from before are removed (`*BOUNDARY, OP=NEW`).
+    /// Whether the step removes all earlier supports (`*BOUNDARY, OP=NEW`).
     pub releases: bool,
     /// Supports that begin here.
     pub fixed: Vec<Fixed>,

@@ -1,11 +1,11 @@
-//! What acts on the part of a deck: its supports and the loads of its steps as places of the part's surface, in mm, N and MPa.
+//! Supports and loads of a deck, converted from nodes and elements to places of the part's surface, in mm, N and MPa.
 //!
 //! Another mesh of the same part has other nodes, so loads on nodes are turned into tractions that another mesh can take. On
-//! the faces of the surface whose nodes carry forces, the traction is sought whose consistent nodal forces are these:
-//! `sum_j (integral of N_i N_j) t_j = f_i`, over the faces that carry the component, with the shape functions `N` of the deck's
-//! own elements. Where the deck spread a traction over its nodes, this gives it back; whatever the forces are, the traction has
-//! their resultant and their moment, because the shape functions add up to one and to the position. Forces on nodes that make
-//! no face stay forces at points. A pressure is a traction as it is.
+//! surface faces whose nodes carry forces, the traction `t` is found whose consistent nodal forces are the forces `f` of the
+//! deck: `sum_j (integral of N_i N_j) t_j = f_i`, with the shape functions `N` of the deck's own elements, over the faces
+//! that carry the component. If the nodal forces came from a traction, this recovers it. The traction always has the
+//! resultant and the moment of the forces, because the shape functions reproduce a constant and the position. Forces on
+//! nodes that make no face stay forces at points. Pressures are tractions already.
 //!
 //! Units: the deck's forces are its unit of stress times the square of its unit of length, its time is in seconds.
 
@@ -23,8 +23,8 @@ use super::nodal_forces::face_of;
 use super::problem::FeProblem;
 use super::result::{FeOptions, StressUnit};
 
-/// Beginnings of keywords that change loads or supports and are not read. A deck with one of them is refused; the others that
-/// are not read concern materials, output and the solver, which are not taken from a deck.
+/// Prefixes of the keywords that change loads or supports and are not read. A deck with one of them is refused. All other
+/// unread keywords concern materials, output and the solver, which are not taken from a deck.
 const LOADS_AND_SUPPORTS: [&str; 22] = [
     "CLOAD",
     "DLOAD",
@@ -50,15 +50,15 @@ const LOADS_AND_SUPPORTS: [&str; 22] = [
     "CHANGE",
 ];
 
-/// Most different displacements that supports may prescribe along an axis. Source: chosen; supports that move as a whole have
-/// a few, those that turn have one for every node, and would need to be interpolated.
+/// Limit on the different displacements that supports may prescribe along an axis. Source: chosen; supports that move as a
+/// whole have a few, those that turn have one for every node, and would need to be interpolated.
 const MAX_DISPLACEMENTS: usize = 16;
 
-/// Most steps that become load cases. Source: chosen; each is solved for.
+/// Limit on the steps that become load cases. Source: chosen; each costs a solution.
 const MAX_STEPS: usize = 100;
 
-/// Most steps of the conjugate gradients. Source: derived: mass matrices scaled by their diagonal have condition numbers below
-/// 100 (`wathen1987`), so that 12 digits take about 140 steps.
+/// Limit on the steps of the conjugate gradients. Source: derived: mass matrices scaled by their diagonal have condition
+/// numbers below 100 (`wathen1987`), so that 12 digits take about 140 steps.
 const MAX_CG_STEPS: usize = 1000;
 
 /// A place of the deck's surface.
@@ -90,7 +90,8 @@ pub enum DeckLoad {
         triangles: Vec<[DVec3; 3]>,
         /// Traction at the corners of each triangle, MPa.
         corners_mpa: Vec<[DVec3; 3]>,
-        /// Whether it is a pressure, whose force grows with the part; forces on nodes keep theirs.
+        /// Whether the traction is a pressure. When the part is scaled, the force of a pressure grows with its area; that of
+        /// nodal forces stays.
         is_pressure: bool,
         /// Its resultant in the deck, N.
         force_n: DVec3,
@@ -115,7 +116,7 @@ pub enum DeckLoad {
 /// The loads that act at the end of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeckStep {
-    /// "step 1".
+    /// Its name for messages, such as "step 1".
     pub name: String,
     /// Its loads.
     pub loads: Vec<DeckLoad>,
@@ -153,7 +154,7 @@ pub struct DeckConditions {
     pub high: DVec3,
     /// Its supports; they hold in all steps.
     pub supports: Vec<DeckSupport>,
-    /// Its static steps that load the part, or the one asked for.
+    /// The steps that load the part: all static ones, or the one asked for.
     pub steps: Vec<DeckStep>,
     /// Its material, where all elements have the same and it is isotropic.
     pub material: Option<DeckMaterial>,
@@ -162,7 +163,7 @@ pub struct DeckConditions {
 }
 
 impl DeckConditions {
-    /// The material of a deck whose constants are wanted.
+    /// The deck's material, for callers that cannot do without its constants.
     ///
     /// # Errors
     /// For a deck without one isotropic material for all its solid elements.
@@ -196,7 +197,7 @@ struct DeckSurface<'a> {
     mm: f64,
     mpa: f64,
     faces: Vec<SurfaceFace>,
-    /// The index of each face of an element that is on the surface, by element and number of the face.
+    /// Index into `faces` for each element face on the surface, by element and number of the face.
     face_of_element: BTreeMap<(u32, u8), u32>,
     /// Whether a solid element has the node.
     in_solid: Vec<bool>,
@@ -206,11 +207,12 @@ struct DeckSurface<'a> {
 }
 
 impl FeFile {
-    /// The supports and loads of an INP deck, for another mesh of the same part. Of the options the units and the step count.
+    /// The supports and loads of an INP deck, for another mesh of the same part. Of `options`, only the units and the step
+    /// are used.
     ///
     /// # Errors
     /// [`FeError`] for files of other formats, for decks without solid elements, and for loads and supports that are not
-    /// understood: none is left out without a word.
+    /// understood, so that none is lost silently.
     pub fn deck_conditions(&self, options: &FeOptions) -> Result<DeckConditions, FeError> {
         let deck = self.deck.as_deref().ok_or(FeError::NoDeck { format: self.format.name() })?;
         let changes = |k: &&String| LOADS_AND_SUPPORTS.iter().any(|l| k.starts_with(l));
@@ -233,7 +235,8 @@ impl FeFile {
                 warn(format!("{name} asks for large displacements (NLGEOM); it is solved for small ones"));
             }
             let loads = surface.loads(&deck.steps[i], &name)?;
-            // A step for output alone, or one before the load comes on.
+            // A step without a load only writes output or precedes the load. It is kept where supports move or the job asks
+            // for it.
             if !loads.is_empty() || moves || options.step.is_some() {
                 steps.push(DeckStep { name, loads });
             }
@@ -341,7 +344,8 @@ impl<'a> DeckSurface<'a> {
         format!("node {}", self.deck.node_numbers[node as usize])
     }
 
-    /// Refuses loads and supports on nodes that are in no solid element: they would act through something that is not read.
+    /// Refuses loads and supports on nodes that are in no solid element: they would act on the part through elements that
+    /// are not read.
     fn check_in_solid(&self, node: u32) -> Result<(), FeError> {
         match self.in_solid[node as usize] {
             true => Ok(()),
@@ -349,8 +353,8 @@ impl<'a> DeckSurface<'a> {
         }
     }
 
-    /// The faces whose corners are all listed, with the middles between them where `all` is set, and otherwise also those
-    /// whose middles are all listed: the corners of quadratic triangles carry nothing of an even traction.
+    /// The faces whose nodes are listed. With `all`, every node of a face must be. Otherwise its corners or its middle nodes
+    /// suffice: under an even traction the corners of quadratic triangles carry no force.
     fn faces_among(&self, listed: &[bool], all: bool) -> Vec<u32> {
         let is = |nodes: &[u32]| nodes.iter().all(|&n| listed[n as usize]);
         let taken = |f: &SurfaceFace| match all {
@@ -417,7 +421,7 @@ impl<'a> DeckSurface<'a> {
                 return Err(invalid(format!("step {}", k + 1), problem));
             }
         }
-        // Nodes by axis and displacement. Adding zero makes -0 and 0 the same.
+        // Groups the nodes by axis and displacement. Adding zero makes -0 and 0 the same.
         let mut by_value: BTreeMap<(u8, u64), Vec<u32>> = BTreeMap::new();
         for (&(node, axis), value) in &held {
             self.check_in_solid(node)?;
@@ -426,7 +430,7 @@ impl<'a> DeckSurface<'a> {
         if (0..3).any(|axis| by_value.keys().filter(|k| k.0 == axis).count() > MAX_DISPLACEMENTS) {
             return Err(invalid("the supports", FeProblem::ManyDisplacements { most: MAX_DISPLACEMENTS }));
         }
-        // Axes that hold the same nodes are one support.
+        // Axes along which the same nodes are held become one support.
         let mut merged: Vec<(Vec<u32>, [bool; 3], DVec3)> = Vec::new();
         for ((axis, bits), nodes) in by_value {
             let (axis, value) = (axis as usize, f64::from_bits(bits) * self.mm);
@@ -474,7 +478,7 @@ impl<'a> DeckSurface<'a> {
         Ok(loads)
     }
 
-    /// Forces on nodes: tractions where the nodes make faces, and forces at points elsewhere.
+    /// Converts forces on nodes: to tractions where the nodes make faces, to forces at points elsewhere.
     fn nodal_loads(&self, step: &Step) -> Result<Vec<DeckLoad>, FeError> {
         let mut by_axis: [BTreeMap<u32, f64>; 3] = Default::default();
         for load in &step.point_loads {
@@ -490,8 +494,8 @@ impl<'a> DeckSurface<'a> {
             }
             *by_axis[load.axis as usize].entry(load.node).or_default() += load.value * self.newton();
         }
-        // Each component is spread over the faces whose nodes carry it, so that neighbouring places with different loads do
-        // not mix.
+        // Each component is spread only over the faces whose nodes carry it, so that different loads on neighbouring places
+        // do not mix.
         let mut carries: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
         let mut tractions = vec![DVec3::ZERO; self.file.nodes.len()];
         let mut points: BTreeMap<u32, DVec3> = BTreeMap::new();
@@ -513,7 +517,7 @@ impl<'a> DeckSurface<'a> {
         let mut loads = Vec::new();
         for group in self.connected(&faces) {
             let (mut triangles, mut corners_mpa) = (Vec::new(), Vec::new());
-            // The forces of the group, each node's once for every component that the group carries there.
+            // The components that the group carries at each node, so that the force of a shared node counts once.
             let mut forces: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
             for &f in &group {
                 let (mask, nodes) = (carries[&f], &self.faces[f as usize].nodes);
@@ -551,8 +555,8 @@ impl<'a> DeckSurface<'a> {
         Ok(loads)
     }
 
-    /// The nodes of some faces, and the traction at each of them in MPa whose consistent nodal forces are `forces_n`; `None`
-    /// where it cannot be found, as for faces without area.
+    /// The nodes of these faces, and the traction at each node, MPa, whose consistent nodal forces are `forces_n`. The
+    /// traction is `None` where the solver fails, as for faces without area.
     fn traction(&self, faces: &[u32], forces_n: &BTreeMap<u32, f64>) -> (Vec<u32>, Option<Vec<f64>>) {
         let mut nodes: Vec<u32> =
             faces.iter().flat_map(|&f| &self.faces[f as usize].nodes).copied().collect();
@@ -609,7 +613,7 @@ impl<'a> DeckSurface<'a> {
         Ok(loads)
     }
 
-    /// Calls `at(weights of the nodes, position in mm, outward area vector in mm2)` at points of a face.
+    /// Calls `at(weights of the nodes, position in mm, outward area vector in mm2)` at each quadrature point of a face.
     fn over_face(&self, face: u32, mut at: impl FnMut(&[f64; 8], DVec3, DVec3)) {
         let SurfaceFace { kind, nodes } = &self.faces[face as usize];
         for (x, weight) in rule(*kind) {
@@ -628,7 +632,8 @@ impl<'a> DeckSurface<'a> {
     }
 
     fn body_loads(&self, step: &Step, name: &str) -> Result<Vec<DeckLoad>, FeError> {
-        // Added by element, so that several keywords for parts of the deck can make one load of the whole.
+        // Accelerations are added for each element, so that several keywords that each name some elements can make one load
+        // on all.
         let mut gravity: BTreeMap<u32, DVec3> = BTreeMap::new();
         let mut turning: BTreeMap<[u64; 7], (usize, DeckLoad)> = BTreeMap::new();
         for load in &step.body_loads {
@@ -682,9 +687,9 @@ impl<'a> DeckSurface<'a> {
     }
 }
 
-/// The integrals of the products of shape functions over some faces, mm2.
+/// The mass matrix of some faces: integrals of the products of their shape functions, mm2.
 struct Mass {
-    /// The nodes of each face by their place among the unknowns, and its integrals, row by row.
+    /// For each face the indices of its nodes among the unknowns, and its integrals, row by row.
     faces: Vec<(Vec<u32>, [f64; 64])>,
     diagonal: Vec<f64>,
 }
@@ -747,8 +752,8 @@ fn rule(kind: ElementKind) -> Vec<(DVec3, f64)> {
     LINE.iter().flat_map(|&u| LINE.iter().map(move |&v| at(u, v))).collect()
 }
 
-/// Triangles that fill a face, in natural coordinates and with its sense of rotation: a plain triangle as it is, others cut so
-/// that the triangles follow a curved face and a traction that varies over it.
+/// Triangles that fill a face, in natural coordinates and with its winding. A plain triangle stays whole. Other faces are
+/// cut, so that the triangles follow a curved face and a varying traction.
 fn cut(kind: ElementKind) -> Vec<[DVec3; 3]> {
     let n: usize = if kind == ElementKind::Tri3 { 1 } else { 2 };
     let is_triangle = kind.n_corners() == 3;

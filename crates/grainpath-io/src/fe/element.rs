@@ -15,7 +15,7 @@ use grainpath_core::DVec3;
 /// Largest number of nodes of an element. Source: `Hex20`, the largest kind that is read.
 pub const MAX_NODES: usize = 20;
 
-/// A kind of element that results are interpolated in.
+/// A kind of element. Results are interpolated in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs)]
 pub enum ElementKind {
@@ -33,7 +33,7 @@ pub enum ElementKind {
     Hex20,
 }
 
-/// Range of the natural coordinates.
+/// Range of the natural coordinates `r`, `s`, `t` of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Domain {
     /// `r, s >= 0`, `r + s <= 1`.
@@ -207,7 +207,7 @@ impl ElementKind {
         }
     }
 
-    /// The middle of the natural coordinates.
+    /// The centre of the element in natural coordinates.
     pub const fn centre(self) -> DVec3 {
         match self.domain() {
             Domain::Triangle | Domain::Prism => DVec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0),
@@ -396,7 +396,7 @@ fn quad8(f: &mut Shape, r: f64, s: f64) {
         );
     }
     for (k, [i, j]) in QUAD_EDGES.into_iter().enumerate() {
-        // The middle of an edge has one natural coordinate 0; along that one the function is a parabola.
+        // A node in the middle of an edge has one natural coordinate equal to 0; along that axis its function is a parabola.
         let a = 0.5 * (SQUARE[i][0] + SQUARE[j][0]);
         let b = 0.5 * (SQUARE[i][1] + SQUARE[j][1]);
         if a == 0.0 {
@@ -436,7 +436,8 @@ fn wedge15(f: &mut Shape, x: DVec3) {
     let (base, t) = (ElementKind::Tri3.shape(x), x.z);
     for i in 0..6 {
         let (l, d, c) = (base.n[i % 3], base.d[i % 3], if i < 3 { -1.0 } else { 1.0 });
-        // Corner functions lose half the bubble of the upright edge, so that they vanish at its middle.
+        // Half the function of the upright edge's middle node is subtracted, so that a corner function vanishes at that
+        // node.
         let (h, bubble) = (1.0 + c * t, 1.0 - t * t);
         let n = 0.5 * l * ((2.0 * l - 1.0) * h - bubble);
         let by_l = 0.5 * ((4.0 * l - 1.0) * h - bubble);
@@ -488,7 +489,7 @@ fn hex20(f: &mut Shape, x: DVec3) {
 
 fn triangle_clamped(x: DVec3) -> DVec3 {
     let (r, s) = (x.x, x.y);
-    // The point is beyond the hypotenuse and in front of it: project at a right angle.
+    // The point lies beyond the hypotenuse and between its ends, so it is projected at a right angle.
     let over = 0.5 * (r + s - 1.0);
     if over > 0.0 && (r - s).abs() <= 1.0 {
         return DVec3::new(r - over, s - over, x.z);

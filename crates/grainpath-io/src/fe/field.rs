@@ -1,10 +1,10 @@
 //! Interpolates the stress of a result at any point.
 //!
 //! Inside the mesh, the shape functions of the element that holds the point weight the stresses of its nodes. Elements are
-//! found by a grid of buckets. Natural coordinates come from the inverse of a matrix for straight simplices and from Newton
-//! steps for the other elements. Outside, the stress is that of the nearest point of the free surface, found by a tree of
-//! boxes; so stress is extrapolated by a constant. A table without elements gives the mean of the eight nearest points,
-//! weighted by the inverse square of their distance.
+//! found by a grid of buckets. A matrix inverse gives the natural coordinates in straight simplices; Newton steps give them
+//! in all other elements. Outside the mesh, the stress is that of the nearest point of the free surface, which a tree of
+//! boxes finds; so stress is extrapolated as a constant. A table without elements gives the mean of the eight nearest
+//! points, weighted by the inverse square of their distance.
 //!
 //! Cost: O(1) inside on average, O(log n) outside. The answer depends on the point alone, so any number of threads gets the
 //! same bits. Degenerate cases: an element without volume is never inside; a mesh in a plane of constant z ignores z.
@@ -16,10 +16,10 @@ use super::model::Element;
 use super::result::FeResult;
 use super::result::free_faces;
 
-/// Tolerance of the inside test, in natural coordinates (which run over 1 or 2). Source: derived. Newton's iteration ends
-/// with errors of 1e-12 or less, and 1e-9 of an element of 10 mm is a hundredth of a nanometre. A larger value lets
-/// points outside be extrapolated; with 0, points on shared faces fall between the elements through
-/// rounding.
+/// Tolerance of the inside test, in natural coordinates (whose range is 1 or 2 long). Source: derived. Newton's
+/// iteration ends with errors of 1e-12 or less, and 1e-9 of an element of 10 mm is a hundredth of a nanometre. A larger
+/// value extrapolates elements to points outside them; with 0, rounding puts points on shared faces outside both
+/// elements.
 const INSIDE: f64 = 1e-9;
 /// Tolerance for gaps between elements, in natural coordinates. Gaps come from curved sides taken as
 /// straight and from rounding when a file was written. A point that is outside by less is moved into the
@@ -56,7 +56,7 @@ pub struct StressField {
     point_tree: Tree,
 }
 
-/// Map from positions to natural coordinates of an element.
+/// How positions are mapped to natural coordinates of an element.
 #[derive(Debug, Clone, Copy)]
 enum Map {
     /// A simplex with straight sides: its first corner and the rows of the inverse.
@@ -72,8 +72,8 @@ impl StressField {
         let map = |e: &Element| {
             straight(e, &result).unwrap_or_else(|| {
                 let (lo, hi) = node_box(e);
-                // Curved sides bulge beyond the box of their nodes. A parabola does so by an eighth at most, with
-                // its middle node at one end; elements that can be computed with stay below a tenth.
+                // Curved sides bulge beyond the box of their nodes. A parabola does so by at most an eighth, when its middle
+                // node is at one end. In usable elements it is less than a tenth.
                 let margin = DVec3::splat((0.1 * (hi - lo)).max_element());
                 Map::Curved(lo - margin, hi + margin)
             })
@@ -125,7 +125,7 @@ impl StressField {
                 if outside <= INSIDE {
                     return Some(Location { element, natural, distance_mm: 0.0 });
                 }
-                // The point lies in a gap: remember the element that it misses by the least.
+                // The point may lie in a gap between elements: the nearest element is remembered.
                 if outside <= BETWEEN && best.as_ref().is_none_or(|b| outside < b.0) {
                     best = Some((
                         outside,
@@ -184,7 +184,7 @@ impl StressField {
         Some(e.nodes().iter().zip(e.kind.weights(at.natural)).map(|(&i, w)| w * u[i as usize]).sum())
     }
 
-    // A plane mesh says nothing about z: the stress is the same through the thickness.
+    // Projects a point onto the plane of a plane mesh, whose stress is the same through the thickness.
     fn in_plane(&self, p: DVec3) -> DVec3 {
         match self.result.nodes.first() {
             Some(n) if self.result.plane => p.with_z(n.z),
@@ -239,8 +239,8 @@ impl StressField {
             if longest < 1e-12 {
                 return Some(x);
             }
-            // Ten half-widths away the point is certainly outside. Going on would only find a second
-            // solution of the folded map.
+            // Ten half-widths from the element the point is certainly outside. Further steps could only find a second
+            // solution where the map folds over.
             if x.abs().max_element() > 10.0 {
                 return None;
             }
@@ -514,7 +514,7 @@ impl TreeNode {
     }
 }
 
-/// Boxes in a leaf. The value changes speed alone, never the answer.
+/// Largest number of boxes in a leaf of the tree.
 /// Source: chosen; it changes speed alone, never the result.
 const LEAF: usize = 4;
 

@@ -87,7 +87,7 @@ impl<'a> Frd<'a> {
     /// Reads the number of records and the layout of a block from its first line.
     fn block(&self, line: &[u8], count_at: usize) -> Result<(usize, Layout), FeError> {
         let count = field(line, count_at, 12);
-        // The limit refuses a count that would be damage. Memory is taken only as records arrive.
+        // A count above the limit can only be damage and is refused. Memory is taken only as records arrive.
         let n = whole(count.trim_ascii()).and_then(|n| u64::try_from(n).ok()).filter(|&n| n <= MAX_COUNT);
         let n = n.ok_or_else(|| self.wrong(count, "a number of records"))?;
         // The format flag in columns 74 and 75: 0 short ASCII (node numbers in 5 columns), 1 long ASCII
@@ -117,7 +117,7 @@ impl<'a> Frd<'a> {
         mut each: impl FnMut(&mut Self, i64, &[f64]) -> Result<(), FeError>,
     ) -> Result<(), FeError> {
         let mut values = vec![0.0; n_values];
-        // Binary records have no -1 and -3 marks, so the count of the header is all there is.
+        // Binary records have no -1 and -3 marks, so only the count in the header says how many there are.
         if let Layout::Single | Layout::Double = layout {
             let scalar = if layout == Layout::Single { Scalar::F32 } else { Scalar::F64 };
             for _ in 0..n {
@@ -284,8 +284,8 @@ impl<'a> Frd<'a> {
             return Err(self.wrong(head, "the name of a result (-4)"));
         }
         let name = String::from_utf8_lossy(field(head, 5, 8).trim_ascii()).into_owned();
-        // The bound refuses damage before `n_components` lines are expected; no result of CalculiX comes
-        // near 200.
+        // The bound refuses a damaged count before `n_components` lines are read; CalculiX's results have far fewer than
+        // 200.
         let n_components = whole(field(head, 13, 5).trim_ascii()).filter(|c| (1..=200).contains(c));
         let n_components = n_components.ok_or_else(|| self.wrong(head, "a number of components"))?;
         let mut component_names = Vec::new();
@@ -294,8 +294,8 @@ impl<'a> Frd<'a> {
             if field(line, 0, 3) != b" -5" {
                 return Err(self.wrong(line, "a component (-5)"));
             }
-            // A 1 in the column IEXIST says that the component is not in the file but derived by the
-            // reader, as the sum `ALL`.
+            // A 1 in the column IEXIST marks a component that the file does not hold, such as the sum `ALL`; readers compute
+            // it.
             if field(line, 33, 5).trim_ascii() != b"1" {
                 component_names.push(String::from_utf8_lossy(field(line, 5, 8).trim_ascii()).into_owned());
             }
@@ -325,7 +325,7 @@ impl<'a> Frd<'a> {
         Ok(())
     }
 
-    /// With a single step, arrays carry no step: the user need not choose.
+    /// Where the file has a single step, arrays carry no step, so that the user need not choose one.
     fn merge_steps(&mut self) {
         let several = self.file.arrays.iter().any(|a| a.step != Some(1));
         if !several {

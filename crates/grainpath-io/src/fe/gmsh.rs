@@ -24,7 +24,7 @@ struct Kind {
     n_nodes: usize,
     dimension: u8,
     kind: Result<ElementKind, &'static str>,
-    /// Position of each of our nodes among Gmsh's; empty where the order is the same.
+    /// For each node in VTK's order its position in Gmsh's order; empty where both orders agree.
     order: &'static [usize],
 }
 
@@ -346,8 +346,8 @@ impl<'a> Msh<'a> {
             return Ok(());
         }
         let taken = self.file.add(kind.kind, ours);
-        // Another element with a number in use: results go to the first one. A number far below any real
-        // tag keeps indices in step.
+        // Two different elements may share a tag; results then go to the first one. The second gets a number far below any
+        // real tag, so that element indices and numbers stay in step.
         if taken && self.element_numbers.insert(tag).is_none() {
             let free = -1 - self.file.elements.len() as i64 - (1 << 60);
             self.element_numbers.insert(free);

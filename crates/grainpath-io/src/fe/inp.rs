@@ -128,7 +128,7 @@ fn join(set: &mut Vec<u32>, more: Vec<u32>) {
     }
 }
 
-/// Numbers of loads at the head of a step's lists that stay from the steps before.
+/// How many loads at the head of each list of a step were kept from earlier steps.
 #[derive(Debug, Clone, Copy, Default)]
 struct CarriedLoads {
     points: usize,
@@ -136,7 +136,7 @@ struct CarriedLoads {
     bodies: usize,
 }
 
-/// Takes those out of the first `n` entries that `is_replaced` names, and returns how many stay.
+/// Removes the entries among the first `n` for which `is_replaced` holds. Returns how many of the `n` remain.
 fn retain_carried<T>(all: &mut Vec<T>, n: usize, is_replaced: impl Fn(&T) -> bool) -> usize {
     let (mut at, before) = (0, all.len());
     all.retain(|entry| {
@@ -152,12 +152,12 @@ struct Inp {
     deck: Deck,
     nodes: Numbers,
     elements: Numbers,
-    /// Entries that sets and loads may still take.
+    /// Number of entries that sets and loads may still add.
     capacity: usize,
     /// The material to which ELASTIC and DENSITY belong.
     material: Option<usize>,
     in_step: bool,
-    /// Loads of the current step that stay from the steps before.
+    /// Loads of the current step that were kept from earlier steps.
     carried: CarriedLoads,
     parts: usize,
 }
@@ -233,8 +233,8 @@ impl Inp {
             "MATERIAL" => {
                 let name = b.name("NAME").unwrap_or_default();
                 self.material = Some(self.deck.materials.len());
-                // The lines of ELASTIC and DENSITY come in keywords of their own and belong to the last
-                // MATERIAL.
+                // ELASTIC and DENSITY are keywords of their own; they belong to the last MATERIAL before
+                // them.
                 self.deck.materials.push(Material { name, elastic: None, density: None });
             }
             "ELASTIC" => self.elastic(b)?,
@@ -308,7 +308,7 @@ impl Inp {
     }
 
     /// Opens a step. Loads stay from step to step until another value replaces them or `OP=NEW` removes them; a perturbation
-    /// step has loads of its own alone.
+    /// step has only its own loads.
     fn begin_step(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         let mut step = Step { nlgeom: b.has("NLGEOM"), ..Step::default() };
         if let Some(before) = self.deck.steps.last().filter(|_| !b.has("PERTURBATION")) {
@@ -324,11 +324,12 @@ impl Inp {
         Ok(())
     }
 
-    /// Names parameters of a load or a support that change what it means and are not read.
+    /// Lists, for a warning, the unread parameters of a load or a support that change its meaning.
     fn ignore_parameters(&mut self, b: &Block<'_>) {
         for (name, value) in &b.parameters {
             let is_read = match name.as_str() {
-                // An amplitude is named where it is defined; its loads are taken in full.
+                // The keyword that defines an amplitude already raises the warning; loads with an amplitude are taken in
+                // full.
                 "OP" | "AMPLITUDE" | "TIMEDELAY" => true,
                 "TYPE" => b.keyword == "BOUNDARY" && value.trim().eq_ignore_ascii_case("DISPLACEMENT"),
                 _ => false,
@@ -340,7 +341,7 @@ impl Inp {
     }
 
     fn ignore(&mut self, keyword: &str) {
-        // A hundred names are more than anyone reads; the bound keeps the warning finite.
+        // A hundred names are more than anyone reads; the bound limits the length of the warning.
         if !self.deck.ignored.iter().any(|k| k == keyword) && self.deck.ignored.len() < 100 {
             self.deck.ignored.push(keyword.chars().take(60).collect());
         }
@@ -467,8 +468,8 @@ impl Inp {
                     (&self.deck.element_numbers, &self.elements)
                 };
                 let before = found.len();
-                // A range may span far more numbers than exist (1 to 10^9). The shorter of both lists is
-                // walked.
+                // A range may span far more numbers than exist (1 to 10^9), so the loop runs over the range or over the
+                // file's numbers, whichever is shorter.
                 if high.saturating_sub(low) / step <= numbers.len() as i64 {
                     let mut at = low;
                     while at <= high {

@@ -91,7 +91,7 @@ impl Element {
             let [r, s, t] = columns;
             weight * if self.kind.dimension() == 2 { r.cross(s).length() } else { r.cross(s).dot(t) }
         };
-        // The sum is signed up to here: an element wound the other way round has the same size.
+        // The sum is negative for an element wound the other way round; its size is the absolute value.
         self.kind.quadrature().into_iter().map(measure).sum::<f64>().abs()
     }
 }

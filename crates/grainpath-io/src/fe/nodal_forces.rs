@@ -113,7 +113,7 @@ impl FeFile {
         }
     }
 
-    /// 1 where the nodes are numbered as the format asks, -1 where they run the other way round.
+    /// 1 for an element whose nodes have the winding that the format asks for, -1 for the opposite winding.
     pub(super) fn winding(&self, e: &Element) -> f64 {
         let shape = e.kind.shape(e.kind.centre());
         let column = |k: usize| {

@@ -16,7 +16,7 @@ pub enum FeProblem {
     // Tables.
     #[error("a header such as x,y,z,sxx,syy,szz,sxy,syz,szx should be here")]
     NoHeader,
-    #[error("the header should name columns x and y; it is the only place that says what is what")]
+    #[error("the header should name columns x and y; nothing else says what the columns are")]
     NoXAndY,
     #[error("found {found:?} where a number should be, column {column}")]
     NotANumberInColumn { found: String, column: usize },
@@ -38,7 +38,7 @@ pub enum FeProblem {
     EndsBefore(&'static str),
     #[error("is there twice, at different places")]
     TwiceElsewhere,
-    #[error("the file ends in the head of a result")]
+    #[error("the file ends within the header of a result")]
     HeadEnds,
     #[error("{components} components for {n} tuples; 1 to 9 should be")]
     Components { components: usize, n: u64 },
@@ -85,7 +85,7 @@ pub enum FeProblem {
     #[error("holds the part in another way than step {first} does; choose one of them with guide.deck_step")]
     OtherSupports { first: usize },
     #[error(
-        "prescribe more than {most} different displacements along an axis; a place that turns is not read"
+        "prescribe more than {most} different displacements along an axis; supports that rotate are not read"
     )]
     ManyDisplacements { most: usize },
     #[error("carries a load or a support, and is in no solid element")]

@@ -1,10 +1,10 @@
 //! The stress of a finite-element file at every node, in mm and MPa.
 //!
-//! Files name their arrays freely and order the components of a stress in three ways. This module decides which array is
-//! the stress, converts its unit and orders its components as xx, yy, zz, xy, yz, zx. Two checks warn of a wrong order: the von
-//! Mises stress that the file may hold besides, and the traction on the free surface, which is zero for most of a part.
-//! Stress on elements is averaged at nodes, weighted by volume; nodes in the middle of edges without a stress get the mean
-//! of the two ends.
+//! Files name their arrays freely and order the components of a stress in three ways. This module decides which array is the
+//! stress, converts its unit and orders its components as xx, yy, zz, xy, yz, zx. Two checks warn of a wrong order. The
+//! stress is compared with a von Mises stress, if the file holds one. The traction on the free surface has to be small,
+//! since it is zero for most of a part. Stress on elements is averaged at nodes, weighted by volume; nodes in the middle of
+//! edges without a stress get the mean of the two ends.
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
@@ -13,15 +13,15 @@ use super::model::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
 use super::problem::FeProblem;
 use grainpath_core::tensor::von_mises;
 
-/// Peak stress in MPa above which the unit is doubted. No printed part bears as much; only a warning
+/// Peak stress in MPa above which the user is warned of a wrong unit. No printed part bears as much. Only this warning
 /// depends on the value.
 /// Source: chosen; more than twice the tensile strength of continuous carbon fibre composites along the fibre
 /// (about 2000 MPa).
 const LIKELY_MAX_MPA: f64 = 5000.0;
-/// Size in mm above which the unit is doubted; only a warning depends on the value.
+/// Size in mm above which the user is warned of a wrong unit; only this warning depends on the value.
 /// Source: chosen; five times the longest axis of large-format FDM printers (1 m).
 const LIKELY_MAX_MM: f64 = 5000.0;
-/// Size in mm below which the part is likely in metres; only a warning depends on the value.
+/// Size in mm below which the user is warned that the unit may be metres; only this warning depends on the value.
 const LIKELY_MIN_MM: f64 = 1.0;
 
 /// A unit of stress a file may be in.
@@ -115,17 +115,17 @@ impl Order {
     }
 }
 
-/// Rules for reading the stress of a file. `None` takes the statement of the file, or else the default
-/// given here.
+/// What the job states about the stress of a file. `None` takes the statement of the file, or else the default given
+/// here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FeOptions {
     /// Unit of positions and displacements; mm when not given.
     pub length_unit: Option<LengthUnit>,
     /// Unit of the stress; MPa when not given.
     pub stress_unit: Option<StressUnit>,
-    /// Name of the array that is the stress, or what the names of its components begin with.
+    /// Name of the array that is the stress, or the beginning of the names of its component arrays.
     pub stress_array: Option<String>,
-    /// Order of its components; where the file names them they are taken by name.
+    /// Order of its components. When not given, components are taken by name, or in VTK's order where they have no names.
     pub order: Option<Order>,
     /// Step of the analysis, from 1; the last when not given.
     pub step: Option<usize>,
@@ -140,7 +140,7 @@ pub struct FeResult {
     pub nodes: Vec<DVec3>,
     /// Elements of the highest dimension, each with a stress at all its nodes; empty for points without a mesh.
     pub elements: Vec<Element>,
-    /// Stress at each node, MPa, tension positive. NaN at nodes of no element that have none.
+    /// Stress at each node, MPa, tension positive. NaN at nodes that belong to no element and have no stress.
     pub stress: Vec<[f64; 6]>,
     /// Displacement of each node, mm, where the file has one.
     pub displacement: Option<Vec<DVec3>>,
@@ -175,7 +175,7 @@ struct Choice {
     on: On,
     /// xx, yy, zz, xy, yz, zx; `None` for a component that is zero (plane stress).
     from: [Option<(usize, usize)>; 6],
-    /// Second source of each shear, for tensors with nine components.
+    /// The mirrored component of each shear, for tensors with nine components.
     mirror: [Option<(usize, usize)>; 6],
     /// Whether the file itself states the order of the components.
     by_name: bool,
@@ -221,7 +221,7 @@ impl FeFile {
         if choice.on == On::Elements {
             stress = self.averaged(&nodes, &stress, top);
         }
-        // This comes after averaging: then both kinds of result reach the middle nodes.
+        // Middle nodes are filled in after averaging, so that results on nodes and on elements both reach them.
         fill_middles(&self.elements, &mut stress);
         let whole = |s: &[f64; 6]| s.iter().all(|v| v.is_finite());
         let mut without = 0;
@@ -504,7 +504,7 @@ impl FeFile {
         }
     }
 
-    /// Compares with a von Mises stress that the file holds: components in the wrong place would show.
+    /// Compares the stress with a von Mises stress that the file holds. Misplaced components make the two differ.
     fn check_von_mises(&self, result: &FeResult, mpa: f64, warnings: &mut Vec<Warning>) {
         let like = |a: &&FeArray| {
             let name = a.name.to_ascii_lowercase();
@@ -585,8 +585,9 @@ fn is_plane(nodes: &[DVec3], elements: &[Element]) -> bool {
     flat && elements.first().is_none_or(|e| e.kind.dimension() == 2)
 }
 
-/// An order of the shears under which much less stress crosses the free surface, with the share of the stated order
-/// and of the better one. Most of a part's surface carries no load, so the right order leaves little across it.
+/// An order of the shears that gives much less traction on the free surface than the stated order, and the traction's share
+/// of the stress with the stated and with the better order. Most of a part's surface carries no load, so the right order
+/// gives little traction there.
 fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64, f64)> {
     if result.elements.first()?.kind.dimension() != 3 {
         return None;
@@ -607,7 +608,7 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
             continue;
         }
         let n = area / size;
-        // The components in the order of the file: the stated order is undone before others are tried.
+        // Undoes the stated order: `raw` holds the components in the order of the file, to which every order is applied.
         let places = stated.places();
         let mut raw = [0.0; 6];
         for &i in face {
@@ -635,7 +636,7 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
     (share(best) < 0.7 * share(stated) && share(stated) > 0.05).then(|| (best, share(stated), share(best)))
 }
 
-/// Faces of solids (edges of surfaces) that only one element has: the element and which of its faces.
+/// Free faces of solids (free edges of surfaces), which only one element has: the element and the number of the face in it.
 pub(crate) fn free_faces(elements: &[Element]) -> Vec<(u32, u8)> {
     let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
     for (i, e) in elements.iter().enumerate() {

@@ -185,8 +185,8 @@ impl Vtk<'_> {
             let n = if a.on == On::Nodes { n_nodes } else { n_cells };
             if a.values.len() != n * a.components {
                 let text = format!("array {:?} does not fit its mesh; left out", a.name);
-                // A result of the wrong length would be assigned to the wrong nodes. It is dropped, and
-                // the rest of the file stays usable.
+                // The values of an array of the wrong length would reach the wrong nodes. The array is dropped; the rest of
+                // the file stays usable.
                 warnings.push(Warning::new(WarningId::FeLeftOut, text));
                 return false;
             }

@@ -19,8 +19,8 @@ use super::vtk::{VtkCells, add_cells};
 use crate::text::skip_space;
 use grainpath_core::number::number;
 
-/// Numbers that all arrays together may hold whatever the file's size. The bound stops compressed bombs. Source:
-/// derived. A mesh of 100 000 nodes with 80 components fits.
+/// Numbers that all arrays together may hold whatever the file's size. The bound stops small files that inflate enormously.
+/// Source: derived. A mesh of 100 000 nodes with 80 components fits.
 const NUMBERS_ALWAYS: usize = 8 << 20;
 // More numbers for every byte of the file. Source: derived. A number takes 4 or 8 bytes unpacked, so the file may inflate
 // 64-fold or 128-fold.
@@ -298,7 +298,8 @@ impl<'a> Vtu<'a> {
     /// The bytes of an array after its header.
     fn decode(&mut self, place: &str, scalar: Scalar, source: Source<'_>) -> Result<Vec<u8>, FeError> {
         let style = self.style;
-        // Every array draws on the same budget, so that many small bombs count as one large one.
+        // All arrays draw on one budget, so that many arrays that inflate a little are refused like one that inflates
+        // enormously.
         let limit = self.numbers_left.saturating_mul(scalar.bytes());
         let bomb = || invalid(place, FeProblem::Bomb("with it the arrays"));
         let word = if style.wide_header { Scalar::U64 } else { Scalar::U32 };
@@ -428,7 +429,7 @@ impl<'a> Vtu<'a> {
                 _ => continue,
             };
             let c = array.components;
-            // A result of the wrong length would be assigned to the wrong nodes. It is dropped with a
+            // The values of an array of the wrong length would reach the wrong nodes. The array is dropped with a
             // warning.
             if array.values.len() != n_tuples.saturating_mul(c) {
                 let text = format!(

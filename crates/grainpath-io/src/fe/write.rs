@@ -34,7 +34,7 @@ pub struct PointData {
     pub components: usize,
     /// Names of the components, or none.
     pub component_names: Vec<String>,
-    /// Tuple after tuple, for every node.
+    /// The numbers, tuple after tuple, one tuple for every node.
     pub values: Vec<f64>,
 }
 
@@ -83,7 +83,7 @@ pub fn stress_point_data(stress: &[[f64; 6]], displacement: Option<&[DVec3]>) ->
     data
 }
 
-/// A number type on its way out.
+/// The numbers of an array to be written, by type.
 enum Numbers<'a> {
     F64(Vec<f64>),
     Borrowed(&'a [f64]),
@@ -123,7 +123,7 @@ fn joined<T: ToString>(values: &[T]) -> String {
     values.iter().map(T::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Writes a VTU file. Arrays whose length does not fit the nodes are an error of the caller.
+/// Writes a VTU file.
 ///
 /// # Errors
 /// Errors of the writer; [`io::ErrorKind::InvalidInput`] when an array does not fit.
@@ -240,7 +240,7 @@ impl ArrayWriter {
         for word in [blocks.len(), BLOCK, last] {
             self.appended.extend((word as u64).to_le_bytes());
         }
-        // Compressed sizes stand before the blocks but are known after them: room is reserved here and
+        // The compressed sizes precede the blocks but are known only after compression. Room for them is reserved here and
         // filled in below.
         let mut sizes = self.appended.len();
         self.appended.resize(sizes + 8 * blocks.len(), 0);

@@ -1,15 +1,15 @@
 //! BMP: palettes, 16, 24 and 32 bits, uncompressed.
 //!
-//! Source: Microsoft, *Bitmap Storage* (`BITMAPFILEHEADER`, `BITMAPINFOHEADER`, bit fields). The reader is ours because
-//! `zune-bmp` 0.5.2 is worse where it matters, measured side by side:
+//! Source: Microsoft, *Bitmap Storage* (`BITMAPFILEHEADER`, `BITMAPINFOHEADER`, bit fields). This reader is used instead of
+//! the crate `zune-bmp` (0.5.2), because that one failed in a comparison. Measured:
 //!
 //! - Of 59 files that were cut short it accepts 37 and fills the missing rows; this reader refuses all of them.
 //! - Pictures of 4 and of 16 bits with 5 or with 61 pixels in a row come out shifted; the `image` crate agrees with this
 //!   reader.
-//! - Of 225 damaged files of 61 x 40 pixels one took it 103 ms and 10 MB; the worst here took 0.06 ms and 8 kB.
+//! - Of 225 damaged files of 61 x 40 pixels the worst took `zune-bmp` 103 ms and 10 MB, and this reader 0.06 ms and 8 kB.
 //!
-//! It is five times as fast, 0.16 s instead of 0.81 s for 12 megapixels, and reads run-length encoding, which is refused
-//! here.
+//! In favour of `zune-bmp`: it is five times as fast (0.16 s instead of 0.81 s for 12 megapixels), and it reads run-length
+//! encoding, which this reader refuses.
 
 use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
 

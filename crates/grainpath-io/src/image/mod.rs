@@ -36,7 +36,7 @@ pub const MAX_PIXELS: u64 = 250_000_000;
 /// before anything is decoded.
 ///
 /// # Errors
-/// [`ImageError`]; an image that is cut short is an error, never half an image.
+/// [`ImageError`]; an image that is cut short is an error and not read in part.
 pub fn decode(bytes: &[u8]) -> Result<Image, ImageError> {
     decode_within(bytes, MAX_PIXELS)
 }
@@ -89,7 +89,7 @@ pub fn sniff_image(bytes: &[u8]) -> Option<ImageFormat> {
         Some(ImageFormat::Jpeg)
     } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|m| starts(*m)) {
         Some(ImageFormat::Tiff)
-    // Two letters prove little: the smallest header has to fit too.
+    // The signature `BM` could stand in other files by chance, so the smallest header has to fit as well.
     } else if starts(b"BM") && bytes.len() >= 26 {
         Some(ImageFormat::Bmp)
     } else {
@@ -130,7 +130,7 @@ pub fn sniff_other_image(bytes: &[u8]) -> Option<&'static str> {
 /// A way to convert a picture of a format that is not read.
 fn how_to_convert(format: &str) -> &'static str {
     match format {
-        // The two ways in which such files come about: from a phone's camera and from the web.
+        // HEIC pictures come from the cameras of phones, WebP pictures from the web.
         "HEIC" => {
             "on an iPhone: Settings > Camera > Formats > Most Compatible; or `heif-convert in.heic out.jpg`"
         }

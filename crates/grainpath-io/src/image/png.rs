@@ -18,10 +18,10 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
         let info = decoder.read_header_info().map_err(error)?;
         (info.width, info.height)
     };
-    // Before `read_info`, which reserves memory for rows.
+    // The size is checked before `read_info`, which reserves memory for rows.
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let mut reader = decoder.read_info().map_err(error)?;
-    // The decoder takes whole entries for granted (png 0.18.1, found by `cargo xtask campaign`).
+    // The decoder assumes that the palette holds whole entries (png 0.18.1, found by `cargo xtask campaign`).
     if let Some(palette) = &reader.info().palette
         && (palette.is_empty() || palette.len() % 3 != 0)
     {

@@ -13,15 +13,15 @@ pub(crate) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let (width, height) = decoder.dimensions().map_err(error)?;
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let mut limits = Limits::default();
-    // A pixel has at most four channels of eight bytes. The decoder's limit follows from the size that
-    // was checked above.
+    // A pixel has at most four channels of eight bytes, so the checked size gives the decoder's limit on
+    // memory.
     let most = (u64::from(width) * u64::from(height)).saturating_mul(32);
     limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
     limits.intermediate_buffer_size = limits.decoding_buffer_size.max(1 << 20);
     read_page(&mut decoder.with_limits(limits), max_pixels)
 }
 
-/// Reads the page that the decoder stands at. The caller has set the limits.
+/// Reads the decoder's current page. The caller has set the limits of the decoder.
 pub(crate) fn read_page<R: std::io::Read + std::io::Seek>(
     decoder: &mut Decoder<R>,
     max_pixels: u64,

@@ -14,8 +14,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
     // Index of the merged vertex for each vertex of the file.
     let mut merged: Vec<u32> = Vec::new();
-    // A vertex line takes about 30 bytes and a face line as many, so a triangle takes at least 45; 64
-    // reserves a little too few rather than too many.
+    // A vertex line and a face line take about 30 bytes each. A mesh has half as many vertices as triangles, so a triangle
+    // takes about 45 bytes; 64 reserves too little memory rather than too much.
     let mut soup = SoupBuilder::with_capacity(bytes.len() / 64);
     let mut positions = Vec::new();
     let mut face = Vec::new();
@@ -28,7 +28,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
                 }
                 let p = checked(words.position()?, || words.place())?;
                 let index = soup.index(p)?;
-                // A new vertex. Others have been merged into an earlier one.
+                // The index is new unless the vertex was merged into an earlier one.
                 if index as usize == positions.len() {
                     positions.push(p);
                 }

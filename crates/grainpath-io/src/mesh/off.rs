@@ -14,7 +14,7 @@ use grainpath_core::number::whole;
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let header = words.word().ok_or(MeshError::Empty)?;
-    // `COFF`, `NOFF` and `CNOFF` end in the same letters; what they add stands after the coordinates.
+    // `COFF`, `NOFF` and `CNOFF` end in the same letters. The colours and normals that they add follow the coordinates.
     if header.get(header.len().saturating_sub(3)..).is_none_or(|h| !h.eq_ignore_ascii_case(b"OFF")) {
         return Err(words.wrong(header, "`OFF`").into());
     }
@@ -28,8 +28,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     words.next_line();
-    // A count is only a claim. A row takes at least four bytes, so no more memory is reserved than the
-    // file can fill.
+    // The count may be wrong. A row takes at least four bytes, so no more memory is reserved than the file can
+    // fill.
     let capacity = |n: u64| (n as usize).min(bytes.len() / 4);
     let mut mesh = TriMesh {
         vertices: Vec::with_capacity(capacity(n_vertices)),

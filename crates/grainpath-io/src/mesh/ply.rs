@@ -129,7 +129,7 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
             b"element" => {
                 let name = String::from_utf8_lossy(words.word_on_line().unwrap_or_default()).into_owned();
                 let count = words.count("the number of elements")?;
-                // The count is a claim of the header; memory is taken only as rows arrive.
+                // The count in the header may be wrong, so memory is taken only as rows arrive.
                 if count > MAX_ELEMENTS {
                     return Err(MeshError::TooMany { what: "elements", limit: MAX_ELEMENTS });
                 }

@@ -33,8 +33,8 @@ pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
     promised(bytes).is_some_and(|n| {
         let size = HEADER as u64 + FACET as u64 * n;
         let spare = (bytes.len() as u64).checked_sub(size);
-        // A text that begins with `solid` can have the right size by chance only within the padding, so
-        // padding is accepted for other headers alone.
+        // A text that begins with `solid` could match the size by chance if padding were accepted, so padding is accepted
+        // only after other headers.
         n > 0 && spare.is_some_and(|s| s == 0 || (s < 4096 && !bytes[..80].starts_with(b"solid")))
     })
 }
@@ -119,7 +119,7 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     if let Some((soup, name)) = solid {
-        // All facets so far are sound, so the mesh is read and the user is told.
+        // All facets so far are sound, so the mesh is accepted and the user warned.
         let text = "`endsolid` is missing: the file may be cut short";
         warnings.push(Warning::new(WarningId::MeshFileDamaged, text));
         bodies.push(soup.finish(name));

@@ -1,4 +1,4 @@
-//! The shapes of a drawing, the region that they make, and what can go wrong on the way.
+//! The shapes of a drawing, their conversion to a region, and the errors of reading.
 
 use grainpath_core::poly::FillRule;
 use grainpath_core::units::LengthUnit;
@@ -13,8 +13,8 @@ pub struct OutlineOptions {
     pub unit: Option<LengthUnit>,
     /// Largest distance between a curve and the chords that replace it, mm.
     pub tolerance_mm: f64,
-    /// Whether all closed lines count together by the even-odd rule, however shapes are filled: every
-    /// second one inwards is a hole. Lines of a DXF always count so.
+    /// Whether the even-odd rule applies to all closed lines together, whatever the fill of their shapes: going inwards,
+    /// every second line bounds a hole. Lines of a DXF always follow this rule.
     pub even_odd: bool,
 }
 
@@ -165,14 +165,14 @@ impl Drawing {
         let mut lines: Vec<Contour> = Vec::new();
         for shape in &self.shapes {
             match shape.filled {
-                // Each filled shape becomes a region by its own rule before the shapes are united.
+                // Each filled shape becomes a region by its own fill rule, before all shapes are united.
                 Some(rule) if !even_odd => {
                     all.extend(Region::from_contours(&shape.rings, rule).contours().cloned());
                 }
                 _ => lines.extend(shape.rings.iter().cloned()),
             }
         }
-        // The regions overlap but each winds once around its own area, so the non-zero rule gives their
+        // The regions may overlap. Each winds once around its own area, so the non-zero rule gives their
         // union.
         let filled = Region::from_contours(&all, FillRule::NonZero);
         let mut region = if lines.is_empty() {

@@ -1,9 +1,9 @@
 //! Outlines of flat parts: drawings read as regions.
 //!
 //! [`parse_outline`] recognises SVG and ASCII DXF. Each reader turns its file into a [`drawing`]: closed and open lines in
-//! mm, with the fill rule of each shape. Filled shapes are material by their own rule and are united. Closed lines without
-//! fill count together by even-odd, so that a circle in a rectangle is a hole whether or not it is filled in the drawing
-//! program. Curves are divided into chords within a given tolerance.
+//! mm, with the fill rule of each shape. Filled shapes are material by their own fill rule and are united. The even-odd rule
+//! applies to all closed lines without fill together, so that a circle in a rectangle is a hole whether or not the rectangle
+//! is filled. Curves are divided into chords within a given tolerance.
 
 use grainpath_core::{Warning, WarningId};
 
@@ -16,9 +16,9 @@ mod tests;
 
 pub use drawing::{Outline, OutlineError, OutlineOptions, OutlineProblem};
 
-/// Reads an outline from an SVG or an ASCII DXF drawing. Filled shapes are material by their own fill rule, united;
-/// closed lines without fill count together by even-odd, and turn what they lie on into its opposite. A DXF has lines
-/// alone; those whose ends meet are joined.
+/// Reads an outline from an SVG or an ASCII DXF drawing. Filled shapes are material by their own fill rule and are united.
+/// Closed lines without fill follow the even-odd rule: they cut holes into material and add material elsewhere. A DXF has
+/// only lines; those whose ends meet are joined.
 ///
 /// # Errors
 /// [`OutlineError`]: another format, damage (with its place), no closed line, too many points.

@@ -126,7 +126,7 @@ struct Pen {
 impl Pen {
     fn draw(&mut self, command: u8, words: &mut Numbers<'_>) -> Result<(), TextError> {
         let base = if command.is_ascii_lowercase() { self.at } else { DVec2::ZERO };
-        // Only a curve directly before counts for mirroring, so every command clears the point.
+        // A control point is mirrored only if the curve comes directly before, so every command clears it.
         let (from, control) = (self.at, self.control.take());
         let mirrored = |cubic: bool| match control {
             // S after Q or T after C has no point to mirror and begins at the current point (section
@@ -208,8 +208,8 @@ impl Pen {
 
     fn cubic(&mut self, a: DVec2, b: DVec2, to: DVec2) {
         let from = self.at;
-        // A chord over 1/n of a cubic is off by at most 6 bend / (8 n^2), where the second derivative is
-        // at most 6 bend.
+        // The second derivative of the cubic is at most 6 bend. A chord over 1/n of the parameter is then at most 6 bend /
+        // (8 n^2) from the curve.
         let bend = (from - 2.0 * a + b).length().max((a - 2.0 * b + to).length());
         // 1000 chords bound the work on a curve of absurd size.
         let n = (0.75 * bend / self.tolerance).sqrt().ceil().clamp(1.0, 1000.0) as usize;

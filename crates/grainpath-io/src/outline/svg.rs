@@ -1,9 +1,9 @@
-//! SVG: filled shapes and closed lines, transforms, and as much of style as says what is filled.
+//! SVG: filled shapes, closed lines, transforms, and those style properties that decide what is filled.
 //!
 //! Source: W3C, *Scalable Vector Graphics 1.1 (Second Edition)*. Read are `path`, `rect`, `circle`, `ellipse`, `line`,
 //! `polygon` and `polyline`, nested groups, `transform`, and `fill`, `fill-rule`, `display` and `visibility` as attributes,
-//! as `style` or by rules of single classes. Text, images and clones (`use`) are named in a warning; stroke widths, clips
-//! and markers do not count.
+//! in `style` or in style sheet rules for a single class. Text, images and clones (`use`) are named in a warning; stroke
+//! widths, clips and markers are ignored.
 //!
 //! Units: the page's size over its view box gives the unit; pixels are 1/96 inch. A page without a size is read in mm, with a
 //! warning. Result: mm, y up from the lower left corner of the page. Limits: groups nested 1000 deep, 4 million points.
@@ -12,8 +12,8 @@
 //! - It keeps coordinates as `f32` and turns arcs into cubic curves with a fixed tolerance. A circle of radius 90 mm
 //!   came out up to 0.024 mm too large, and one of 45 mm drawn 10^6 units from the origin between 0.015 mm too small and
 //!   0.069 mm too large; here the chosen tolerance (0.005 mm) holds.
-//! - A negative width, an unknown transform and path data that end in a stray letter were read without a word, and text
-//!   disappeared; here each is an error or a warning with its place.
+//! - It read a negative width, an unknown transform and path data that end in a stray letter without an error, and dropped
+//!   text silently; here each is an error or a warning with its place.
 //! - A file of 15 kB with an entity of 10 000 subpaths used 1000 times took 784 MB and 10 s (on a busy machine). Here
 //!   entities are not expanded.
 //! - It is 19 crates that take 23 s of compiler time.
@@ -28,7 +28,7 @@ use super::path::{Numbers, ellipse, lines};
 
 use crate::xml::attribute;
 
-/// A CSS pixel, mm. Source: CSS 2.1, section 4.3.2: 1 px is 0.75 pt and 1 pt is 1/72 inch.
+/// Size of a CSS pixel, mm. Source: CSS 2.1, section 4.3.2: 1 px is 0.75 pt and 1 pt is 1/72 inch.
 const PIXEL_MM: f64 = 25.4 / 96.0;
 /// Limit on the nesting of groups; each level keeps a state, so a damaged file must not nest without end.
 /// Source: chosen; files of real programs stay far below it.

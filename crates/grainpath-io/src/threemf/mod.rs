@@ -5,9 +5,9 @@
 //! Studio ([`paint`]), and so do modifiers and other volumes that are not solid ([`volumes`]).
 //!
 //! [`package`] opens the archive and finds the root model part, [`part`] reads a model part as a stream of XML events, and
-//! this module places the objects that the build refers to: transforms, nested components and several items become bodies
-//! in the unit that the file states. A rule of the specification that the file breaks is a warning with the section, or an
-//! error where the triangles remain unknown.
+//! this module places the objects that the build refers to: transforms, nested components and several items become bodies in
+//! the unit that the file states. Where the file breaks a rule of the specification, a warning names its section; where the
+//! triangles remain unknown, it is an error.
 //!
 //! Limits: 1 GiB of inflated data and a ratio of 100 (32 MiB are always allowed), 1000 model parts, components nested 32
 //! deep, 50 million triangles in all copies. Beam lattices, slices, volumetric data and encrypted parts are not read.
@@ -77,7 +77,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     }
     let (bodies, modifiers) = (assembly.bodies, assembly.modifiers);
     warnings.extend(assembly.warnings);
-    // A build without items is legal, but nothing would be printed and the error would otherwise name no
+    // A build without items is legal, but leaves nothing to print. Without this warning the error would name no
     // cause.
     if root.items.is_empty() {
         let text = "the build has no items, so nothing is to be printed (3MF core 3.4.3)";
@@ -92,10 +92,10 @@ struct Assembly<'a> {
     volumes: &'a Volumes,
     bodies: Vec<MeshBody>,
     modifiers: Vec<ModifierVolume>,
-    /// Whether what is added belongs to a modifier.
+    /// Whether the objects that are being added belong to a modifier.
     in_modifier: bool,
     n_triangles: u64,
-    /// Broken rules that show only where objects are used.
+    /// Warnings of broken rules that are found only where objects are used.
     warnings: Vec<Warning>,
 }
 
@@ -115,7 +115,7 @@ impl Assembly<'_> {
         depth: usize,
         body: &mut MeshBody,
     ) -> Result<(), MeshError> {
-        // Without a path of its own a component refers to the part it stands in.
+        // A component without a path refers to an object of its own part.
         let path = use_of.path.as_deref().unwrap_or(path);
         let id = use_of.object;
         if depth > MAX_DEPTH {
@@ -136,16 +136,16 @@ impl Assembly<'_> {
                 );
                 return Ok(());
             }
-            // OrcaSlicer and Bambu Studio write modifiers so.
+            // OrcaSlicer and Bambu Studio write modifiers with this type.
             ObjectType::Other if self.in_modifier => {}
             ObjectType::Other => {
-                let text = "is not meant to be printed, though the build refers to it; it is left out";
+                let text = "has a type that is not printed, but the build refers to it; it is left out";
                 self.warn(path, format!("object {id} {text} (3MF core 3.4.3.1)"));
                 return Ok(());
             }
         }
         let place = use_of.transform.then(&place);
-        // The facets have no volume left; the slicer would find nothing.
+        // A flat body has no volume, so the slicer would find nothing and the user is warned.
         if place.is_singular() {
             self.warn(path, format!("a transform presses object {id} flat (3MF core 3.3)"));
         }
@@ -155,7 +155,7 @@ impl Assembly<'_> {
         match &object.content {
             Content::Mesh(mesh, painted) => {
                 let all = [mesh, &painted.enforcers, &painted.blockers];
-                // Ten levels of ten components each are 10^10 copies of one triangle, so copies count.
+                // Ten levels of ten components each make 10^10 copies of one triangle, so the limit applies to all copies.
                 self.n_triangles += all.iter().map(|m| m.triangles.len() as u64).sum::<u64>();
                 if self.n_triangles > MAX_ELEMENTS / 4 {
                     return Err(MeshError::TooMany {
@@ -168,7 +168,7 @@ impl Assembly<'_> {
                 {
                     append(to, from, &place, path)?;
                 }
-                // The ranges are those of the objects that the build names.
+                // Projects give ranges of triangles only for objects that the build names, which have depth 0.
                 let ranges = if depth == 0 { self.volumes.ranges(id) } else { None };
                 let Some(ranges) = ranges else { return append(&mut body.mesh, mesh, &place, path) };
                 let (solid, modifiers) = divided(mesh, &ranges);
@@ -181,8 +181,8 @@ impl Assembly<'_> {
                 append(&mut body.mesh, &solid, &place, path)
             }
             Content::Components(components) => {
-                // Each level may multiply the one below. Triangles bound the number of uses, and this
-                // counts uses of empty objects.
+                // Each level may multiply the uses of the one below. The limit on triangles bounds them, so the use of an
+                // object without triangles counts as one.
                 self.n_triangles += 1;
                 for c in components {
                     let volume = if depth == 0 { self.volumes.of_component(id, c.object) } else { None };
@@ -191,7 +191,7 @@ impl Assembly<'_> {
                         continue;
                     };
                     if volume.kind == VolumeKind::Modifier {
-                        // The component's own transform places it, as it does the solid ones.
+                        // The component's own transform places a modifier, as it places solid components.
                         let mut apart = MeshBody::default();
                         self.in_modifier = true;
                         self.add(c, path, place, depth + 1, &mut apart)?;

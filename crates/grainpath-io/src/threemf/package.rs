@@ -1,14 +1,14 @@
 //! The zip around the XML: parts, relationships, and limits against bombs.
 //!
-//! Source: 3MF Core Specification 1.4, chapter 2, and the Open Packaging Conventions. The relationships
-//! of the package name the root model part. Relationships of a model part stand in a file of their own
-//! beside it. Part names are compared without regard to case. Broken rules give warnings with their
-//! section; without a model part the package is refused.
+//! Source: 3MF Core Specification 1.4, chapter 2, and the Open Packaging Conventions. The relationships of the package name
+//! the root model part. The relationships of a model part are stored in a separate file beside it. Part names are compared
+//! without regard to case. A broken rule gives a warning with the section of the specification; a package without a model
+//! part is refused.
 //!
-//! Parts are inflated as streams, so memory is bounded by the longest XML element. Bytes are counted
-//! while they inflate, because the sizes in the directory of the archive may be wrong: 1 GiB for all
-//! parts, and 100 times the packed size for a part of more than 32 MiB. Document type definitions are
-//! refused, since entities could expand without bound. External targets are never opened.
+//! Parts are inflated as streams, so the longest XML element sets the memory that is needed. Bytes are counted while they
+//! inflate, because the sizes in the directory of the archive may be wrong. The limits are 1 GiB for all parts together, and
+//! 100 times the packed size for a part of more than 32 MiB. Document type definitions are refused, since entities could
+//! expand without bound. External targets are never opened.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Cursor, Read};
@@ -25,7 +25,8 @@ use crate::xml::attribute;
 /// XML.
 const MAX_INFLATED: u64 = 1 << 30;
 /// A part that inflates to more than `BOMB_SIZE` may be at most `BOMB_RATIO` times its packed size.
-/// Source: derived. Deflate alone reaches 1032; XML of a mesh is mostly digits, which stays far below 100.
+/// Source: derived. The Deflate format can reach a ratio of 1032; the XML of a mesh is mostly digits and stays far below
+/// 100.
 const BOMB_SIZE: u64 = 32 << 20;
 /// See `BOMB_SIZE`. Source: derived there.
 const BOMB_RATIO: u64 = 100;
@@ -37,10 +38,10 @@ const THUMBNAIL_TYPE: &str =
 const MODEL_CONTENT_TYPE: &str = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml";
 const ROOT_RELATIONSHIPS: &str = "/_rels/.rels";
 
-/// Packages with more relationships in one part are refused: checking them would take time without end.
+/// Limit on the relationships of one part. A package with more is refused, since checking them would take too long.
 /// Source: chosen; files of real programs stay far below it.
 const MAX_RELATIONSHIPS: usize = 10_000;
-/// A relationships part gives no more warnings than this. Source: chosen; nobody reads more.
+/// Limit on the warnings about one relationships part. Source: chosen; nobody reads more.
 const MAX_WARNINGS: usize = 50;
 
 pub(crate) struct Package<'a> {
@@ -77,7 +78,7 @@ impl<'a> Package<'a> {
         let result = f(Box::new(BufReader::with_capacity(1 << 16, &mut counted)));
         let (read, left) = (counted.read, counted.left);
         self.inflated += read;
-        // The reader's own error would only say that the XML ends early, so this one comes first.
+        // The size limit is checked first, because the XML reader would only report that the XML ends early.
         if left == 0 {
             return Err(invalid(path, MeshProblem::Bomb { limit }));
         }
@@ -167,8 +168,8 @@ impl<'a> Package<'a> {
                 complain("core 2.1.1", format!("the part {:?} lies outside the package", r.target));
                 continue;
             }
-            // Other relationships belong to extensions, whose parts may be missing without harm to the
-            // shape.
+            // Other relationships belong to extensions; if their parts are missing, the shape is still
+            // complete.
             let needed = [MODEL_TYPE, TICKET_TYPE, THUMBNAIL_TYPE].contains(&r.kind.as_str());
             let target = if r.target.starts_with('/') {
                 r.target.clone()
@@ -240,7 +241,7 @@ struct Counted<R> {
 
 impl<R: Read> Read for Counted<R> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        // An error and not an end of file: the XML parser would take an end for a short but whole part.
+        // The limit gives an error, because the XML parser would take an end of file for the end of a short, complete part.
         if self.left == 0 {
             return Err(std::io::Error::other("too long"));
         }
@@ -278,7 +279,7 @@ pub(crate) fn events(
             Event::Eof => return Ok(()),
             _ => {}
         }
-        // Errors from deeper levels have no place; the byte of the event is the best there is.
+        // Errors from called functions carry no position, so the byte at which the event begins is reported.
         each(&event).map_err(|e| match e {
             MeshError::Invalid { place, problem } if place.is_empty() => {
                 invalid(&format!("{path}, byte {at}"), *problem)

@@ -1,28 +1,28 @@
 //! Support enforcers and blockers that users paint on facets, as the project files of slicers keep them.
 //!
 //! The attribute of a triangle is a row of hexadecimal digits that is read from its end. It describes how the triangle is
-//! divided and how its pieces are painted. The two low bits of a digit are the number of sides that are halved. Without
-//! any, the two high bits are the paint (1 enforcer, 2 blocker); otherwise they are the side at which the division begins,
-//! and the pieces follow, the last one first.
+//! divided and how its pieces are painted. The two low bits of a digit are the number of sides that are halved. If no side
+//! is halved, the two high bits are the paint (1 enforcer, 2 blocker). Otherwise they are the side at which the division
+//! begins, and the digits of the pieces follow, last piece first.
 
 use grainpath_core::DVec3;
 
 use crate::mesh::model::PaintedSupports;
 
-/// Names of the attribute, with and without prefix, among the slicers that write it.
+/// Names that slicers give to the attribute, with and without a prefix.
 pub(super) const ATTRIBUTES: [&str; 3] = ["slic3rpe:custom_supports", "paint_supports", "custom_supports"];
 
 /// Adds the painted facets of a triangle to `painted`. Returns `None` where the digits end early or go on
 /// too long.
 pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSupports) -> Option<()> {
     let mut digits = digits.iter().rev().map(|&d| char::from(d).to_digit(16));
-    // Pieces wait on a stack, so the last one is read first, as the encoding has it.
+    // The pieces are kept on a stack, so the last piece is read first, which is the order of the encoding.
     let mut left = vec![corners];
     while let Some(triangle) = left.pop() {
         let digit = digits.next()??;
         let (halved, high) = (digit & 3, digit >> 2);
         if halved == 0 {
-            // 3 is an escape: the paint is then the next digit plus 3, which stands for colours.
+            // 3 is an escape: the paint is then the next digit plus 3. Such values are colours and are skipped.
             let mark = if high == 3 { digits.next()?? + 3 } else { high };
             let to = match mark {
                 1 => &mut painted.enforcers,
@@ -34,7 +34,7 @@ pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSu
             to.triangles.push([first, first + 1, first + 2]);
             continue;
         }
-        // The side at which the division begins is brought to the front.
+        // The corners are rotated so that the division begins at the first side.
         let [a, b, c] = [0, 1, 2].map(|k| triangle[(high as usize + k) % 3]);
         let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
         // One, two or three sides are halved; the triangle falls into two, three or four pieces.
@@ -44,7 +44,7 @@ pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSu
             _ => left.extend([[a, ab, ca], [ab, b, bc], [bc, c, ca], [ab, bc, ca]]),
         }
     }
-    // Digits left over mean that the division was misread.
+    // If digits are left over, the division was misread.
     digits.next().is_none().then_some(())
 }
 

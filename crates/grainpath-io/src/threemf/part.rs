@@ -1,8 +1,8 @@
 //! One model part: its objects and its build, and the rules of the specification that it breaks.
 //!
-//! Source: 3MF Core Specification 1.4. A rule that is broken is a warning that names the section, as long as the
-//! triangles are clear from what the file holds; otherwise it is an error. Elements and attributes of
-//! namespaces other than core, materials and production are passed over, as section 2.3.3.1 demands.
+//! Source: 3MF Core Specification 1.4. A broken rule gives a warning that names the section if the triangles can still be
+//! read without doubt; otherwise it gives an error. Elements and attributes of namespaces other than core, materials and
+//! production are passed over, as section 2.3.3.1 demands.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,7 +36,7 @@ const METADATA: [&str; 9] = [
 /// The namespace of the core specification.
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 
-/// Namespaces of extensions of which grainpath reads all that concerns the shape. Source: appendix C of the extensions.
+/// Namespaces of the extensions whose shape data grainpath reads completely. Source: appendix C of the extensions.
 const KNOWN_EXTENSIONS: [&str; 5] = [
     "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
@@ -121,7 +121,7 @@ struct Builder {
     resources: Resources,
     /// Whether the file requires an extension that is not read.
     requires_unread: bool,
-    /// Objects that have triangles with properties and no property of their own.
+    /// Objects whose triangles have properties while the object itself has none.
     n_without_default: usize,
     objects: BTreeMap<u32, Object>,
     items: Vec<Component>,
@@ -148,8 +148,8 @@ struct Current {
     components: Vec<Component>,
 }
 
-/// Counts of the triangles of an object that break each rule, so that a warning names a number and not
-/// each triangle.
+/// For each rule, the number of triangles of an object that break it, so that one warning covers all of
+/// them.
 #[derive(Default)]
 struct BrokenTriangles {
     repeated_corner: u64,
@@ -179,7 +179,7 @@ impl Builder {
             }
             Event::Decl(decl) => {
                 let encoding = decl.encoding().and_then(Result::ok);
-                // The text is decoded as UTF-8 whatever is declared.
+                // The text is always decoded as UTF-8, even if another encoding is declared.
                 if encoding.is_some_and(|e| !e.eq_ignore_ascii_case("utf-8")) {
                     self.warn("core 2.3.2", "an XML encoding other than UTF-8 is declared");
                 }
@@ -343,21 +343,21 @@ impl Builder {
             }
             _ => {}
         }
-        // Objects and items have metadata of their own, which may repeat. Those of the model come before
-        // the resources.
+        // Objects and items have metadata of their own, whose names may repeat. The model's metadata come before the
+        // resources.
         if self.n_resources == 0 && !self.metadata.insert(name.clone()) {
             self.warn("core 3.4.1", format!("metadata named {name:?} is given twice"));
         }
     }
 
-    /// Warns of a broken rule; `section` is that of the specification.
+    /// Warns of a broken rule; `section` is the section of the specification that states the rule.
     fn warn(&mut self, section: &str, what: impl std::fmt::Display) {
         self.push(WarningId::ThreemfRule, format!("{what} (3MF {section})"));
     }
 
     fn push(&mut self, id: WarningId, text: String) {
         let warning = Warning::new(id, text).in_file(self.path.clone());
-        // The second test keeps a rule that is broken a thousand times from filling the list.
+        // The second test lists each warning once, so that one rule broken a thousand times cannot fill the list.
         if self.warnings.len() < MAX_WARNINGS && !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
@@ -414,7 +414,7 @@ impl Builder {
                 ObjectType::Other
             }
         };
-        // A number that cannot be read becomes one that no group has, and is reported as such.
+        // A number that cannot be read becomes an index that no group has, and is reported as an invalid index.
         let index = |key: &str| attribute(e, key).map(|t| t.trim().parse::<u32>().unwrap_or(u32::MAX));
         let (pid, pindex) = (index("pid"), index("pindex"));
         match pid.map(|pid| self.resources.check(pid, pindex)) {
@@ -452,7 +452,7 @@ impl Builder {
         let mut painted = PaintedSupports::default();
         for (triangle, digits) in &current.painted {
             let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
-            // Paint only guides supports. The shape is whole without it, so this is a warning.
+            // Paint only guides supports and the shape is complete without it, so unreadable paint gives only a warning.
             if paint::decode(digits, corners, &mut painted).is_none() {
                 let text = "a triangle whose painted supports cannot be read";
                 self.push(WarningId::ThreemfNotRead, text.into());
@@ -583,7 +583,7 @@ impl Builder {
             _ => return fail(MeshProblem::Models),
         }
         match self.n_resources {
-            // Without resources there is no object that the build could use.
+            // If the model has no resources, the build has no object to use.
             0 => return fail(MeshProblem::NoResources),
             1 => {}
             n => self.warn("core 3.4", format!("{n} <resources> elements; a model has one")),
@@ -624,7 +624,7 @@ impl BrokenTriangles {
             self.index_without_group += 1;
             return;
         };
-        // The first check is of the group alone, the others of each index into it.
+        // The first check tests only whether the group exists; the others test each index into it.
         let references = [None, indices[0], indices[1], indices[2]].map(|index| resources.check(pid, index));
         if references.contains(&Reference::NoGroup) {
             self.no_such_group += 1;

@@ -1,7 +1,7 @@
 //! Property groups of a model part: materials, colours and textures.
 //!
-//! grainpath prints with one material and uses none of them. References among them are checked all the same: a broken
-//! one shows that the program that wrote the file was at fault, and that the rest of the file deserves a look.
+//! grainpath prints with one material and uses none of them. References among them are still checked: a broken reference
+//! shows that the program that wrote the file has a fault, so the user should inspect the rest of the file.
 //! Source: 3MF Core Specification 1.4, chapter 5, and 3MF Materials and Properties Extension.
 
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use quick_xml::events::BytesStart;
 
 use crate::xml::attribute;
 
-/// A broken rule: the section of the specification that states it, and what the file does instead.
+/// A broken rule: the section of the specification that states the rule, and how the file breaks it.
 pub(super) type Broken = (&'static str, String);
 
 /// The largest resource id that the schema allows, 2^31 - 1.
@@ -21,7 +21,7 @@ const MAX_ID: u32 = i32::MAX as u32;
 struct Resource {
     /// Local name of its element.
     kind: String,
-    /// Members that an index can refer to: base materials, colours, texture coordinates and so on.
+    /// Number of members that an index can refer to: base materials, colours, texture coordinates and so on.
     n_members: u32,
 }
 
@@ -44,7 +44,7 @@ pub(super) enum Reference {
 }
 
 impl Resources {
-    /// Registers the resource that an element defines. Returns its id, where that can be used.
+    /// Registers the resource that an element defines. Returns its id if the id is valid.
     pub(super) fn define(&mut self, kind: &str, e: &BytesStart<'_>, broken: &mut Vec<Broken>) -> Option<u32> {
         self.open = None;
         let Some(id) = attribute(e, "id").and_then(|t| t.trim().parse().ok()) else {
@@ -65,8 +65,8 @@ impl Resources {
         match (self.by_id.get(&pid), index) {
             (Some(r), _) if r.kind == "object" || r.kind == "texture2d" => Reference::NoGroup,
             (None, _) => Reference::NoGroup,
-            // Members of groups from extensions that are not read are not counted, so no index into them
-            // can be judged.
+            // The members of a group are not counted if its extension is not read, so an index into such a group cannot be
+            // checked.
             (Some(r), Some(i)) if i >= r.n_members && is_property_group(&r.kind) => Reference::NoMember,
             _ => Reference::Good,
         }
@@ -85,8 +85,8 @@ impl Resources {
         match name {
             "base" | "color" | "tex2coord" | "composite" | "multi" => {
                 if let Some(group) = self.open.and_then(|id| self.by_id.get_mut(&id)) {
-                    // A file can hold more members than u32 counts only if it is damaged; the count then
-                    // stays at its limit.
+                    // Only a damaged file has more members than a u32 can count; the count then stays at the largest
+                    // u32.
                     group.n_members = group.n_members.saturating_add(1);
                 }
                 if name == "color" && attribute(e, "color").is_none() {

@@ -15,7 +15,7 @@ impl Transform {
         for value in &mut m {
             *value = grainpath_core::number::number(words.next()?).filter(|v| v.is_finite())?;
         }
-        // Thirteen numbers are as wrong as eleven.
+        // More than twelve numbers are an error, as fewer are.
         words.next().is_none().then_some(Self(m))
     }
 
@@ -50,8 +50,8 @@ impl Transform {
     /// Whether the map flattens every shape: its volume becomes zero.
     pub(super) fn is_singular(&self) -> bool {
         let lengths = self.0[..9].chunks_exact(3).map(|r| DVec3::new(r[0], r[1], r[2]).length());
-        // A flat map leaves a determinant of rounding size, which is compared with the product of its row
-        // lengths.
+        // Rounding gives a flat map a determinant slightly off zero, so the determinant is compared with the product of the
+        // row lengths.
         self.determinant().abs() <= 1e-12 * lengths.product::<f64>()
     }
 

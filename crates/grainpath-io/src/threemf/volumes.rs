@@ -1,4 +1,4 @@
-//! Volumes of project files that are no part of the solid: modifiers, negative volumes, support enforcers and blockers.
+//! Volumes of project files that do not belong to the solid: modifiers, negative volumes, support enforcers and blockers.
 //!
 //! Source: files written by PrusaSlicer 2.x and by OrcaSlicer and Bambu Studio; neither format has a specification.
 //! PrusaSlicer keeps all volumes of an object in one mesh, and `Metadata/Slic3r_PE_model.config` says which triangles belong
@@ -11,7 +11,8 @@
 //! <object id="3"><part id="2" subtype="modifier_part"><metadata key="sparse_infill_density" value="80%"/></part></object>
 //! ```
 //!
-//! Limits: ids of Orca's files name components of the build's own objects; components of components are solid.
+//! Limits: in files of OrcaSlicer the ids name direct components of an object in the build; nested components count as
+//! solid.
 
 use std::collections::BTreeMap;
 
@@ -22,11 +23,11 @@ use super::package::{Package, events};
 use crate::mesh::model::MeshError;
 use crate::xml::attribute;
 
-/// Where PrusaSlicer, and OrcaSlicer and Bambu Studio, describe volumes.
+/// The files that describe volumes: of PrusaSlicer, and of OrcaSlicer and Bambu Studio.
 const CONFIGS: [&str; 2] = ["/Metadata/Slic3r_PE_model.config", "/Metadata/model_settings.config"];
 
-/// Limit on the volumes that a project describes. Source: chosen; projects of real parts have tens. It bounds the work of
-/// finding the volume of a triangle or a component.
+/// Limit on the volumes that a project describes. Source: chosen; projects of real parts have tens. It bounds the time of
+/// the search for the volume of a triangle or component.
 const MAX_VOLUMES: usize = 1000;
 
 /// What a volume is for.
@@ -51,7 +52,7 @@ impl VolumeKind {
         })
     }
 
-    /// What is told of volumes that are left out.
+    /// The text that a warning gives about a volume of a kind that is left out.
     fn left_out(self) -> Option<&'static str> {
         Some(match self {
             Self::Solid | Self::Modifier => return None,
@@ -71,7 +72,7 @@ pub(super) struct Volume {
     pub(super) settings: Vec<(String, String)>,
     /// First and last triangle in the object's mesh.
     triangles: Option<[usize; 2]>,
-    /// The object of the component.
+    /// Id of the object that the component uses.
     part: Option<u32>,
 }
 
@@ -80,16 +81,17 @@ pub(super) struct Volume {
 pub(super) struct Volumes(BTreeMap<u32, Vec<Volume>>);
 
 impl Volumes {
-    /// Reads the descriptions of a package; a damaged one is told of, and all of its volumes are solid.
+    /// Reads the volume descriptions of a package. A damaged description gives a warning, and its volumes count as solid.
     pub(super) fn read(package: &mut Package<'_>, warnings: &mut Vec<Warning>) -> Self {
         let mut all = Self::default();
         for path in CONFIGS.into_iter().filter(|path| package.has(path)).collect::<Vec<_>>() {
             let mut builder = Builder::default();
-            // A project is often made by a chain of programs, and one damaged description should not cost the part.
+            // A project often passes through several programs, and one damaged description should not make the part
+            // unreadable.
             match package.read(path, |r| events(r, path, |event| builder.event(event))) {
                 Ok(()) => {
                     for (object, volumes) in builder.objects.iter_mut().filter(|(_, v)| overlap(v)) {
-                        // Each would be a copy of the same triangles, however many there are.
+                        // Overlapping ranges would each copy the same triangles, so all ranges of the object are dropped.
                         volumes.retain(|v| v.triangles.is_none());
                         let text = format!(
                             "volumes of object {object} share triangles; all of it is taken for solid"
@@ -113,16 +115,16 @@ impl Volumes {
         all
     }
 
-    /// The volume that a component of an object is, unless it is solid.
+    /// The volume that this component of an object describes, or `None` if the component is solid.
     pub(super) fn of_component(&self, object: u32, component: u32) -> Option<&Volume> {
         let volumes = self.0.get(&object)?;
         volumes.iter().find(|v| v.part == Some(component) && v.kind != VolumeKind::Solid)
     }
 
-    /// The volumes of an object that are ranges of triangles of its mesh, unless all of it is solid; in rising order and
-    /// apart from each other.
+    /// The volumes of an object that are triangle ranges of its mesh, in rising order and without overlap. `None` if the
+    /// whole object is solid.
     pub(super) fn ranges(&self, object: u32) -> Option<Vec<(&Volume, [usize; 2])>> {
-        // A file of Orca has no ranges, so its volumes are found as components.
+        // Files of OrcaSlicer have no ranges; their volumes are components.
         let ranges = self.0.get(&object)?.iter().filter_map(|v| Some((v, v.triangles?)));
         let mut ranges: Vec<_> = ranges.filter(|(v, _)| v.kind != VolumeKind::Solid).collect();
         ranges.sort_unstable_by_key(|(_, range)| *range);
@@ -152,7 +154,7 @@ fn piece(mesh: &TriMesh, triangles: impl Iterator<Item = [u32; 3]>) -> TriMesh {
     out
 }
 
-/// The solid part of an object's mesh, and its modifiers. The ranges rise and lie apart from each other.
+/// The solid part of an object's mesh, and its modifiers. The ranges are in rising order and do not overlap.
 pub(super) fn divided<'v>(
     mesh: &TriMesh,
     ranges: &[(&'v Volume, [usize; 2])],
@@ -162,7 +164,7 @@ pub(super) fn divided<'v>(
         let at = ranges.partition_point(|(_, range)| range[1] < k);
         ranges.get(at).is_some_and(|(_, range)| range[0] <= k)
     };
-    // What no range names stays solid: a file may describe some of its volumes only.
+    // Triangles outside every range stay solid, because a file may describe only some of its volumes.
     let solid = piece(mesh, all.iter().enumerate().filter(|(k, _)| !named(*k)).map(|(_, t)| *t));
     let of_range = |[first, last]: [usize; 2]| {
         let end = last.saturating_add(1).min(all.len());
@@ -198,7 +200,7 @@ impl Builder {
         let number = |name: &str| attribute(e, name).and_then(|n| n.trim().parse::<u32>().ok());
         match e.local_name().as_ref() {
             "object" => self.object = number("id"),
-            // The settings follow as elements inside, so the volume stays open until its end.
+            // The settings follow as child elements, so the volume stays open until its end tag.
             "volume" | "part" => {
                 let range = number("firstid").zip(number("lastid"));
                 let kind = attribute(e, "subtype").and_then(|word| VolumeKind::from_word(&word));
@@ -211,7 +213,7 @@ impl Builder {
                 });
             }
             "metadata" => {
-                // Outside of volumes they are settings of the whole object, which the job states.
+                // Settings outside a volume hold for the whole object. They are skipped, because the job states them.
                 let Some(volume) = &mut self.volume else { return };
                 let (Some(key), Some(value)) = (attribute(e, "key"), attribute(e, "value")) else { return };
                 match key.as_str() {

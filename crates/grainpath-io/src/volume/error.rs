@@ -5,18 +5,18 @@ use grainpath_core::slices::{SampleType, SliceError};
 use super::{MAX_PIXELS, MAX_SLICES};
 use crate::image::ImageError;
 
-/// A volume that cannot be read: which file, and why.
+/// Error for a volume that cannot be read: the file and the reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{file}: {problem}")]
 pub struct VolumeError {
-    /// The file, or the folder where no single file is to blame.
+    /// The file, or the folder if the fault cannot be traced to one file.
     pub file: String,
-    /// The fault, and what would be right.
+    /// The fault, and what would be correct.
     #[source]
     pub problem: VolumeProblem,
 }
 
-/// Faults of volume files. Messages give what was found and what would be right.
+/// Faults of volume files. Messages state what was found and what would be correct.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum VolumeProblem {
@@ -113,7 +113,7 @@ pub enum VolumeProblem {
         "pixels are packed as {encoding} ({syntax}); save the series uncompressed, or with RLE, JPEG or JPEG-LS"
     )]
     Packed { encoding: &'static str, syntax: String },
-    /// The program was built without the reader, for the time that it takes to build.
+    /// This build leaves out the reader to save build time.
     #[error(
         "{what} is left out of this build; the packages read it, and so does a build with --features {feature}"
     )]

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use super::{VolumeError, VolumeProblem, damaged, error, io_error};
 
-/// Source of a volume's bytes: any source that can be read and sought.
+/// Source of a volume's bytes that supports reading and seeking.
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
@@ -48,7 +48,7 @@ impl Files {
         Self { place: place.into(), names, folder: true, outside_allowed: false, open: Arc::new(open) }
     }
 
-    /// The name of the whole in messages.
+    /// The name of the volume in messages.
     pub fn place(&self) -> &str {
         &self.place
     }
@@ -111,11 +111,11 @@ impl Files {
         self
     }
 
-    /// The path of the file that the header `name` calls `other`. It must lie in the header's folder or
+    /// The path of the file `other` that the header `name` refers to. It must lie in the header's folder or
     /// below.
     pub(crate) fn sibling(&self, name: &str, other: &str) -> Result<String, VolumeError> {
         let mut parts = other.split(['/', '\\']);
-        // A volume from the internet must not make the program read any file of the user. Drive letters
+        // A volume from the internet must not be able to make the program read arbitrary files of the user. Drive letters
         // count as absolute.
         let absolute = other.starts_with(['/', '\\']) || other.get(1..2) == Some(":");
         if !self.outside_allowed && (absolute || parts.any(|part| part == "..")) {
@@ -128,16 +128,16 @@ impl Files {
     }
 }
 
-/// Limit on a file that is read whole, such as a slice in an archive. Source: derived. It is four times the largest slice
-/// of floats that is read.
+/// Limit on a file that is read whole, such as a slice in an archive. Source: derived. This is four times the size of the
+/// largest slice that is read, as floats.
 pub(super) const MAX_FILE: u64 = 1 << 30;
 
 /// The files in a ZIP archive.
 pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError> {
     let damaged = |e: zip::result::ZipError| damaged(name, "ZIP archive", e);
     let archive = zip::ZipArchive::new(files.open(name)?).map_err(damaged)?;
-    // The archive's own names are shown with the archive before them, so that messages name a place the
-    // user knows.
+    // Messages put the archive's name before the names inside it, so that users recognise the
+    // file.
     let inside: Vec<String> = archive
         .file_names()
         .filter_map(|n| n.ok().map(std::borrow::Cow::into_owned))
@@ -159,7 +159,7 @@ pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError>
     Ok(Files::folder(name, shown, open))
 }
 
-/// Orders names as people do: numbers in them by value, so that slice9 comes before slice10.
+/// Orders names with numbers compared by value, so that slice9 comes before slice10.
 pub fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut x, mut y) = (a.as_bytes(), b.as_bytes());
     loop {

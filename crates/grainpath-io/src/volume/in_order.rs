@@ -1,13 +1,13 @@
-//! Slices in their order, from a volume that gives any of them at the same cost.
+//! Reads slices in order from a volume that can read any slice at the same cost.
 //!
-//! Files of one slice each, chunks and a caller's array are reached by the slice's number. Which slice is next, what a
-//! restart resets, and that voxels which are NaN or infinite are replaced and counted, is the same for all of them.
+//! Files of one slice each, chunks, and an array from the caller give a slice by its number. This module adds what all of
+//! them share: it tracks the next slice, resets on a restart, and replaces and counts NaN or infinite voxels.
 
 use grainpath_core::slices::{SliceCursor, SliceError, SliceSource, VolumeInfo};
 
 use super::sample::NotFinite;
 
-/// A volume that gives any of its slices at the same cost.
+/// A volume that can read any of its slices at the same cost.
 pub trait AnySlice: Send {
     /// The header.
     fn info(&self) -> &VolumeInfo;
@@ -18,12 +18,12 @@ pub trait AnySlice: Send {
     /// [`SliceError`] with what could not be read.
     fn read_slice(&mut self, k: usize, out: &mut Vec<f32>) -> Result<(), SliceError>;
 
-    /// Number of pieces that were asked for since the last [`AnySlice::forget`] and that the files do not hold.
+    /// Number of pieces requested since the last [`AnySlice::forget`] that are missing in the files.
     fn n_absent(&self) -> u64 {
         0
     }
 
-    /// Called where the slices begin again: counts start anew.
+    /// Called before the slices are read again from the first; resets the counts.
     fn forget(&mut self) {}
 }
 
@@ -35,7 +35,7 @@ pub struct InOrder<V> {
 }
 
 impl<V: AnySlice> InOrder<V> {
-    /// Before the first slice of `volume`.
+    /// Starts before the first slice of `volume`.
     pub fn new(volume: V) -> Self {
         let cursor = SliceCursor::new(volume.info().size[2]);
         Self { volume, cursor, not_finite: NotFinite::default() }

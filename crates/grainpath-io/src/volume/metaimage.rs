@@ -88,7 +88,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         Some("cm") => LengthUnit::Centimetre.mm(),
         Some(other) => return Err(wrong("DistanceUnits", other.to_owned(), "um, mm and cm")),
     };
-    // ElementSize is the extent of a voxel, which equals the spacing in files that give it alone.
+    // ElementSize is the extent of a voxel. In files that give only ElementSize it equals the spacing.
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
         let values = text.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
         values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm));
@@ -106,7 +106,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         }
         f => (files.sibling(name, f)?, skip.max(0) as u64),
     };
-    // -1 asks the reader to find the voxels from the end of the file.
+    // -1 means that the voxels are the last bytes of the file.
     if skip < 0 {
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
@@ -119,8 +119,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels by the header, in LPS as ITK has it. `TransformMatrix` lists the direction of
-/// one axis after another and wins over `AnatomicalOrientation`.
+/// Position of the voxels that the header states, in LPS as in ITK. `TransformMatrix` lists the direction of one axis after
+/// another and wins over `AnatomicalOrientation`.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&str) -> Option<&'a str>,

@@ -1,7 +1,7 @@
-//! CT volumes, one slice after another: memory for a slice, whatever the size of the stack.
+//! CT volumes, read one slice after another: memory holds one slice, whatever the size of the stack.
 //!
-//! NRRD, MetaImage, NIfTI, raw with its header given, DICOM series, multipage TIFF, folders of single images, Zarr.
-//! Front ends say how files are opened ([`Files`]); everything here survives any bytes.
+//! NRRD, MetaImage, NIfTI, raw with its header given, DICOM series, multipage TIFF, folders of single images, Zarr. The
+//! caller says how files are opened ([`Files`]). No content of a file makes these readers panic.
 
 mod dicom;
 mod error;
@@ -50,7 +50,7 @@ fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
 /// A spacing from a file. `None` unless it is finite, positive and of a size that voxels can have.
 fn spacing(mm: f64) -> Option<f64> {
     let mm = mm.abs();
-    // From 0.1 nm to 10 m. Axes may run backwards, so the sign was dropped above.
+    // The limits are 0.1 nm and 10 m. Axes may run backwards, so the sign was dropped above.
     (1e-7..1e4).contains(&mm).then_some(mm)
 }
 
@@ -63,8 +63,9 @@ fn is_zarr(files: &Files) -> bool {
     files.names().iter().any(description)
 }
 
-/// Opens a volume. Several files are a series of slices, a single one is told by its content; a ZIP archive stands for
-/// the folder it holds, and a folder with the description of a Zarr array or group is one. `raw` describes a single file without a header.
+/// Opens a volume. Several files are a series of slices; the format of a single file is found from its content. A ZIP
+/// archive is read as the folder it holds. A folder with the description of a Zarr array or group is read as Zarr. `raw`
+/// describes a single file without a header.
 ///
 /// # Errors
 /// [`VolumeError`]: unknown or damaged formats, slices that do not belong together, missing slices.

@@ -30,7 +30,7 @@ pub(super) fn is(head: &[u8]) -> bool {
 }
 
 pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
-    // 540 bytes are the header of NIfTI-2; NIfTI-1 has 348.
+    // The header of NIfTI-2 has 540 bytes, that of NIfTI-1 has 348.
     let plain = files.head(name, 540)?;
     let packed = plain.starts_with(b"\x1f\x8b");
     let mut head = plain;
@@ -47,7 +47,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
     };
     let second = head.get(4..7) == Some(b"n+2");
-    // A NIfTI-1 file may end before byte 540; the fields beyond are never asked of it.
+    // A NIfTI-1 file may end before byte 540; the missing fields are never read for it.
     head.resize(540, 0);
     // The first field is the size of the header, in the byte order of the file.
     let big_endian = head[..4] == if second { 540i32.to_be_bytes() } else { 348i32.to_be_bytes() };
@@ -120,10 +120,10 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels by the header: by the sform where there is one, otherwise by the qform.
+/// Position of the voxels that the header states: the sform if there is one, otherwise the qform.
 ///
-/// The standard lets both stand side by side and leaves the choice to the reader. The sform is the result of a
-/// registration where there was one, and ITK, `FSL` and `nibabel` prefer it too.
+/// The standard allows a file to state both and leaves the choice to the reader. After a registration the sform holds its
+/// result, and ITK, `FSL` and `nibabel` prefer it too.
 fn placement_of(name: &str, h: &Header, mm: f64, info: &mut VolumeInfo) -> Option<Placement> {
     let (qform, sform) = (h.qform(mm), h.sform(mm));
     match (qform, sform) {
@@ -170,7 +170,7 @@ impl Header<'_> {
         }
         b
     }
-    /// A real number. It stands at one offset in NIfTI-1 (single precision) and at another in NIfTI-2
+    /// Reads a real number. Its offset and precision differ between NIfTI-1 (single) and NIfTI-2
     /// (double).
     fn real(&self, first: usize, second: usize, index: usize) -> f64 {
         if self.second { self.f64(second + 8 * index) } else { f64::from(self.f32(first + 4 * index)) }

@@ -1,4 +1,4 @@
-//! NRRD: a text header, a blank line, voxels; or voxels in a file of their own.
+//! NRRD: a text header and a blank line, followed by the voxels, which may also be in a separate file.
 //!
 //! Source: Teem, *Definition of NRRD File Format*. The header has fields `key: value`, key-value pairs
 //! and comments. `space directions` and `space origin` place the voxels in the space that `space` names;
@@ -23,7 +23,7 @@ use super::{
 
 const FORMAT: &str = "NRRD";
 
-/// Limit on the header, bytes. Headers are short; a file without an empty line early on is damaged.
+/// Limit on the header, bytes. Headers are short; a file with no empty line in this range is damaged.
 /// Source: chosen; files of real programs stay far below it.
 const MAX_HEADER: usize = 1 << 16;
 
@@ -113,7 +113,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels by the header. Without `space directions` only the spacing is known.
+/// Position of the voxels that the header states. Without `space directions` only the spacing is known.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&[&str]) -> Option<&'a str>,
@@ -220,7 +220,7 @@ trait TakeLine {
 
 impl TakeLine for &mut dyn BufRead {
     fn take_line(&mut self, limit: usize, line: &mut Vec<u8>) -> std::io::Result<usize> {
-        // The limit keeps a file without line breaks from being read into one line.
+        // The limit stops a file without line breaks from being read as one line.
         std::io::Read::take(&mut **self, limit as u64).read_until(b'\n', line)
     }
 }

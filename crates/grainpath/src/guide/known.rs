@@ -1,12 +1,13 @@
-//! Stress that an earlier run solved, for programs that plan one part again and again.
+//! Cache of the stress of the last run, for programs that plan the same part repeatedly.
 //!
-//! Method. Everything that a solver reads is compared with what it read the last time: the part, its section where all
-//! layers share one, the fixtures and loads as they were resolved, the material and the model. Where nothing differs, the
-//! results of the last time are taken, with its warnings. Values are compared and not settings, so a setting that a solver
-//! comes to read cannot be forgotten; a new speed, pattern, density or layer height solves nothing.
+//! Method. All inputs of the solver are compared with those of the last run: the part, its section where all layers share
+//! one, the resolved fixtures and loads, the material and the model. If nothing differs, the results and warnings of the
+//! last run are used again. The comparison covers all settings of the stress except a short list, so a new setting cannot
+//! be forgotten. A new speed, pattern, density or layer height does not start the solver.
 //!
-//! Cost: the last part and its results are kept; comparing is linear in the triangles. Limits: one part is remembered; a
-//! solid keeps its stress under new layer heights, a plate too, as long as its section stays the same.
+//! Cost: the last part and its results are kept; comparing is linear in the triangles. Limits: only one part is
+//! remembered. A solid keeps its stress when layer heights change; a plate keeps it as long as its section stays the
+//! same.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -25,7 +26,7 @@ pub struct KnownStress {
     solved: AtomicUsize,
 }
 
-/// What was solved, and what came out.
+/// The inputs and the results of the last solution.
 struct Known {
     settings: StressSettings,
     mesh: TriMesh,
@@ -35,7 +36,7 @@ struct Known {
     warnings: Vec<Warning>,
 }
 
-/// The settings that the solvers read; the others say how layers follow the stress.
+/// The settings with all those reset that the solvers do not read; these only say how layers follow the stress.
 fn read_by_solvers(settings: &StressSettings) -> StressSettings {
     StressSettings {
         strength_mpa: None,
@@ -49,7 +50,7 @@ fn read_by_solvers(settings: &StressSettings) -> StressSettings {
 }
 
 impl KnownStress {
-    /// How often a stress was solved.
+    /// How many times the solver has run.
     pub fn n_solved(&self) -> usize {
         self.solved.load(Ordering::Relaxed)
     }
@@ -58,7 +59,7 @@ impl KnownStress {
         self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The stress of the last time, or what `solve` gives, which is remembered.
+    /// The remembered stress if the inputs are the same; otherwise calls `solve` and remembers its result.
     pub(super) fn or_solve(
         &self,
         settings: &StressSettings,
@@ -73,17 +74,17 @@ impl KnownStress {
             Analysis::Solid => None,
             Analysis::Plane | Analysis::Auto => constant_section(part.stack).cloned(),
         };
-        // The lock is not held while a stress is solved: another run may look meanwhile.
+        // The lock is not held during the solution, so that another run can read the cache meanwhile.
         let last = self.last().clone();
         let is_same = |known: &Known| {
-            // What is cheap to compare comes first; the mesh last.
+            // The cheap comparisons come first and the mesh last.
             known.settings == settings
                 && known.conditions == *conditions
                 && known.section == section
                 && known.mesh == *part.mesh
         };
         if let Some(known) = last.filter(|known| is_same(known)) {
-            // Warnings belong to the results: a run that takes them tells the same.
+            // Warnings belong to the results, so a run that reuses the results repeats the warnings.
             known.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
             return Ok(known.solved.clone());
         }

@@ -1,6 +1,6 @@
-//! Which load case each layer serves, where a job has several.
+//! Chooses the load case that each layer serves, for jobs with several load cases.
 //!
-//! Beads of one direction carry one load well. Where load cases ask for different directions the layers take turns:
+//! Beads of one direction carry one load well. Where load cases ask for different directions, the layers alternate:
 //!
 //! ```text
 //!     layer 6   | | | | | | |     serves the pull along y
@@ -9,16 +9,16 @@
 //!     layer 3   -------------
 //! ```
 //!
-//! Each *family* of directions is a field of the section: that of all cases together, in which each counts by its stress,
-//! and one for each case, in which other cases count `OTHERS` at most. A family of a case therefore still follows another
-//! case where that one's stress is far greater. [`PlyMixes`] finds the families that layers take in turn so that the least
-//! reserve over all cases and nodes is largest.
+//! Each *family* of directions is a direction field over the section. One family serves all cases together, each weighted
+//! by its stress. Each case also has a family of its own, in which the other cases have a factor of `OTHERS` at most.
+//! Such a family still follows another case where the stress of that case is far greater. [`PlyMixes`] finds the
+//! repeating sequence of families (the mix) whose least reserve over all cases and nodes is largest.
 //!
-//! In a plate one mix serves all layers, and shares are those of their heights. In a solid every `LAYERS_OF_A_MIX` layers get
-//! the mix that their sections ask for. Nodes at fixtures and loads do not count.
+//! A plate has one mix for all layers, and each family's share is its part of the total height. In a solid each group of
+//! `LAYERS_OF_A_MIX` layers gets the best mix for its sections. Nodes at fixtures and loads do not count.
 //!
-//! Limits: walls, skins of other directions and the order of layers in bending are not seen. Cost: a field for each family,
-//! and the search.
+//! Limits: walls, skins of other directions and the effect of layer order in bending are ignored. Cost: a field for each
+//! family, and the search.
 
 use grainpath_core::DVec3;
 use grainpath_fea::material::Unstable;
@@ -28,11 +28,11 @@ use grainpath_fea::strength::ply_mix::{MixNode, PlyMixes};
 use super::CaseStress;
 use super::direction::{DirectionSettings, LayerField, StressedSection};
 
-/// How much other cases count at most in the family of a case. Source: derived. Two equal cases keep directions of their own,
-/// and one of less than half the stress of another is outweighed by it.
+/// Largest factor on the other cases in the family of a case. Source: derived. Two equal cases keep directions of their
+/// own, but a case with less than half the stress of another is outweighed by that other case.
 const OTHERS: f64 = 0.5;
-/// The layers of a solid that get one mix. Source: derived: the smallest number that holds each length of turns, from 1 to
-/// [`MOST_SLOTS`](grainpath_fea::strength::ply_mix::MOST_SLOTS), a whole number of times.
+/// Number of consecutive layers of a solid that share one mix. Source: derived: the smallest common multiple of all
+/// lengths of a mix, 1 to [`MOST_SLOTS`](grainpath_fea::strength::ply_mix::MOST_SLOTS).
 pub(super) const LAYERS_OF_A_MIX: usize = 12;
 
 /// A family of directions: which case it serves, and how much each case counts in it.
@@ -45,16 +45,18 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// All cases by their weights.
+    /// The family of all cases, each with its weight from the job.
     pub(super) fn by_weight(cases: &[CaseStress]) -> Self {
         Self { serves: None, emphasis: cases.iter().map(|c| c.weight).collect() }
     }
 
-    /// The families of several cases: that of all, then those of each. `card` is that of the beads.
+    /// The families for several cases: first the one of all cases, then one for each case. `card` is the strength card of
+    /// the beads.
     pub(super) fn of_cases(n_cases: usize, card: &StrengthCard) -> Vec<Self> {
         let [along, across, _] = card.elastic.e_mpa;
-        // Plies across the load take 2 E2 / (E1 + E2) of the mean stress in a mix of two equal parts. Where another case's stress is
-        // so much greater, plies across it would fail before those of the smaller one gain by their direction.
+        // In a mix of two equal shares, plies across the load carry 2 E2 / (E1 + E2) of the mean stress. Where the stress
+        // of another case is greater by the inverse of this ratio, plies across that stress would fail first, so the
+        // family follows that case there.
         let others = (2.0 * across / (along + across)).min(OTHERS);
         let all = Self { serves: None, emphasis: vec![1.0; n_cases] };
         let of_case = |k: usize| {
@@ -72,7 +74,7 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// The fields of all families in a section. `free` is that of [`StressedSection::new`].
+    /// The fields of all families in a section. `free` has the meaning of the parameter of [`StressedSection::new`].
     pub(super) fn new(
         section: StressedSection<'a>,
         families: &[Family],
@@ -89,16 +91,16 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// The mixes of the families of some sections, at the nodes that `counts` lets through; at all with stress, where it lets none
-/// through.
+/// The possible mixes of families for some sections, judged at the nodes for which `counts` is true. If it is true
+/// nowhere, all nodes with stress are used.
 pub(super) fn mixes_of<'a>(
     card: &StrengthCard,
     cases: &[CaseStress],
     sections: &'a [Fields<'_>],
     counts: &dyn Fn(DVec3) -> bool,
 ) -> Result<PlyMixes<'a>, Unstable> {
-    // Nodes keep their places until those at fixtures and loads are sorted out: stress is singular there, and would
-    // decide alone.
+    // Nodes are kept with their positions until those at fixtures and loads are removed: stress is singular there, and
+    // these nodes alone would decide the result.
     let mut all: Vec<(DVec3, MixNode<'a>)> = Vec::new();
     for (section, fields) in sections.iter().enumerate() {
         let node = |(node, (p, stresses))| (p, MixNode { section, node, stresses });

@@ -1,4 +1,4 @@
-//! Guides: from loads, pictures or a user's own directions to a direction at every point of every
+//! Guides turn loads, pictures or a user's own directions into a direction at every point of every
 //! layer.
 //!
 //! A guide solves the loads of a job on the section (a plate) or on the part (a solid), or takes an
@@ -53,13 +53,14 @@ pub use known::KnownStress;
 use mix::{Family, Fields, LAYERS_OF_A_MIX, mixes_of};
 pub use results::{Families, ResultSurface};
 
-/// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the machine's contact
-/// and not on the part.
+/// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the contact with the
+/// testing machine and not on the part.
 pub const UNBREAKABLE_MM: f64 = 1.5;
 
 /// Distance from a fixture or load within which a strength test with cells of this size does not look for failure, mm.
 fn unbreakable_mm(cell_mm: f64) -> f64 {
-    // The nodes of the test are up to three quarters of a cell away, and cells up to one from those.
+    // A node of the test lies up to three quarters of a cell from the fixture or load, and a cell up to one cell from its
+    // nodes.
     UNBREAKABLE_MM + 1.75 * cell_mm
 }
 
@@ -98,7 +99,7 @@ pub enum GuideError {
     #[error("{what}: {source}")]
     Face { what: String, source: FaceError },
     #[error(
-        "{what}: torque_nmm needs a place with an axis: a cylinder, or a plane, cylinder or cone by its face; this is a {shape}"
+        "{what}: torque_nmm needs a place with an axis: a cylinder, or a plane, cylindrical or conical face; this is a {shape}"
     )]
     NoAxis { what: String, shape: &'static str },
     #[error(
@@ -127,7 +128,7 @@ impl From<SolidError> for GuideError {
 }
 
 impl GuideError {
-    /// Whether the error is in the job, in contrast to a job that has no solution.
+    /// Whether the job itself contains the error; false for a correct job that has no solution.
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
@@ -152,7 +153,8 @@ pub trait InPlaneStress: Send + Sync {
     /// The stress at `p`; outside the part, that of its nearest point.
     fn at(&self, p: DVec3) -> PlaneTensor;
 
-    /// All of the stress at `p`, MPa, order xx, yy, zz, xy, yz, zx; a plate has none out of its plane.
+    /// All six components of the stress at `p`, MPa, order xx, yy, zz, xy, yz, zx; those out of the plane are zero in a
+    /// plate.
     fn whole(&self, p: DVec3) -> [f64; 6] {
         let [xx, yy, xy] = self.at(p);
         [xx, yy, 0.0, xy, 0.0, 0.0]
@@ -179,7 +181,7 @@ pub struct CaseStress {
 /// Size, solver and main results of an analysis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StressSummary {
-    /// Unknowns solved for; 0 for imported stress, whose residual and mesh error are not known either.
+    /// Number of unknowns of the solution; 0 for imported stress, whose residual and mesh error are also unknown.
     pub dofs: usize,
     /// Name of the solver.
     pub solver: String,
@@ -191,23 +193,23 @@ pub struct StressSummary {
     pub max_von_mises_mpa: f64,
     /// Greatest displacement of any case, mm.
     pub max_displacement_mm: f64,
-    /// Largest estimate of a case for the share of the stress that the mesh misses.
+    /// Estimated share of the stress that the mesh misses; the largest of all cases.
     pub error_estimate: f64,
-    /// Tensile strength of the material along the beads, MPa, where the job has one.
+    /// Tensile strength of the material along the beads, MPa, if the job states one.
     pub strength_mpa: Option<f64>,
     /// Loads and reactions of each case; empty for imported stress.
     pub balance: Vec<CaseBalance>,
     /// Shape and size of the elements, for solids.
     pub mesh: Option<String>,
-    /// Degenerate points of the first case of a plate, where both principal stresses are equal; in
-    /// other parts every layer has its own.
+    /// Degenerate points of the first case of a plate: points where both principal stresses are
+    /// equal. In other parts every layer has its own.
     pub degenerate: Option<Degenerates>,
 }
 
 /// Directions for every layer.
 pub struct Guide {
     layers: Vec<GuidedLayer>,
-    /// The families of directions: one, or that of all cases and one for each.
+    /// The families of directions: either a single one, or one for all cases together and one for each case.
     families: Vec<Family>,
     follow: Follow,
     /// Size, solver and main results.
@@ -216,7 +218,7 @@ pub struct Guide {
     pub cases: Vec<CaseStress>,
     /// Results on the mesh, case by case.
     pub results: Vec<ResultMesh>,
-    /// Whether the stress is that of a plate, the same at all heights.
+    /// Whether the stress is the same at all heights, as in a plate.
     pub is_plate: bool,
     /// Where fixtures and loads act.
     pub places: Vec<Selection>,
@@ -262,7 +264,7 @@ impl Guide {
         &*self.layers[i].field
     }
 
-    /// Which layers serve which load case; empty where every layer has the directions of one weighted sum.
+    /// The layers that serve each load case; empty if every layer follows the weighted sum of all cases.
     pub fn served(&self) -> Vec<ServedCase> {
         if self.families.len() < 2 {
             return Vec::new();
@@ -274,13 +276,13 @@ impl Guide {
         self.families.iter().enumerate().map(of_family).filter(|s| !s.layers.is_empty()).collect()
     }
 
-    /// How many layers below a layer may have its directions although those between have others.
+    /// How many layers down to search for a layer of the same directions: the layers between may have others.
     pub fn turns(&self) -> usize {
         if self.families.len() < 2 { 2 } else { MOST_SLOTS }
     }
 
-    /// The axis that stress alone asks for at a point of a layer, before any smoothing, in radians,
-    /// and its weight in MPa.
+    /// The axis that follows from the stress alone at a point of a layer, before any smoothing, in
+    /// radians, and its weight in MPa.
     pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {
         let family = self.layers.get(layer).and_then(|l| self.families.get(l.family));
         let emphasis = family.map_or(&[][..], |f| &f.emphasis);
@@ -294,13 +296,13 @@ impl Guide {
     /// The stress of the case with the largest weight.
     pub fn main_case(&self) -> &dyn InPlaneStress {
         let better = |a: &&CaseStress, b: &&CaseStress| a.weight.total_cmp(&b.weight);
-        // The first one among equals.
+        // Of cases with equal weight, the first one is taken.
         let main = self.cases.iter().rev().max_by(better);
         &*main.expect("a guide has a case").stress
     }
 
-    /// Whether tension and compression of about equal amount cross at a point, in the case that counts most; `None` for
-    /// guides that were told which of them to follow.
+    /// Whether tension and compression of about equal amount cross at a point, in the case with the largest weight.
+    /// `None` if the job says which of the two the beads follow.
     pub fn is_pure_shear(&self, p: DVec3) -> Option<bool> {
         if self.follow != Follow::MaxAbs {
             return None;
@@ -309,14 +311,14 @@ impl Guide {
         Some(a * b < 0.0 && (a.abs() - b.abs()).abs() < direction::EITHER * (a.abs() + b.abs()))
     }
 
-    /// The points where both principal stresses in the plane of a layer are equal: in the case with
-    /// the largest weight, or in the first case of a plate.
+    /// The points where both principal stresses in the plane of a layer are equal, in the case with
+    /// the largest weight; for a plate, in the first case.
     pub fn degenerate(&self, layer: usize) -> &Degenerates {
-        // Loads that were only checked have no layers, but a plate has its points all the same.
+        // A guide that only checked the loads has no layers, but the points of a plate are known even then.
         self.summary.degenerate.as_ref().unwrap_or_else(|| self.layers[layer].field.degenerate())
     }
 
-    /// Number of degenerate points of a kind: in a plate, or in all layers of another part.
+    /// Number of degenerate points of a kind: counted once for a plate, and summed over the layers for other parts.
     pub fn count_degenerate(&self, kind: Degenerate) -> usize {
         let layers = if self.summary.degenerate.is_some() { 1 } else { self.layers.len() };
         (0..layers).map(|i| self.degenerate(i).count(kind)).sum()
@@ -327,8 +329,8 @@ impl Guide {
         trust::peak_stress(&self.results)
     }
 
-    /// Where fixtures and loads act and what lies so near to them that it does not fail in a strength test with cells of
-    /// this size.
+    /// The places of fixtures and loads, grown by the distance within which nothing fails in a strength test with cells
+    /// of this size.
     pub fn grips(&self, cell_mm: f64) -> Vec<Selection> {
         self.places.iter().map(|on| on.grown(unbreakable_mm(cell_mm))).collect()
     }
@@ -338,7 +340,7 @@ impl Guide {
         trust::is_trusted(&self.summary)
     }
 
-    /// Tensile strength over the peak stress; `None` without a strength, and where the peak cannot be trusted.
+    /// Tensile strength over the peak stress; `None` if the strength is unknown or the peak cannot be trusted.
     pub fn reserve(&self) -> Option<f64> {
         trust::reserve(&self.summary)
     }
@@ -349,14 +351,14 @@ impl Guide {
     }
 }
 
-/// The fixtures and loads of a job, resolved against its part. The loads of each `[[guide.case]]`
-/// form a case; loads outside cases form a first case of their own, and each step of a deck a further
-/// one. Either list may be empty.
+/// Resolves the fixtures and loads of a job on its part. The loads of each `[[guide.case]]` form a case. Loads outside
+/// cases form the first case, and each load step of a deck forms a further one. The lists of fixtures and of cases may
+/// be empty.
 ///
 /// # Errors
-/// [`GuideError::NoFacet`] for a list of facets that the mesh does not have, [`GuideError::Face`] for the
-/// name of a face that it does not have or has several times, [`GuideError::DeckElsewhere`] for a deck of
-/// another part.
+/// [`GuideError::NoFacet`] if a facet is not in the mesh, [`GuideError::Face`] if the name of a face
+/// fits no face of the mesh or several, [`GuideError::DeckElsewhere`] if the deck is of another
+/// part.
 pub fn boundary_conditions(
     typed: &TypedLoads<'_>,
     mesh: &TriMesh,
@@ -395,12 +397,12 @@ pub fn boundary_conditions(
     Ok(BoundaryConditions { fixtures, cases, density_t_mm3, low, high })
 }
 
-/// The part on which places are looked up.
+/// The part on which the places of fixtures and loads are looked up.
 struct Places<'a> {
     mesh: &'a TriMesh,
     standing: &'a Standing,
     frame: LoadFrame,
-    /// The faces of the mesh, found when the first name asks for them.
+    /// The faces of the mesh, found when the first face name is looked up.
     faces: OnceCell<Faces>,
 }
 
@@ -412,7 +414,7 @@ impl Places<'_> {
             let name = format!("load {}{of_case}", k + 1);
             let on = load.on.as_ref().map(|on| self.resolved(on, &name)).transpose()?;
             if let (Push::Preload(total_n), Some(head), Some(nut)) = (load.push, &on, &load.to) {
-                // Both ends are loads of their own, so that what each caught is told.
+                // Each end is a load of its own, so that the report tells the area of each.
                 let nut = self.resolved(nut, &name)?;
                 for (end, on, towards) in [("on", head.clone(), nut.clone()), ("to", nut, head.clone())] {
                     let action = Action::Clamp { on, towards, total_n };
@@ -442,7 +444,7 @@ impl Places<'_> {
                 (Push::Force(f), Some(on)) => Action::Force { on, total_n: self.vector(f) },
                 (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
                 (Push::Moment(m), Some(on)) => Action::Moment { on, total_nmm: self.vector(m) },
-                // The job's reader refuses a load on the surface without a place.
+                // Not reached: reading the job fails for a surface load that states no place.
                 (_, None) | (Push::Preload(_), _) => continue,
             };
             all.push(Load { name, action });
@@ -450,7 +452,7 @@ impl Places<'_> {
         Ok(all)
     }
 
-    /// The selection that a place of the job names; facets and faces are looked up in the mesh.
+    /// The selection for a place stated in the job; facets and faces are looked up in the mesh.
     fn resolved(&self, place: &Place, name: &str) -> Result<Selection, GuideError> {
         let mesh = self.mesh;
         let corners = |t: &[u32; 3]| t.map(|v| mesh.vertices[v as usize]);
@@ -481,16 +483,16 @@ impl Places<'_> {
         }
     }
 
-    /// A force, moment, acceleration or displacement of the job.
+    /// A force, moment, acceleration or displacement of the job, in the coordinates of the placed part.
     fn vector(&self, v: DVec3) -> DVec3 {
         match self.frame {
-            // Vectors of an unturned part keep their bits.
+            // Vectors of an unturned part are not multiplied, so that they stay exact to the last bit.
             LoadFrame::Part if !self.standing.is_as_in_file() => self.standing.rotation * v,
             LoadFrame::Part | LoadFrame::Placed => v,
         }
     }
 
-    /// A point of the job.
+    /// A point of the job, in the coordinates of the placed part.
     fn point(&self, p: DVec3) -> DVec3 {
         match self.frame {
             LoadFrame::Part => self.standing.rotation * (self.standing.scale * p) + self.standing.shift(),
@@ -498,7 +500,7 @@ impl Places<'_> {
         }
     }
 
-    /// The axis of a cylinder, or of a round face: a point of it and its direction.
+    /// The axis of a cylinder, or of a round or plane face: a point on the axis and its direction.
     fn axis_of(&self, place: &Place, on: &Selection) -> Option<(DVec3, DVec3)> {
         if let Selection::Cylinder { point, axis, .. } = on {
             return Some((*point, *axis));
@@ -512,16 +514,16 @@ impl Places<'_> {
             Surface::Plane { normal } => (found.centroid, normal),
             Surface::Sphere { .. } | Surface::Free => return None,
         };
-        // Faces are measured on the part as it is turned in its file.
+        // The faces were measured on the part in the orientation of its file.
         Some((self.standing.rotation * point + self.faces_shift(), self.standing.rotation * axis))
     }
 
-    /// The shift from the mesh on which faces are measured to the part, after the rotation.
+    /// The shift that, after the rotation, moves the mesh of the measured faces onto the placed part.
     fn faces_shift(&self) -> DVec3 {
         if self.standing.rotation == DMat3::IDENTITY { DVec3::ZERO } else { self.standing.shift() }
     }
 
-    /// The axes that are held; `None` where an axis of the job's frame is none of the part.
+    /// The held axes of the placed part; `None` if a held axis of the job's frame is not parallel to one of them.
     fn axes(&self, fixed: [bool; 3]) -> Option<[bool; 3]> {
         if self.frame == LoadFrame::Placed || fixed == [true; 3] {
             return Some(fixed);
@@ -536,7 +538,8 @@ impl Places<'_> {
     }
 }
 
-/// The faces of a part. Names describe the part as it is turned in its file, whichever way it stands.
+/// The faces of a part. Their names refer to the orientation of the part in its file, whichever way it stands on the
+/// plate.
 pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
     if standing.rotation == DMat3::IDENTITY {
         return Faces::segment(mesh);
@@ -546,19 +549,19 @@ pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
     Faces::segment(&TriMesh { vertices, triangles: mesh.triangles.clone() })
 }
 
-/// The part as the guide needs it.
+/// The part whose directions a guide computes.
 pub struct GuidedPart<'a> {
-    /// Placed and mended.
+    /// Mesh of the part, mended and placed on the plate.
     pub mesh: &'a TriMesh,
     /// Its layers.
     pub stack: &'a LayerStack,
     /// Where it stands.
     pub standing: Standing,
-    /// Stress that was solved before, and is taken where it is that of this part under these loads.
+    /// Stress of an earlier run, which is used again if part and loads are the same.
     pub known: Option<&'a KnownStress>,
 }
 
-/// The fixtures and loads of a job, as typed.
+/// The fixtures and loads of a job as read, not yet resolved on the part.
 #[derive(Debug, Clone, Copy)]
 pub struct TypedLoads<'a> {
     /// `[[guide.fixture]]`.
@@ -569,7 +572,7 @@ pub struct TypedLoads<'a> {
     pub cases: &'a [loads::Case],
     /// Mass density of the material, g/cm3, for accelerations.
     pub density_g_cm3: f64,
-    /// Coordinates of places and vectors.
+    /// Coordinate system of places and vectors.
     pub frame: LoadFrame,
     /// Supports and loads of `guide.deck`.
     pub deck: Option<&'a DeckConditions>,
@@ -584,13 +587,13 @@ pub struct StressSettings {
     pub element_mm: Option<f64>,
     /// Elastic constants.
     pub material: Orthotropic,
-    /// Elastic model; `material` is isotropic for [`Elasticity::Isotropic`].
+    /// Elastic model; with [`Elasticity::Isotropic`], `material` must be isotropic.
     pub elasticity: Elasticity,
     /// Direction of the beads in the elastic model, counter-clockwise from +X.
     pub bead_axis_rad: f64,
     /// Memory limit, MiB.
     pub max_mib: f64,
-    /// Tensile strength along the beads, MPa, where the material has one: peaks far above it are warned of.
+    /// Tensile strength along the beads, MPa, if known: a stress peak far above it gives a warning.
     pub strength_mpa: Option<f64>,
     /// The principal stress that beads follow.
     pub follow: Follow,
@@ -600,8 +603,8 @@ pub struct StressSettings {
     pub tangent: bool,
     /// Distance between the nodes of a layer's field, mm.
     pub cell_mm: f64,
-    /// The card of the beads, where layers serve several load cases by the least reserve; without it every layer has the
-    /// directions of the weighted sum of the cases.
+    /// Strength card of the beads, if each layer is to serve one of several load cases so that the least reserve is
+    /// largest. With `None` every layer follows the weighted sum of the cases.
     pub mix: Option<StrengthCard>,
 }
 
@@ -624,8 +627,8 @@ pub fn build(
     Ok(guide_of(settings, conditions, solved, layers))
 }
 
-/// Solves the loads of a job, or takes the imported stress, without directions for its layers: to see
-/// what the loads and fixtures caught.
+/// Solves the loads of a job, or takes the imported stress, but computes no directions: a check of the areas that loads
+/// and fixtures act on.
 ///
 /// # Errors
 /// As [`build`].
@@ -689,8 +692,8 @@ fn solve(
         Analysis::Plane => plane::solve(settings, part, conditions),
         Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
         Analysis::Auto => match plane::solve(settings, part, conditions) {
-            // A plate is sought at mid-height, so a load or fixture above or below it is not found
-            // there; the solid finds it.
+            // A plate is modelled at mid-height, so a load or fixture above or below that height
+            // catches nothing. The solid model finds it.
             Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
                 solid::solve(settings, part, conditions, diagnostics)
             }
@@ -713,7 +716,7 @@ struct Solved {
     constant: bool,
 }
 
-/// The directions of all layers, and their families.
+/// The direction fields of all layers, and the families that they belong to.
 #[derive(Default)]
 struct LaidDirections {
     layers: Vec<GuidedLayer>,
@@ -729,7 +732,7 @@ fn lay_directions(
 ) -> Result<LaidDirections, GuideError> {
     let layers = part.stack.layers();
     let cases = &solved.cases;
-    // A border is free where no fixture or load acts. Only there the stress across it is zero.
+    // A border is free where no fixture or load acts. Only there is the stress across the border zero.
     let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
     let follow = settings.follow;
     let turns = follow == Follow::Alternate;
@@ -751,7 +754,7 @@ fn lay_directions(
     let grips: Vec<Selection> =
         conditions.places().map(|on| on.grown(unbreakable_mm(settings.cell_mm))).collect();
     let counts = |p: DVec3| !grips.iter().any(|on| on.contains(p));
-    // The mix of the largest least reserve in some layers, and the fields of its families.
+    // The mix whose least reserve in the given layers is largest, and the fields of all families there.
     let mixed = |card: &StrengthCard, some: Range<usize>, shares: &dyn Fn(usize) -> Vec<f64>| {
         let fields = |i: usize| {
             diagnostics.check()?;
@@ -761,7 +764,7 @@ fn lay_directions(
         let mix = mixes_of(card, cases, &sections, &counts)?.best(shares, diagnostics)?;
         Ok::<_, GuideError>((mix, sections))
     };
-    // In a plate one mix serves all layers, each with its own height.
+    // A plate has one mix for all layers; each layer counts by its height.
     let middle = layers.len() / 2;
     let of_plate = match several.filter(|_| solved.constant && !layers.is_empty()) {
         Some(card) => {
@@ -776,11 +779,12 @@ fn lay_directions(
         None => None,
     };
     let family = |i: usize| of_plate.as_ref().map_or(0, |mix| mix[i % mix.len()]);
-    // The earlier layer whose field a layer shares; its own index where it has its own.
+    // For each layer, the earlier layer whose field it shares; its own index if it shares none.
     let like: Vec<usize> = (0..layers.len())
         .map(|i| {
             let same = |k: usize| layers[k].region() == layers[i].region() && family(k) == family(i);
-            // With alternating principal stresses a layer compares with the one two below, with a mix with those of its turns.
+            // If the principal stresses alternate, a layer is compared with the one two below; in a mix, with each layer
+            // up to one mix length below.
             let steps = match &of_plate {
                 Some(mix) => 1..=mix.len(),
                 None if turns => 2..=2,

@@ -35,7 +35,7 @@ pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
     let mut last: Option<&Region> = None;
     for layer in layers {
         let region = layer.region();
-        // Identical neighbours are the rule, and comparing is much cheaper than a boolean.
+        // Neighbouring sections are mostly identical, and comparing is much cheaper than a boolean operation.
         if region == middle || last == Some(region) {
             continue;
         }
@@ -56,12 +56,12 @@ pub(super) fn solve(
     let section = constant_section(part.stack)
         .ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
     if !conditions.cases.iter().all(LoadCase::is_in_plane) {
-        return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
+        return Err(GuideError::NotPlane("a load has a component out of the layers' plane"));
     }
     if conditions.are_held_in_space() {
-        return Err(GuideError::NotPlane("a fixture is that of a deck"));
+        return Err(GuideError::NotPlane("a fixture comes from a deck"));
     }
-    // Slices carry many short edges, each of which would force small triangles.
+    // Sections from slicing have many short edges, and each would force small triangles.
     let section = section.simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));
     let mesh = mesh_region(&section, longest, 0.05 * longest)?;

@@ -12,15 +12,16 @@ use grainpath_io::fe::{Element, Encoding, PointData, VtuMesh, stress_point_data,
 
 use super::{Guide, ResultMesh};
 
-/// Number of lines of each family across the longer side of the part. Only the picture
-/// depends on it. Source: chosen by eye; only the picture depends on it.
+/// Number of lines of each principal stress across the longer side of the part. Source: chosen by
+/// eye; only the picture of the lines depends on it.
 const LINES_ACROSS: f64 = 60.0;
 
-/// Evenly spaced principal stress lines of a layer: the families of the greater and of the smaller
-/// principal stress.
+/// Evenly spaced principal stress lines of a layer: one set along the greater principal stress, one
+/// along the smaller.
 pub type Families = [Vec<TracedLine>; 2];
 
-/// Faces of solid elements by the number of their corners, in the order of VTK; flat elements are a face of their own.
+/// Faces of an element, found by its number of corners, with nodes in the order of VTK; a flat element is its own only
+/// face.
 fn faces(n_corners: usize, is_solid: bool) -> &'static [&'static [usize]] {
     match (n_corners, is_solid) {
         (3, false) => &[&[0, 1, 2]],
@@ -40,15 +41,15 @@ fn faces(n_corners: usize, is_solid: bool) -> &'static [&'static [usize]] {
 pub struct ResultSurface {
     /// Positions, mm, part coordinates.
     pub points: Vec<DVec3>,
-    /// The node of the result that each point shows.
+    /// For each point, the node of the result whose values it shows.
     pub nodes: Vec<u32>,
     /// Indices of points, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl ResultMesh {
-    /// The surface of the elements through their corners; nodes between corners are left out. A plate, whose nodes lie
-    /// at mid-height, gets a bottom at `bottom_mm`, a top as far above the nodes, and its sides.
+    /// The surface of the elements through their corners; mid-edge nodes are left out. The nodes of a plate lie at
+    /// mid-height, so it gets a bottom face at `bottom_mm`, a top face as far above the nodes, and side faces.
     ///
     /// Method: a face that two elements share lies inside; faces are paired by sorting them. Cost: n log n in the
     /// elements.
@@ -57,7 +58,7 @@ impl ResultMesh {
         let dimension = if is_solid { 3 } else { 2 };
         let elements: Vec<&Element> =
             self.elements.iter().filter(|e| e.kind.dimension() == dimension).collect();
-        // Faces have at most four corners; triangles and edges fill up with a number that is no node.
+        // A key has room for four corners; triangles and edges fill the rest with a number that is not a node.
         let mut faces: Vec<([u32; 4], usize, usize)> = Vec::new();
         for (k, element) in elements.iter().enumerate() {
             let corners = element.corners();
@@ -76,7 +77,7 @@ impl ResultMesh {
             .into_iter()
             .map(|(k, f)| elements[k].kind.faces()[f].iter().map(|c| elements[k].corners()[*c]).collect())
             .collect();
-        // A plate is drawn by its elements, above and below, and by its border.
+        // A plate is drawn as its elements at the top and at the bottom, and as side faces along its border.
         let flat: Vec<&[u32]> =
             if is_solid { Vec::new() } else { elements.iter().map(|e| e.corners()).collect() };
         let mut point = vec![u32::MAX; self.nodes.len()];
@@ -137,7 +138,7 @@ impl Guide {
     /// Stress, displacement and principal vectors of every case, as VTU.
     ///
     /// # Errors
-    /// None for writing into memory; otherwise those of the writer.
+    /// Those of the writer; writing into memory cannot fail.
     pub fn vtu(&self) -> std::io::Result<Vec<u8>> {
         let mut out = Vec::new();
         let Some(first) = self.results.first() else { return Ok(out) };

@@ -46,7 +46,7 @@ pub(super) fn solve(
         ..MeshSettings::default()
     };
     let meshed = mesh(part.mesh, &mesh_settings)?;
-    // Such a shell, for example a facet and its mirror image, has no inside to mesh.
+    // A shell without volume, for example a facet and its mirror image, has no inside to mesh.
     if meshed.n_flat_shells > 0 {
         let n = meshed.n_flat_shells;
         let text =
@@ -111,7 +111,7 @@ pub(super) fn solve(
             stress_array: String::new(),
             warnings: Vec::new(),
         };
-        // The summary covers all cases, so each entry is that of the worst one.
+        // The summary covers all cases, so each entry is the value of the worst case.
         let s = &mut solved.summary;
         s.residual = s.residual.max(solution.residual);
         s.error_estimate = s.error_estimate.max(recovered.relative_error);
@@ -135,11 +135,11 @@ pub(super) fn solve(
     Ok(solved)
 }
 
-/// Share by which the area of a deck's place on the part may differ from that in the deck without a warning. Source: derived:
-/// chords of a circle of 16 sides miss 0.6 % of its length, of 6 sides 4.5 %.
+/// Share by which the area of a fixture or load on the part may differ from its area in the deck without a warning.
+/// Source: derived: a polygon of 16 sides is 0.6 % shorter than its circle, one of 6 sides 4.5 %.
 const SAME_AREA: f64 = 0.05;
 
-/// Warns of places of a deck that lie on the part only in part, or that catch more of it.
+/// Warns of fixtures and loads of a deck whose area on the part is smaller or greater than in the deck.
 fn warn_of_uncovered(loaded: &LoadedSolid<'_>, conditions: &BoundaryConditions, diagnostics: &Diagnostics) {
     let fixtures = conditions.fixtures.iter().map(|f| (&f.name, Some(&f.on)));
     let loads = conditions.cases.iter().flat_map(|c| &c.loads).map(|l| (&l.name, l.action.on()));

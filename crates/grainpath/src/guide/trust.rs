@@ -1,6 +1,6 @@
 //! Warnings about a stress result: whether its numbers can be trusted.
 //!
-//! A stress far beyond the strength is a load or a unit gone wrong. A large mesh error hides the
+//! A stress far beyond the strength points to a wrong load or unit. A large mesh error hides the
 //! peak. Loads and reactions that do not cancel mean a broken model. A large displacement breaks
 //! the assumption of small strains.
 
@@ -8,17 +8,18 @@ use super::{ResultMesh, StressSettings, StressSummary};
 use grainpath_core::tensor::von_mises;
 use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
 
-/// A peak above this multiple of the strength along the beads is a slip in the loads or in a unit,
-/// or a singular corner. Source: issue 22, item 12.
+/// A peak above this multiple of the strength along the beads points to a mistake in the loads or
+/// in a unit, or to a singular corner. Source: issue 22, item 12.
 const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
 /// Estimated share of the stress that the mesh may miss. Source: issue 22, item 12.
 const MAX_MESH_ERROR: f64 = 0.1;
 /// Share by which loads and reactions may fail to cancel. Source: issue 22, item 12.
 const MAX_IMBALANCE: f64 = 1e-3;
-/// No reserve is told above this multiple of the strength, nor above this estimated share of missed stress.
-/// Source: issue 22, item 12.
+/// The report states no reserve if the peak stress is above this multiple of the strength. Source: issue 22, item
+/// 12.
 const MAX_RESERVE_MULTIPLE: f64 = 5.0;
-/// The share of stress missed by the mesh above which no reserve is told. Source: issue 22, item 12.
+/// The report states no reserve if the mesh misses more than this estimated share of the stress. Source: issue 22, item
+/// 12.
 const MAX_RESERVE_MESH_ERROR: f64 = 0.3;
 /// Displacement over the longest side of the part at which small displacements are no longer small.
 /// Source: issue 22, item 12.
@@ -73,8 +74,8 @@ pub(super) fn warn(
     }
 }
 
-/// Whether a reserve may be told from a stress: its peak is not far beyond the strength, where that is known, and the
-/// mesh does not hide it.
+/// Whether a stress is good enough to state a reserve: its peak is not far beyond the strength (if that is known), and
+/// the mesh error is small enough.
 pub(super) fn is_trusted(summary: &StressSummary) -> bool {
     let peak_mpa = summary.max_von_mises_mpa;
     let is_below = |strength_mpa: f64| peak_mpa <= MAX_RESERVE_MULTIPLE * strength_mpa;
@@ -83,7 +84,7 @@ pub(super) fn is_trusted(summary: &StressSummary) -> bool {
         && summary.error_estimate <= MAX_RESERVE_MESH_ERROR
 }
 
-/// Strength over peak stress, where both are known and the peak can be trusted.
+/// Strength over peak stress; `None` unless both are known and the peak can be trusted.
 pub(super) fn reserve(summary: &StressSummary) -> Option<f64> {
     let strength_mpa = summary.strength_mpa?;
     is_trusted(summary).then(|| strength_mpa / summary.max_von_mises_mpa)

@@ -1,4 +1,4 @@
-//! Joins lines and arcs that were drawn separately to closed lines.
+//! Joins separately drawn lines and arcs into closed lines.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub(super) fn ends(points: &[DVec2]) -> [DVec2; 2] {
     [points[0], points[points.len() - 1]]
 }
 
-/// A key of ends and bounds, rounded to `SAME_MM`. It is equal for a line that was drawn twice, in either
+/// A key from the ends and bounds of a line, rounded to `SAME_MM`. Two copies of a line have equal keys, whatever their
 /// direction.
 pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
     let bounds = Bounds2::around_points(line.points.iter().copied())?;

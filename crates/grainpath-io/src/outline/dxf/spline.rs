@@ -7,17 +7,17 @@
 //! middle lies within the tolerance of its chord.
 //!
 //! # Units, cost and limits
-//! Coordinates are in the unit of the drawing, as is the tolerance. The cost of a point is quadratic in
-//! the degree, which is 15 at most. Halving ends after ten steps, also where a weight makes the curve
-//! turn within rounding. Repeated knots give spans of no length, which are skipped.
+//! Coordinates are in the unit of the drawing, as is the tolerance. The cost of a point is quadratic in the degree, which is
+//! 15 at most. Halving ends after ten steps, even where a weight makes the curve turn so sharply that only rounding is left.
+//! Repeated knots give spans of no length, which are skipped.
 
 use grainpath_core::DVec2;
 
 /// Limit on the degree. CAD programs write cubic and quintic splines; the bound keeps the table of de
 /// Boor's algorithm on the stack. Source: chosen; files of real programs stay far below it.
 pub(super) const MAX_DEGREE: usize = 15;
-/// Limit on the halvings of a piece between two knots. Source: derived. 1024 chords for each of four quarters. It stops
-/// the recursion where a weight makes the curve turn within rounding.
+/// Limit on the halvings of a piece between two knots. Source: derived. 1024 chords for each of four quarters. It stops the
+/// recursion where a weight makes the curve turn within a length that rounds to zero.
 const MAX_HALVINGS: usize = 10;
 
 /// A rational B-spline.

@@ -19,7 +19,7 @@ pub(super) enum Codec {
 }
 
 impl Codec {
-    /// The name for people.
+    /// The name that messages use.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Rle => "RLE",
@@ -30,8 +30,8 @@ impl Codec {
         }
     }
 
-    /// Unpacks a frame of `size` pixels, columns first; `n_bytes` are the bytes that the header allocates to one. `part`
-    /// is what messages call these bytes.
+    /// Unpacks a frame of `size` pixels, columns first; `n_bytes` is the number of bytes that the header allocates to a
+    /// pixel. `part` is the name of these bytes in messages.
     pub(super) fn unpack(
         self,
         file: &str,

@@ -1,7 +1,7 @@
 //! The elements of a DICOM file, one after another.
 //!
-//! Source: DICOM PS3.5, 7 (elements, sequences). Every read is bounded by the file: a value is held in memory up to a limit,
-//! whatever length the element states, and what is not needed is stepped over.
+//! Source: DICOM PS3.5, 7 (elements, sequences). Every read is bounded by the file: a value is held in memory only up to a
+//! limit, whatever length the element states, and elements that are not needed are skipped.
 
 use std::io::{BufRead, Read, Seek};
 
@@ -67,11 +67,11 @@ impl Parser<'_> {
     }
 
     pub(super) fn value(&mut self, length: u32) -> Result<Vec<u8>, VolumeError> {
-        // None of the header's values that are read is longer.
+        // Every header value that is read fits into this limit.
         self.value_up_to(length, 1 << 16)
     }
 
-    /// A value of at most `limit` bytes, which keeps a damaged length from reserving 4 GB.
+    /// A value of at most `limit` bytes. The limit stops a damaged length from reserving 4 GB.
     pub(super) fn value_up_to(&mut self, length: u32, limit: u32) -> Result<Vec<u8>, VolumeError> {
         if length > limit {
             return Err(self.damaged(&format!("a value of {length} bytes, where {limit} are the most")));
@@ -101,7 +101,7 @@ impl Parser<'_> {
                 // An item of known length is skipped with its contents.
                 (_, n) => self.skip(n)?,
             }
-            // Each level costs a few bytes of file, so a damaged file could nest without end.
+            // A level takes only a few bytes of the file, so a damaged file could nest very deeply.
             if depth > 64 {
                 return Err(self.damaged("sequences nested more than 64 deep"));
             }

@@ -1,8 +1,9 @@
 //! Fragments of packed pixels, and which of them make a frame.
 //!
-//! Source: DICOM PS3.5, A.4. A file that packs its pixels has a table of offsets, which may be empty, and then fragments.
-//! One frame takes all; where there are as many fragments as frames, each takes one; otherwise the table says where
-//! frames begin, or the first bytes of the fragments do. Only places and lengths are kept; the cost is a seek a fragment.
+//! Source: DICOM PS3.5, A.4. A file that packs its pixels has a table of offsets, which may be empty, and then fragments. A
+//! single frame takes all fragments. If there are as many fragments as frames, each frame takes one. Otherwise the table
+//! says where frames begin, or the first bytes of the fragments do. Only positions and lengths are kept; reading costs one
+//! seek for each fragment.
 
 use std::io::Read;
 
@@ -11,7 +12,7 @@ use super::super::{Files, MAX_SLICES, VolumeError, VolumeProblem, error, io_erro
 use super::codec::Codec;
 use super::elements::Parser;
 
-/// Limit on the fragments of a file. Source: derived. Four to each of the most frames that are read.
+/// Limit on the fragments of a file. Source: derived. Four fragments for each frame of the largest file that is read.
 const MAX_FRAGMENTS: usize = 4 * MAX_SLICES;
 /// An item of a sequence.
 // Source: PS3.5, 7.5.1, table 7.5-1.
@@ -31,7 +32,7 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    /// Reads where the fragments lie; the parser stands behind the element of the pixels.
+    /// Reads the positions of the fragments. The parser must stand just behind the head of the pixel element.
     pub(super) fn read(parser: &mut Parser<'_>, codec: Codec, n_frames: usize) -> Result<Self, VolumeError> {
         let table = parser.element()?;
         if table.tag != ITEM {
@@ -63,7 +64,7 @@ impl Packed {
         if fragments.is_empty() {
             return Err(parser.damaged("packed pixels without a fragment"));
         }
-        // Offsets count from the first fragment's item, whose head has eight bytes.
+        // Offsets count from the item of the first fragment; `fragments` holds positions behind its head of eight bytes.
         let place = |offset: &u64| fragments.binary_search_by_key(&(begin + offset + 8), |f| f.0).ok();
         let tabled: Option<Vec<usize>> = table.iter().map(place).collect();
         let tabled = tabled.filter(|t| t.len() == n_frames && t[0] == 0 && t.is_sorted_by(|a, b| a < b));
@@ -96,7 +97,7 @@ impl Packed {
         let mut bytes = Vec::new();
         let mut place = 0;
         for &(at, length) in fragments {
-            // A relative step keeps what is buffered, and fragments may be short.
+            // A relative seek keeps the buffered bytes, which saves reads when fragments are short.
             reader.seek_relative((at - place) as i64).map_err(|e| io_error(name, &e))?;
             (&mut reader).take(length.into()).read_to_end(&mut bytes).map_err(|e| io_error(name, &e))?;
             place = at + u64::from(length);

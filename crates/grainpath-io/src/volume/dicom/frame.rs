@@ -1,13 +1,13 @@
-//! What comes out of packed pixels: grey values, or why there are none.
+//! The result of unpacking pixels: grey values, or the reason why unpacking failed.
 
 /// The grey values of a frame, row after row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Frame {
-    /// A pixel each, in its low `bits`; what stands above them has no meaning.
+    /// One number for each pixel. The value is in the low `bits`; the bits above them have no meaning.
     pub(super) patterns: Vec<u32>,
     /// Bits of a value.
     pub(super) bits: u32,
-    /// Whether the packed pixels say themselves that values have a sign. Where they do not, the header says it.
+    /// Whether the packed pixels state that values have a sign. If they state nothing, the header decides.
     pub(super) signed: bool,
 }
 
@@ -16,7 +16,7 @@ pub(super) struct Frame {
 pub(super) enum Fault {
     /// The bytes are not what their format requires.
     Damaged(String),
-    /// The format allows it, and it is not read.
+    /// The format allows these bytes, but this reader does not support them.
     Unsupported(String),
 }
 

@@ -1,19 +1,19 @@
-//! JPEG of one component: by cosines with 8 or 12 bits, lossless with 2 to 16.
+//! JPEG of one component: coded by cosines with 8 or 12 bits, or lossless with 2 to 16 bits.
 //!
-//! Method: Huffman codes are looked up in a table of all words of 16 bits. A block of cosines is dequantised and
-//! transformed as two products with an 8 x 8 matrix, in f32. A lossless pixel is the prediction from its neighbours to
-//! the left, above and between, and a difference modulo 2^16.
+//! Method: Huffman codes are looked up in a table of all words of 16 bits. A block of cosines is dequantised and transformed
+//! by two products with an 8 x 8 matrix, in f32. A lossless pixel is the prediction from its neighbours to the left, above
+//! and above left, plus a difference modulo 2^16.
 //!
 //! Source: ITU-T T.81 (1992), annexes A.3.3 (cosines), B (segments), C and F.2 (Huffman codes), H (lossless). DICOM's
-//! transfer syntaxes 1.2.840.10008.1.2.4.50, .51, .57 and .70 are these processes.
+//! transfer syntaxes 1.2.840.10008.1.2.4.50, .51, .57 and .70 use these processes.
 //!
-//! Cost: one pass; memory for the pixels, which come row by row, so that a header without data takes none. Limits:
-//! sequential scans of one component with Huffman codes. Progressive and arithmetic coding are told apart and refused;
-//! DICOM retired both. A scan that ends early is damaged, and no row of it is used.
+//! Cost: one pass; memory for the pixels, which is reserved row by row, so that a header without data takes none. Limits:
+//! sequential scans of one component with Huffman codes. Progressive and arithmetic coding are recognised and refused; DICOM
+//! retired both. A scan that ends early is damaged, and no row of it is used.
 //!
-//! Measured against the crate jpeg-decoder 0.3.2, which dicom-pixeldata 0.10 uses: it has no cosines of 12 bits (.51),
-//! multiplies lossless values by the point transform before it predicts from them, and takes no restart for the default
-//! predictor. zune-jpeg 0.5, which reads photographs here, has 8 bits alone and no lossless process.
+//! Measured against the crate jpeg-decoder 0.3.2, which dicom-pixeldata 0.10 uses: it does not decode cosines of 12 bits
+//! (.51), applies the point transform to lossless values before it predicts from them, and ignores restarts with the default
+//! predictor. zune-jpeg 0.5, which reads photographs in grainpath, has only 8 bits and no lossless process.
 
 use grainpath_core::math;
 
@@ -22,28 +22,29 @@ use super::jpeg_stream::{self, Segments, marker, word};
 
 type Bits<'a> = jpeg_stream::Bits<'a, false>;
 
-/// Places of the coefficients of a block, row after row, in the order in which they are stored. Source: T.81, figure A.6.
+/// Position in the block, counted row after row, of each coefficient in the order in which a stream stores them. Source:
+/// T.81, figure A.6.
 const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, 17, 24, 32, 25, 18, 11, 4, 5, 12, 19, 26, 33, 40, 48, 41, 34, 27, 20, 13, 6, 7,
     14, 21, 28, 35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51, 58, 59, 52, 45, 38, 31, 39,
     46, 53, 60, 61, 54, 47, 55, 62, 63,
 ];
 
-/// Codes as a segment states them: how many have each length, and their symbols.
+/// Huffman codes as a segment states them: the number of codes of each length, and their symbols.
 #[derive(Clone, Copy)]
 struct Codes<'a> {
     n_of_length: &'a [u8],
     symbols: &'a [u8],
 }
 
-/// For each word of 16 bits the length of the code that it begins with, and its symbol. Length 0: no code.
+/// For each word of 16 bits, the length and symbol of the code at its beginning. Length 0: no code.
 struct Lookup(Vec<(u8, u8)>);
 
 impl Codes<'_> {
     fn lookup(self) -> Result<Lookup, Fault> {
         let mut table = vec![(0, 0); 1 << 16];
         let mut symbols = self.symbols.iter();
-        // Codes of a length follow one another, and lengths too (T.81, annex C).
+        // Codes are numbered in order: all of one length first, then those of the next length (T.81, annex C).
         let mut at = 0;
         for (length, n) in (1u8..).zip(self.n_of_length) {
             let span = 1usize << (16 - length);
@@ -80,7 +81,8 @@ fn signed(bits: &mut Bits<'_>, n: u32) -> i32 {
 /// What the segments before the scan state.
 #[derive(Default)]
 struct Tables<'a> {
-    /// For cosines without and with a direction, four each. A lossless scan uses the first kind.
+    /// Four tables for coefficients without direction (DC), four for those with one (AC). A lossless scan uses the first
+    /// four.
     codes: [[Option<Codes<'a>>; 4]; 2],
     quantisation: [Option<[f32; 64]>; 4],
     restart: usize,
@@ -206,7 +208,7 @@ impl Lossless {
                     _ => self.predict(i32::from(row[x - 1]), i32::from(above[x]), i32::from(above[x - 1])),
                 };
                 let difference = match self.codes.symbol(bits)? {
-                    // This one has no further bits (H.1.2.2).
+                    // A difference of 16 bits has no further bits (H.1.2.2).
                     16 => 1 << 15,
                     n @ 0..16 => signed(bits, n.into()),
                     _ => return Err("a difference of more than 16 bits".into()),
@@ -245,7 +247,7 @@ struct Cosines {
     basis: [[f32; 8]; 8],
 }
 
-/// Values at x of the eight cosines u: `basis[x][u]`. Source: T.81, A.3.3.
+/// `basis[x][u]` is the value of cosine u at position x, both from 0 to 7. Source: T.81, A.3.3.
 fn basis() -> [[f32; 8]; 8] {
     let at = |x: usize, u: usize| {
         let angle = (2 * x + 1) as f64 * u as f64 * std::f64::consts::PI / 16.0;
@@ -306,7 +308,7 @@ impl Cosines {
             if n == 0 && n_zeros < 15 {
                 break;
             }
-            // Of 15 zeros and no bits 16 coefficients are 0.
+            // A run of 15 zeros followed by a value of no bits means 16 zero coefficients.
             k += n_zeros;
             let place = usize::from(*ZIGZAG.get(k).ok_or("more than 64 coefficients to a block")?);
             block[place] = signed(bits, n) as f32 * self.quantisation[place];
@@ -314,7 +316,7 @@ impl Cosines {
         }
         let middle = (1u32 << (self.bits - 1)) as f32;
         let most = ((1u32 << self.bits) - 1) as f32;
-        // Rows first, then columns; a row of zeros, which most are, stays so.
+        // Rows are transformed first, then columns. Most rows are all zero and stay zero, so they are skipped.
         let mut half = [[0f32; 8]; 8];
         for (half, row) in half.iter_mut().zip(block.as_chunks::<8>().0) {
             if row.iter().any(|v| *v != 0.0) {

@@ -1,7 +1,7 @@
 //! The header of a DICOM file: the elements before the pixels, and where the pixels lie.
 //!
-//! Source: DICOM PS3.5, 7 (elements, sequences) and A (transfer syntaxes), PS3.10, 7.1 (files). Elements are read in their
-//! order; of those that are not needed only the length is read. Values are held in memory one at a time, at most 64 kB
+//! Source: DICOM PS3.5, 7 (elements, sequences) and A (transfer syntaxes), PS3.10, 7.1 (files). Elements are read in file
+//! order; for elements that are not needed only the length is read. Values are held in memory one at a time, at most 64 kB
 //! each. A header that ends before the pixels, nests sequences deeper than 64 levels or states impossible bits is refused.
 
 use std::io::BufRead;
@@ -21,7 +21,7 @@ pub(super) struct Slice {
     /// Bits allocated to a pixel.
     pub(super) bits: usize,
     pub(super) signed: bool,
-    /// Bits of a value, and how many bits stand below them.
+    /// Number of bits of a value, and number of unused bits below them.
     pub(super) stored: u32,
     pub(super) shift: u32,
     pub(super) big_endian: bool,
@@ -40,7 +40,7 @@ pub(super) struct Slice {
 /// Where the pixels of a file lie.
 #[derive(Debug, Clone)]
 pub(super) enum Pixels {
-    /// Frame after frame from this byte on.
+    /// The frames follow one another from this byte on.
     Plain(u64),
     Packed(Packed),
 }
@@ -56,7 +56,7 @@ enum Syntax {
     /// JPEG 2000, which this build does not read.
     #[cfg(not(feature = "jpeg2000"))]
     LeftOut,
-    /// What is not read, and the name for it.
+    /// A syntax that is not read, with its name.
     Other(&'static str),
 }
 
@@ -185,7 +185,7 @@ pub(super) fn read(files: &Files, name: &str) -> Result<Slice, VolumeError> {
             continue;
         }
         let value = p.value(e.length)?;
-        // Values are padded to an even length with a space or a zero byte.
+        // The writer pads values to an even length with a space or a zero byte.
         let text = String::from_utf8_lossy(&value).trim_matches(['\0', ' ']).to_owned();
         // Several values are separated by backslashes (PS3.5, 6.4).
         let numbers =
@@ -217,7 +217,7 @@ pub(super) fn read(files: &Files, name: &str) -> Result<Slice, VolumeError> {
             0x0028_0102 => highest = Some(short()),
             0x0028_0103 => s.signed = short() == 1,
             0x0028_1052 => s.intercept = number().unwrap_or(0.0),
-            // A slope of 0 would erase the image; writers mean that it is not given.
+            // A slope of 0 would erase the image; files that state 0 mean that no slope is given.
             _ => s.slope = number().filter(|v| *v != 0.0).unwrap_or(1.0),
         }
     }
@@ -226,12 +226,12 @@ pub(super) fn read(files: &Files, name: &str) -> Result<Slice, VolumeError> {
     }
     match colours.as_str() {
         "MONOCHROME1" => s.inverted = true,
-        // Files without the element exist, and their pixels are grey all the same.
+        // Some files lack this element; their pixels are grey too.
         "MONOCHROME2" | "" => {}
         _ => return Err(unsupported(name, format!("{colours} pixels"), "slices have grey values")),
     }
     check_size(name, [s.size[0], s.size[1], 1])?;
-    // A value stands in the bits from the highest one down; what lies about it may be anything (PS3.5, 8.1.1).
+    // A value occupies the bits from the highest one down; the bits above and below it may be anything (PS3.5, 8.1.1).
     let stored = if stored == 0 { s.bits } else { stored };
     let highest = highest.unwrap_or(stored.saturating_sub(1));
     if stored > s.bits || highest + 1 < stored || highest >= s.bits.max(1) {

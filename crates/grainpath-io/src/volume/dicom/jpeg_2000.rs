@@ -1,22 +1,22 @@
 //! JPEG 2000 of one component, reversible and irreversible, up to 16 bits.
 //!
-//! Method: the crate hayro-jpeg2000 decodes the stream. Before it begins, the markers are followed here from the first to
-//! the last. What they state is held against the header of the file: the size, the depth, the number of pieces that the
-//! picture is coded in, and whether every tile is there. So a few bytes cannot ask for more memory than the slice that
-//! the file states, and no missing tile comes out as air.
+//! Method: the crate hayro-jpeg2000 decodes the stream. Before it begins, this module follows all markers from the first to
+//! the last. It compares what they state with the header of the file: the size, the depth, the number of pieces that the
+//! picture is coded in, and whether every tile is present. So a few bytes cannot ask for more memory than the stated slice
+//! needs, and a missing tile cannot be read as air.
 //!
 //! Source: ISO/IEC 15444-1, annex A (markers), B.6 and B.7 (precincts, code-blocks). DICOM's transfer syntaxes
-//! 1.2.840.10008.1.2.4.90 and .91 are this.
+//! 1.2.840.10008.1.2.4.90 and .91 use this format.
 //!
-//! Cost: a pass over the markers, then that of the decoder: about 16 bytes of memory a pixel. Limits: values are computed
-//! in f32, whose 24 bits hold the coefficients of 16 bits exactly; deeper ones are refused. The wrapper of JP2 files is
-//! skipped, with its palette and colours.
+//! Cost: one pass over the markers, then the decoder, which takes about 16 bytes of memory for each pixel. Limits: values
+//! are computed in f32, whose 24 bits hold coefficients of 16 bits exactly; deeper pictures are refused. The wrapper of JP2
+//! files is skipped, with its palette and colours.
 
 use hayro_jpeg2000::{ComponentData, DecodeSettings, DecoderContext, Image};
 
 use super::frame::{Fault, Frame};
 
-/// What a stream begins with: the markers SOC and SIZ.
+/// The first bytes of a stream: the markers SOC and SIZ.
 // Source: ISO/IEC 15444-1, A.4.1 and A.5.1; SIZ stands directly behind SOC.
 const START: [u8; 4] = [0xff, 0x4f, 0xff, 0x51];
 /// Markers, without their 0xff: coding style (COD), that of a component (COC), start of a tile-part (SOT), start of data
@@ -34,7 +34,7 @@ const END: u8 = 0xd9;
 /// Largest number of tiles. Source: ISO/IEC 15444-1, A.4.2: the number of a tile has 16 bits.
 const MAX_TILES: u64 = 65535;
 /// Largest number of precincts and code-blocks. Source: derived. The largest slice has 2^18 code-blocks of 16 x 16 pixels;
-/// encoders write 32 x 32 or 64 x 64. Measured: the decoder takes up to 500 bytes for a piece.
+/// encoders write 32 x 32 or 64 x 64. Measured: the decoder takes up to 500 bytes of memory for a piece.
 const MAX_PIECES: u64 = 1 << 20;
 
 /// Unpacks a frame.
@@ -44,7 +44,7 @@ pub(super) fn unpack(bytes: &[u8], size: [usize; 2]) -> Result<Frame, Fault> {
     let bytes = &bytes[begin..];
     let picture = Picture::read(bytes, size)?;
     picture.check(bytes)?;
-    // Lenient settings put zeros where the stream is damaged.
+    // With lenient settings the decoder would fill damaged places with zeros.
     let settings = DecodeSettings { strict: true, ..DecodeSettings::default() };
     let mut context = DecoderContext::default();
     let image = Image::new(bytes, &settings).map_err(|e| e.to_string())?;
@@ -54,7 +54,7 @@ pub(super) fn unpack(bytes: &[u8], size: [usize; 2]) -> Result<Frame, Fault> {
         return Err("fewer pixels than its header states".into());
     }
     let Picture { bits, signed, .. } = picture;
-    // The decoder moves values with a sign up as well.
+    // The decoder adds half the range to signed values as well.
     let (least, shift) = if signed { (-(1i64 << (bits - 1)), 1i64 << (bits - 1)) } else { (0, 0) };
     let most = least + (1 << bits) - 1;
     let pattern = |v: &f32| ((v + 0.5).floor() as i64 - shift).clamp(least, most) as u32;
@@ -87,7 +87,7 @@ struct Picture {
 impl Picture {
     /// Reads the segment SIZ (A.5.1) of a picture that must have `size`, columns first.
     fn read(bytes: &[u8], size: [usize; 2]) -> Result<Self, Fault> {
-        // Places of the picture's ends, of its beginning, of the size of tiles and of the beginning of the first.
+        // Byte positions of four fields: end of the picture, its beginning, size of the tiles, beginning of the first tile.
         let both = |at: usize| -> Result<[u64; 2], Fault> { Ok([word(bytes, at)?, word(bytes, at + 4)?]) };
         let (ends, begins, tile, first) = (both(8)?, both(16)?, both(24)?, both(32)?);
         let stated: [u64; 2] = std::array::from_fn(|k| ends[k].saturating_sub(begins[k]));
@@ -159,7 +159,7 @@ impl Picture {
         }
     }
 
-    /// Follows segments from `at` to the marker `last`, and gives its place.
+    /// Follows the segments from `at` on and returns the position of the marker `last`.
     fn segments(&self, bytes: &[u8], mut at: usize, last: u8) -> Result<usize, Fault> {
         loop {
             let [0xff, marker] = pair(bytes, at)? else { return Err("bytes between two segments".into()) };
@@ -180,8 +180,8 @@ impl Picture {
         }
     }
 
-    /// Counts the pieces of the picture with these parameters: levels, exponents of the sides of code-blocks, two more
-    /// numbers, and the exponents of the sides of precincts for each level (table A.15).
+    /// Counts the pieces that the picture has with these parameters. They are the levels, the exponents of the code-block
+    /// sides, two more numbers, and for each level the exponents of the precinct sides (table A.15).
     fn pieces(&self, style: u8, parameters: &[u8]) -> Result<(), Fault> {
         let &[levels, wide, high, _, _, ref precincts @ ..] = parameters else { return Err(short()) };
         // Source: table A.13: at most 32 levels.
@@ -195,13 +195,13 @@ impl Picture {
             let n_of_tile = |exponents: [u32; 2]| -> u64 {
                 let along = [0, 1].map(|k| {
                     let pixels = self.tile[k].div_ceil(1 << (levels - level));
-                    // A border may lie anywhere, so a piece more may begin.
+                    // The picture's border may lie anywhere in a piece, so one more piece may begin.
                     pixels.div_ceil(1 << exponents[k]) + 1
                 });
                 along[0].saturating_mul(along[1])
             };
             let precinct = [stated & 15, stated >> 4].map(u32::from);
-            // The three bands above the lowest level have half its pixels along a side, and so have their precincts.
+            // The three bands of a level above the lowest have half of its pixels along a side, and so have their precincts.
             let block = [wide, high].map(|b| u32::from(b & 15) + 2);
             let block = [0, 1].map(|k| block[k].min(precinct[k].saturating_sub(u32::from(level > 0))));
             n_pieces = n_pieces.saturating_add(n_of_tile(precinct)).saturating_add(n_of_tile(block));

@@ -1,13 +1,13 @@
 //! JPEG-LS of one component, lossless and near-lossless, 2 to 16 bits.
 //!
 //! Method (LOCO-I): a pixel is predicted from its neighbours to the left and above, by the median of three guesses. The
-//! steps between neighbours choose one of 365 contexts; each keeps the mean error, which corrects the prediction, and the
-//! mean size of errors, which sets the parameter of a Golomb code. Where all neighbours are alike, the length of a run
-//! is coded instead.
+//! steps between neighbours choose one of 365 contexts. Each context keeps the mean error, which corrects the prediction,
+//! and the mean size of errors, which sets the parameter of a Golomb code. Where all neighbours are equal, the length of a
+//! run is coded instead.
 //!
-//! Source: ITU-T T.87 (1998), annex A; names and letters of its variables stand beside ours. Weinberger, Seroussi &
-//! Sapiro (2000), The LOCO-I lossless image compression algorithm. DICOM's transfer syntaxes 1.2.840.10008.1.2.4.80 and
-//! .81 are this.
+//! Source: ITU-T T.87 (1998), annex A; the comments name the variables of the standard in brackets. Weinberger, Seroussi &
+//! Sapiro (2000), The LOCO-I lossless image compression algorithm. DICOM's transfer syntaxes 1.2.840.10008.1.2.4.80 and .81
+//! use this format.
 //!
 //! Cost: one pass over the pixels, a few operations each; memory for the pixels. Limits: one component, no palette and no
 //! restarts, which DICOM's encoders do not write. No crate in pure Rust decodes it; the C++ library CharLS, which
@@ -18,7 +18,7 @@ use super::jpeg_stream::{self, Segments, marker, word};
 
 type Bits<'a> = jpeg_stream::Bits<'a, true>;
 
-/// Exponents of the lengths that runs are counted in (J). Source: T.87, A.2.1.
+/// Run lengths are counted in steps of 2 to these exponents (J). Source: T.87, A.2.1.
 const RUN_EXPONENTS: [u32; 32] =
     [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
@@ -72,7 +72,7 @@ pub(super) fn unpack(bytes: &[u8], size: [usize; 2]) -> Result<Frame, Fault> {
     }
 }
 
-/// What a context has seen.
+/// Statistics of the pixels coded in one context.
 #[derive(Debug, Clone, Copy)]
 struct Context {
     /// Sum of the errors' sizes (A).
@@ -89,7 +89,7 @@ impl Context {
     /// The parameter of the Golomb code for errors whose sizes sum up to `sizes` (k).
     fn golomb(&self, sizes: i64) -> u32 {
         let mut k = 0;
-        // The mean size of an error is about 2^k: shorter codes for contexts that err little.
+        // k is chosen so that 2^k is about the mean error size, so contexts with small errors get short codes.
         while self.n << k < sizes {
             k += 1;
         }
@@ -121,7 +121,7 @@ struct Coder {
     /// Most bits of a code (LIMIT).
     limit: u32,
     contexts: [Context; 365],
-    /// After a run: the pixel above differs from the run, or is like it.
+    /// The two contexts for the pixel after a run: the pixel above differs from the run, or equals it.
     after_run: [Context; 2],
     run: usize,
 }
@@ -147,7 +147,8 @@ impl Coder {
         if !ordered || thresholds[0] <= near || thresholds[2] > greatest {
             return Err("thresholds out of order".into());
         }
-        // Source: T.87, A.2.1 and table C.3: contexts start with a size that goes with the range; 64 pixels are counted.
+        // Source: T.87, A.2.1 and table C.3: the first error size of a context depends on the range; statistics are halved
+        // after 64 pixels.
         let reset = if preset.reset == 0 { 64 } else { preset.reset };
         if reset < 3 {
             return Err("a preset that counts fewer than 3 pixels".into());
@@ -195,7 +196,7 @@ impl Coder {
                     x += 1;
                 }
             }
-            // Bits past the end read as 0, so a file that is cut short is told here and not by a wrong picture.
+            // Bits past the end read as 0, so this check must report a file that is cut short; the picture would be wrong.
             if bits.ended() {
                 return Err("they end before the last pixel".into());
             }
@@ -205,13 +206,13 @@ impl Coder {
         Ok(patterns)
     }
 
-    /// A pixel with different neighbours: left, above, above left. Source: T.87, A.3 to A.6.
+    /// Decodes a pixel whose neighbours differ; they are left, above and above left. Source: T.87, A.3 to A.6.
     fn pixel(&mut self, bits: &mut Bits<'_>, [a, b, c]: [i32; 3], steps: [i32; 3]) -> Result<i32, Fault> {
         let number = steps.iter().fold(0, |sum, step| 9 * sum + self.region(*step));
         // Three regions of nine give 729 numbers from -364 to 364.
         // A context and its mirror image are one, told apart by the sign.
         let (context, sign) = (&mut self.contexts[number.unsigned_abs() as usize], number.signum());
-        // Source: T.87, A.4.1: an edge is followed, and a slope is continued.
+        // Source: T.87, A.4.1: the prediction follows an edge and continues a slope.
         let median = if c >= a.max(b) {
             a.min(b)
         } else if c <= a.min(b) {
@@ -222,8 +223,8 @@ impl Coder {
         let prediction = (median + sign * context.correction).clamp(0, self.greatest);
         let k = context.golomb(context.sizes);
         let mapped = code(bits, k, self.limit, self.error_bits, self.range)?;
-        // Signs alternate, the negative error second; a context that mostly errs downwards has it first (A.5.2).
-        // Near-lossless coding never exchanges them, since its errors are counted in steps.
+        // Codes alternate between positive and negative errors. A context whose errors are mostly negative starts with the
+        // negative one (A.5.2). Near-lossless coding never exchanges them, since its errors are counted in steps.
         let exchanged = self.near == 0 && k == 0 && 2 * context.errors <= -context.n;
         let odd = mapped & 1 == 1;
         let error = if odd == exchanged { mapped >> 1 } else { -(mapped >> 1) - 1 };
@@ -241,7 +242,7 @@ impl Coder {
         Ok(self.value(prediction, sign * error))
     }
 
-    /// The number of pixels of a run in front of `left` pixels of the row. Source: T.87, A.7.1.
+    /// Decodes the length of a run; `left` pixels of the row remain. Source: T.87, A.7.1.
     fn run_length(&mut self, bits: &mut Bits<'_>, left: usize) -> Result<usize, Fault> {
         let mut n = 0;
         while bits.take(1) == 1 {
@@ -262,7 +263,7 @@ impl Coder {
         Ok(n)
     }
 
-    /// The pixel that ends a run of `a` with `b` above it. Source: T.87, A.7.2.
+    /// Decodes the pixel that ends a run; the run has value `a`, the pixel above has value `b`. Source: T.87, A.7.2.
     fn end_of_run(&mut self, bits: &mut Bits<'_>, a: i32, b: i32) -> Result<i32, Fault> {
         let alike = (a - b).abs() <= self.near;
         let context = &mut self.after_run[usize::from(alike)];
@@ -283,7 +284,7 @@ impl Coder {
         Ok(self.value(prediction, sign * error))
     }
 
-    /// The region, -4 to 4, of a step between neighbours. Source: T.87, A.3.3.
+    /// The region number, from -4 to 4, of a step between neighbours. Source: T.87, A.3.3.
     fn region(&self, step: i32) -> i32 {
         let size = step.abs();
         let region = match size {
@@ -296,7 +297,7 @@ impl Coder {
         region * step.signum()
     }
 
-    /// The value of a pixel: errors are counted round the range. Source: T.87, A.4.4 and A.5.
+    /// The value of a pixel from its prediction and error; the sum wraps around at the range. Source: T.87, A.4.4 and A.5.
     fn value(&self, prediction: i32, error: i32) -> i32 {
         let step = 2 * self.near + 1;
         let value = prediction + error * step;
@@ -311,8 +312,8 @@ impl Coder {
     }
 }
 
-/// A Golomb code of parameter `k`: the quotient as zeros and a 1, then `k` bits. A quotient that `limit` bits cannot hold is
-/// the sign that the number itself follows. Source: T.87, A.5.3.
+/// A Golomb code of parameter `k`: the quotient as zeros and a 1, then `k` bits. If the quotient does not fit in `limit`
+/// bits, an escape is coded and the number itself follows. Source: T.87, A.5.3.
 fn code(bits: &mut Bits<'_>, k: u32, limit: u32, error_bits: u32, range: i32) -> Result<i32, Fault> {
     let most = limit - error_bits - 1;
     let n = bits.zeros(most).ok_or("a code longer than any")?;
@@ -324,12 +325,12 @@ fn code(bits: &mut Bits<'_>, k: u32, limit: u32, error_bits: u32, range: i32) ->
         .ok_or_else(|| "an error larger than its range".into())
 }
 
-/// The bits that count up to `n`, without `n` itself.
+/// The number of bits that can hold every number below `n`.
 fn bits_for(n: i32) -> u32 {
     32 - ((n - 1) as u32).leading_zeros()
 }
 
-/// The thresholds between regions of steps that hold where none are stated. Source: T.87, C.2.4.1.1.
+/// The default thresholds between the regions of steps. Source: T.87, C.2.4.1.1.
 fn thresholds(greatest: i32, near: i32) -> [i32; 3] {
     let within = |v: i32, low: i32| if v > greatest || v < low { low } else { v };
     let [t1, t2, t3] = [(3, 2, 3), (7, 3, 5), (21, 4, 7)].map(|(usual, least, n)| {

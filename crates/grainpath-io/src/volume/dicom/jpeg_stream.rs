@@ -1,7 +1,7 @@
-//! What JPEG and JPEG-LS have in common: segments behind markers, the frame's header, bits between markers.
+//! The parts that JPEG and JPEG-LS share: segments behind markers, the header of the frame, bits between markers.
 //!
-//! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after
-//! 0xff). Both read forward only, a byte once.
+//! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after 0xff).
+//! Both formats are read forward only, each byte once.
 
 use super::frame::Fault;
 
@@ -15,7 +15,7 @@ pub(super) mod marker {
     pub(in super::super) const SCAN: u8 = 0xda;
     // Source: ITU-T T.81, table B.1.
     pub(in super::super) const RESTART_INTERVAL: u8 = 0xdd;
-    // The first of eight, which follow one another in turn.
+    // The first of eight restart markers, which are used in turn.
     // Source: ITU-T T.81, table B.1.
     pub(in super::super) const RESTART: u8 = 0xd0;
 }
@@ -27,7 +27,7 @@ pub(super) struct Segments<'a> {
 }
 
 impl<'a> Segments<'a> {
-    /// Behind the marker that begins a picture.
+    /// Starts behind the marker that begins a picture.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Fault> {
         if bytes.get(..2) != Some(&[0xff, marker::START]) {
             return Err("they do not begin with a picture".into());
@@ -54,7 +54,7 @@ impl<'a> Segments<'a> {
         Ok((marker, content))
     }
 
-    /// What follows the last segment.
+    /// The bytes that follow the last segment.
     pub(super) fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
@@ -95,15 +95,15 @@ pub(super) fn header(content: &[u8], size: [usize; 2]) -> Result<Header, Fault> 
     Ok(Header { bits: u32::from(bits), table })
 }
 
-/// Bits of a scan, the highest of a byte first. `STUFFED_BIT` says how a byte 0xff of data is told from a marker: by a
-/// bit 0 at the head of the next byte (JPEG-LS), or by a byte 0 behind it (JPEG).
+/// Bits of a scan, the highest of a byte first. `STUFFED_BIT` says how a data byte 0xff is told from a marker: by a bit 0 at
+/// the head of the next byte (JPEG-LS), or by a byte 0 behind it (JPEG).
 pub(super) struct Bits<'a, const STUFFED_BIT: bool> {
     bytes: &'a [u8],
     at: usize,
-    /// Bits not yet taken, the next one in the highest place.
+    /// Bits that are not yet taken; the next one is the highest bit.
     window: u64,
     n_bits: u32,
-    /// Of them, zeros that stand for what the stream does not hold.
+    /// Number of zero bits in the window that were added past the end of the stream.
     n_padding: u32,
     after_ff: bool,
 }
@@ -132,7 +132,7 @@ impl<'a, const STUFFED_BIT: bool> Bits<'a, STUFFED_BIT> {
         }
     }
 
-    /// The next 16 bits, which stay.
+    /// The next 16 bits, without taking them.
     pub(super) fn peek_16(&mut self) -> usize {
         if self.n_bits < 16 {
             self.fill();
@@ -150,13 +150,13 @@ impl<'a, const STUFFED_BIT: bool> Bits<'a, STUFFED_BIT> {
         if self.n_bits < n {
             self.fill();
         }
-        // A shift by all 64 bits is none.
+        // Rust does not allow a shift by all 64 bits, so it is done in two steps.
         let value = (self.window >> 1 >> (63 - n)) as u32;
         self.skip(n);
         value
     }
 
-    /// Skips zeros up to a 1, which is taken too; their number, or `None` if there are more than `most`, below 56.
+    /// Takes zeros up to and including the next 1. Returns their number, or `None` if there are more than `most` (below 56).
     pub(super) fn zeros(&mut self, most: u32) -> Option<u32> {
         self.fill();
         let n = self.window.leading_zeros();
@@ -167,12 +167,12 @@ impl<'a, const STUFFED_BIT: bool> Bits<'a, STUFFED_BIT> {
         Some(n)
     }
 
-    /// Whether more was taken than the stream holds.
+    /// Whether more bits were taken than the stream holds.
     pub(super) fn ended(&self) -> bool {
         self.n_bits < self.n_padding
     }
 
-    /// Goes on behind the restart marker of this number.
+    /// Continues behind the restart marker with this number.
     pub(super) fn restart(&mut self, number: usize) -> Result<(), Fault> {
         self.fill();
         let rest = &self.bytes[self.at..];

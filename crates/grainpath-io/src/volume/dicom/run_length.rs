@@ -1,8 +1,8 @@
-//! Runs of bytes: a segment for each byte of a pixel, packed as `PackBits`.
+//! RLE: one segment for each byte of a pixel, packed as `PackBits`.
 //!
-//! Source: DICOM PS3.5, annex G. Segments follow from the most significant byte of a pixel to the least. The cost is
-//! one pass over the pixels; memory is that of the pixels, whatever the bytes say. Segments that end early, or that
-//! reach past the frame, are damaged.
+//! Source: DICOM PS3.5, annex G. Segments follow from the most significant byte of a pixel to the least. The cost is one
+//! pass over the pixels; the memory is that of the pixels, even for damaged bytes. Segments that end early, or that reach
+//! past the frame, are damaged.
 
 use super::frame::{Fault, Frame};
 

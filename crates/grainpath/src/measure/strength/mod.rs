@@ -48,7 +48,7 @@ pub enum StrengthError {
     )]
     NoCard(String),
     #[error(
-        "strength.fidelity = \"plane\" wants loads and fixtures in the layers' plane, and one has a part out of it"
+        "strength.fidelity = \"plane\" needs loads and fixtures in the layers' plane, but one has a component out of it"
     )]
     NotFlat,
     #[error(
@@ -60,7 +60,7 @@ pub enum StrengthError {
     #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
     NoNormal { what: String, shape: &'static str },
     #[error(
-        "{what}: {key} is no load of the strength test; use force_n, pressure_mpa, moment_nmm or acceleration_mm_s2"
+        "{what}: the strength test has no load {key}; use force_n, pressure_mpa, moment_nmm or acceleration_mm_s2"
     )]
     LoadOfSolids { what: String, key: &'static str },
     #[error(transparent)]
