@@ -397,9 +397,8 @@ impl Bench {
                 )
             }
         };
-        let there = program == "grainpath"
-            || crate::setup::quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
-        there.then(|| text.split_whitespace().map(str::to_owned).collect())
+        let is_there = program == "grainpath" || crate::setup::is_installed(program);
+        is_there.then(|| text.split_whitespace().map(str::to_owned).collect())
     }
 
     /// The command that slices a part with supports; `None` without the program.

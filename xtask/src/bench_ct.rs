@@ -61,8 +61,13 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     let table = Table::new("ct", &header, 2);
     if wanted.contains(&"large") {
         let Cost { wall_s, cpu_s, peak_mib } = large(&program, &folder)?;
-        let cost = [format!("{wall_s:.1}"), format!("{cpu_s:.1}"), format!("{peak_mib:.0}")];
-        table.row(&[vec!["large".into(), "grainpath".into()], cost.to_vec()].concat());
+        table.row(&[
+            "large".to_owned(),
+            "grainpath".to_owned(),
+            format!("{wall_s:.1}"),
+            format!("{cpu_s:.1}"),
+            format!("{peak_mib:.0}"),
+        ]);
     }
     for scan in scans.iter().filter(|s| wanted.contains(&s.name)) {
         let ours = straight(&program, scan, &folder, "iso")?;

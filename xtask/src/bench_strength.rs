@@ -39,6 +39,8 @@ const WHOLE: Case<'static> =
 struct Published {
     what: &'static str,
     example: &'static str,
+    /// Size of the cells with which the pages quote it, mm.
+    cell_mm: &'static str,
     plans: &'static [(&'static str, &'static str)],
     paper: &'static [(usize, usize, f64)],
 }
@@ -47,6 +49,7 @@ const S2: [Published; 2] = [
     Published {
         what: "S2, bar with a hole in tension",
         example: "stress-lines",
+        cell_mm: "0.225",
         plans: &[
             ("tension-0", "beads at 0 degrees"),
             ("tension-90", "beads at 90 degrees"),
@@ -57,6 +60,7 @@ const S2: [Published; 2] = [
     Published {
         what: "S2, three-point bending",
         example: "stress-lines",
+        cell_mm: "0.225",
         plans: &[
             ("bending-0", "beads at 0 degrees"),
             ("bending-90", "beads at 90 degrees"),
@@ -69,6 +73,7 @@ const S2: [Published; 2] = [
 const S1: Published = Published {
     what: "S1, sparse fills of equal mass around an oblique hole",
     example: "woodgrain",
+    cell_mm: "0.9",
     plans: &[
         ("job", "grain"),
         ("grid", "grid"),
@@ -103,12 +108,12 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     }
     if wants("s2") {
         // What the test takes by itself, and twice as large, which shows how far cells matter.
-        for (cells, cell_mm) in [("", "0.225"), (" 0.45 mm", "0.45")] {
-            S2.iter().try_for_each(|published| published.compare(&grainpath, &folder, cells, cell_mm))?;
+        for cell_mm in ["0.225", "0.45"] {
+            S2.iter().try_for_each(|published| published.compare(&grainpath, &folder, cell_mm))?;
         }
     }
     if wants("s1") {
-        S1.compare(&grainpath, &folder, "", "0.9")?;
+        S1.compare(&grainpath, &folder, S1.cell_mm)?;
     }
     if wants("slicers") { foreign() } else { Ok(()) }
 }
@@ -128,9 +133,9 @@ fn time(grainpath: &Path, folder: &Path, case: &Case<'_>) -> Result<(), String> 
 }
 
 impl Published {
-    /// The loads of the plans with their intervals, and each pair beside the number of the paper. `cells` follows the name of
-    /// the example where the cells are not those of its page, so that its numbers are recorded beside the others.
-    fn compare(&self, grainpath: &Path, folder: &Path, cells: &str, cell_mm: &str) -> Result<(), String> {
+    /// Prints the loads of the plans with their intervals, and each pair beside the number of the paper. Numbers on cells of
+    /// another size are recorded beside those that the pages quote.
+    fn compare(&self, grainpath: &Path, folder: &Path, cell_mm: &str) -> Result<(), String> {
         let folder = folder.join(self.example);
         let quietly = &mut Command::new(grainpath);
         crate::run(quietly.args(["new", "--force", self.example]).arg(&folder).stdout(Stdio::null()))?;
@@ -158,11 +163,16 @@ impl Published {
             "fails mostly",
         ];
         let table = Table::new("strength", &header, 2);
+        let example = if cell_mm == self.cell_mm {
+            self.example.to_owned()
+        } else {
+            format!("{} {cell_mm} mm", self.example)
+        };
         let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
         for ((job, plan), row) in self.plans.iter().zip(rows) {
             let whole = |key: &str| format!("{:.0}", number(&row[key]));
             table.row(&[
-                format!("{}{cells}", self.example),
+                example.clone(),
                 (*job).to_owned(),
                 (*plan).to_owned(),
                 format!("{:.2}", number(&row["mass_g"])),
@@ -176,11 +186,11 @@ impl Published {
         }
         let ratios = ["example", "comparison", "paper %", "ours %", "low %", "high %"];
         let table = Table::new("strength", &ratios, 2);
+        let percent = |v: f64| format!("{v:+.1}");
         for &(a, b, paper) in self.paper {
             let [ours, low, high] = gain(&rows[a], &rows[b]);
-            let percent = |v: f64| format!("{v:+.1}");
             table.row(&[
-                format!("{}{cells}", self.example),
+                example.clone(),
                 format!("{} over {}", self.plans[a].0, self.plans[b].0),
                 percent(paper),
                 percent(ours),

@@ -14,7 +14,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::setup::quiet;
+use crate::setup::{is_installed, quiet};
 
 /// Builds the package and checks it.
 pub fn run(words: &[&str]) -> Result<(), String> {
@@ -217,10 +217,6 @@ fn version() -> Result<String, String> {
     let manifest = fs::read_to_string(crate::root().join("Cargo.toml")).map_err(|e| e.to_string())?;
     let manifest: toml::Table = manifest.parse().map_err(|e| format!("Cargo.toml: {e}"))?;
     Ok(manifest["workspace"]["package"]["version"].as_str().unwrap_or_default().to_owned())
-}
-
-fn is_installed(program: &str) -> bool {
-    quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]))
 }
 
 /// Writes a file that all may read, and its folders.

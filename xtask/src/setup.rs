@@ -202,9 +202,8 @@ pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
 /// Installs the packages whose programs are missing, where that is allowed; otherwise the error is the
 /// line to run.
 fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
-    let there = |program: &str| quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
     let missing: Vec<&str> =
-        programs.iter().filter(|(program, _)| !there(program)).map(|(_, p)| *p).collect();
+        programs.iter().filter(|(program, _)| !is_installed(program)).map(|(_, p)| *p).collect();
     if missing.is_empty() {
         return Ok(());
     }
@@ -222,6 +221,11 @@ fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
         missing.join(" ")
     );
     crate::run(Command::new("sh").args(["-c", &script])).map_err(|_| line)
+}
+
+/// Whether a program is on the path.
+pub fn is_installed(program: &str) -> bool {
+    quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]))
 }
 
 /// Whether a command succeeds; its output is discarded.

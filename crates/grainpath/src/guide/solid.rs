@@ -53,8 +53,6 @@ pub(super) fn solve(
             format!("{n} shells of the mesh enclose no volume and were left out of the stress analysis");
         diagnostics.warn(WarningId::MeshRepaired, text);
     }
-    // Meshing may take minutes, so a cancelled run stops here and not after the solution.
-    diagnostics.check()?;
     let tets = &meshed.mesh;
     let loaded = LoadedSolid::new(tets, part.mesh, conditions);
     warn_of_uncovered(&loaded, conditions, diagnostics);
@@ -76,7 +74,6 @@ pub(super) fn solve(
     };
     // All cases are solved with one preparation of the solver.
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
-    diagnostics.check()?;
     let mut solved = Solved {
         cases: Vec::new(),
         results: Vec::new(),
