@@ -44,6 +44,33 @@ fn a_bent_plate_gets_its_material_where_it_is_bent_most() {
     assert!(report["mass_g"].as_f64() > uniform["mass_g"].as_f64());
 }
 
+/// A few lines of infill make up this plate, so its mass changes in steps of a line.
+#[test]
+fn a_mass_between_two_numbers_of_lines_warns() {
+    let dir = folder("mass of few lines");
+    fs::write(dir.join("plate.stl"), box_stl([30.0, 6.0, 0.3])).expect("written");
+    let job = "[shape]\nmesh = \"plate.stl\"\n[process]\nwalls = 1\ntop_layers = 0\nbottom_layers = 0\n\
+        layer_height_mm = 0.3\nfirst_layer_height_mm = 0.3\n[fill]\npattern = \"rectilinear\"\nangle_deg = 0\n";
+    fs::write(dir.join("job.toml"), job).expect("written");
+    let [light, heavy] = [0.3, 0.5].map(|d| run(&dir, &[&format!("fill.density={d}")]));
+    let mass = |report: &Value| report["mass_g"].as_f64().unwrap_or_default();
+    assert!(mass(&heavy) > 1.02 * mass(&light), "{light}");
+    let ids = |report: &Value| {
+        let all = report["warnings"].as_array().expect("warnings").iter();
+        all.map(|w| w["id"].as_str().expect("an id").to_owned()).collect::<Vec<_>>()
+    };
+    let missed = (1..20).map(|i| mass(&light) + 0.05 * f64::from(i) * (mass(&heavy) - mass(&light))).map(|asked_g| {
+        let report = run(&dir, &[&format!("fill.mass_g={asked_g}")]);
+        let off = (mass(&report) / asked_g - 1.0).abs();
+        let is_told = ids(&report).contains(&"mass-missed".to_owned());
+        // The report's mass is rounded, so that the limit itself is left out.
+        assert!(is_told == (off > 5e-3) || (off - 5e-3).abs() < 1e-3, "{asked_g}: {off} {report}");
+        is_told
+    });
+    let n_missed = missed.filter(|m| *m).count();
+    assert!((1..20).contains(&n_missed), "{n_missed}");
+}
+
 #[test]
 fn a_mass_is_met_by_the_scale_of_the_densities() {
     let dir = plate("graded mass");

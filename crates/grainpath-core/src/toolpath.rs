@@ -183,6 +183,15 @@ impl Toolpath {
         Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed, rank: 0, raise }
     }
 
+    /// Returns the memory that the points and widths reserve beyond their number. A plan keeps all paths of a part until
+    /// its end, so what they reserved while they grew would be kept as well.
+    pub fn shrink_to_fit(&mut self) {
+        self.points.shrink_to_fit();
+        if let BeadWidth::PerVertex(widths_mm) = &mut self.width {
+            widths_mm.shrink_to_fit();
+        }
+    }
+
     /// Height of the bead in a layer of this height, mm.
     pub fn height_mm(&self, layer_mm: f64) -> f64 {
         layer_mm + (self.raise.top_mm - self.raise.bottom_mm)

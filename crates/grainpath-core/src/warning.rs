@@ -199,12 +199,18 @@ warning_ids! {
     FeOrderDoubtful = "fe-order-doubtful",
         "The stress components of a finite-element file seem to be in another order than the one assumed.",
         "set guide.import_order, or name the array with guide.import_array";
+    FeOrderUnused = "fe-order-unused",
+        "The order of stress components that the job states does not apply to the array of the file.",
+        "unset guide.import_order: the file states the components itself, or has another number than six";
     FeZeroStress = "fe-zero-stress",
         "The stress of a finite-element file is zero everywhere.",
         "export a step in which the part is loaded";
     DeckCovers = "deck-covers",
         "A fixture or load of a deck covers clearly less or more of the part's surface than of the deck's own.",
         "check that deck and part are the same shape; a finer export of the part follows its curves more closely";
+    MassMissed = "mass-missed",
+        "No density of the infill gives the required mass to within 0.5 %.",
+        "ask for the mass that the warning names, or set fill.density";
     FillLinesSeparate = "fill-lines-separate",
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";

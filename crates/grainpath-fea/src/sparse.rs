@@ -11,6 +11,8 @@
 
 /// Bytes in a MiB, the unit of every memory limit in this crate. Source: definition, 2^20.
 pub(crate) const BYTES_PER_MIB: f64 = 1_048_576.0;
+/// Bytes of an entry of the factor: its value and its row.
+const BYTES_PER_ENTRY: usize = size_of::<f64>() + size_of::<u32>();
 
 /// Why a system cannot be solved.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -105,8 +107,7 @@ impl Cholesky {
         let above = Above::new(a, &place);
         let (parents, counts) = above.tree_and_counts();
         let n_values: usize = counts.iter().sum();
-        // The rows of entries take half as much again; the limit has always been that of the values.
-        let needed_mib = n_values as f64 * size_of::<f64>() as f64 / BYTES_PER_MIB;
+        let needed_mib = (n_values * BYTES_PER_ENTRY) as f64 / BYTES_PER_MIB;
         if needed_mib > max_mib {
             return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
@@ -157,9 +158,9 @@ impl Cholesky {
         Ok(())
     }
 
-    /// Memory of the factor.
+    /// Memory of the factor: of its values and their rows, bytes.
     pub fn bytes(&self) -> usize {
-        self.values.len() * size_of::<f64>()
+        self.values.len() * BYTES_PER_ENTRY
     }
 
     /// Solves for one right side in place.
@@ -345,7 +346,11 @@ mod tests {
         let mut x = a.times(&want);
         Cholesky::new(&a, None, 1024.0).expect("positive definite").solve(&mut x);
         assert!(x.iter().zip(&want).all(|(x, w)| (x - w).abs() < 1e-10));
-        assert!(matches!(Cholesky::new(&a, None, 1e-5), Err(SparseError::Memory { .. })));
+        // The memory that a refusal names is that of the factor, values and rows.
+        let mib = Cholesky::new(&a, None, 1024.0).expect("positive definite").bytes() as f64 / BYTES_PER_MIB;
+        assert!(mib >= 12.0 * (2 * n - 1) as f64 / BYTES_PER_MIB);
+        let refused = Cholesky::new(&a, None, 0.99 * mib).err();
+        assert_eq!(refused, Some(SparseError::Memory { needed_mib: mib, limit_mib: 0.99 * mib }));
         a.values[0] = -1.0;
         assert_eq!(Cholesky::new(&a, None, 1024.0).err(), Some(SparseError::Singular));
     }

@@ -268,6 +268,10 @@ fn a_stored_von_mises_shows_a_wrong_array() {
     let result = good.result(&FeOptions::default()).expect("a plane stress");
     assert!(result.plane && result.warnings.is_empty(), "{:?}", result.warnings);
     assert_eq!(result.nodes[1].x, 1.5);
+    // The columns of a table are told apart by their names, so an order that the job states has no effect.
+    let ordered = FeOptions { order: Order::from_name("Voigt"), ..FeOptions::default() };
+    let told = good.result(&ordered).expect("a plane stress").warnings;
+    assert!(matches!(&told[..], [w] if w.text.contains("order voigt")), "{told:?}");
     let wrong = file.replace(";20;0;0;20", ";90;0;0;20");
     let result = parse_fe(wrong.as_bytes(), Some("a.csv")).expect("a table").result(&FeOptions::default());
     let warnings = result.expect("a plane stress").warnings;

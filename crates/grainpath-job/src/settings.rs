@@ -91,7 +91,7 @@ sections! {
         repair: Repair = Repair::Auto, "", Any, "What happens to defects of the mesh.";
         // Wide enough for the cracks of meshes whose faces do not quite meet, and far below the gap
         // between two walls.
-        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in a section that are at most this wide are closed.";
+        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "In sections with more than 200 open contours, a contour whose ends are at most this far apart is closed on itself. All other gaps are closed from the nearest ends on, whatever their width, and their number and width are told.";
     }
     /// A board to print from one or more photographs of it.
     PhotoSection "shape.photo" {

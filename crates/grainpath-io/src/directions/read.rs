@@ -422,7 +422,8 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
 // Pictures.
 
 /// A pixel is coloured, and not grey, where its channels differ by more than this share of white.
-/// Source: derived: half a step of eight bits, which rounding in a conversion may cost.
+/// Source: derived. Rounding in a conversion costs up to half a step of eight bits; a tenth of a step more is room for the
+/// arithmetic in single precision.
 const GREY_TOLERANCE: f32 = 0.6 / 255.0;
 
 /// The grey of every pixel, from 0 to 1, row by row from the top, and its alpha; `meaning` says what a grey picture is.

@@ -179,6 +179,8 @@ struct Choice {
     mirror: [Option<(usize, usize)>; 6],
     /// Whether the file itself states the order of the components.
     by_name: bool,
+    /// Whether the order given by the user, or VTK's in its place, says which component is which.
+    in_order: bool,
 }
 
 impl FeFile {
@@ -374,7 +376,7 @@ impl FeFile {
         let at = |c: usize| Some((index, c));
         let mut from = [None; 6];
         let mut mirror = [None; 6];
-        let mut by_name = false;
+        let (mut by_name, mut in_order) = (false, false);
         let named: Vec<Option<usize>> = a.component_names.iter().map(|n| component(n)).collect();
         let place = |k: usize| named.iter().position(|c| *c == Some(k));
         match a.components {
@@ -390,12 +392,15 @@ impl FeFile {
                 from = std::array::from_fn(|k| place(k).and_then(at));
                 by_name = true;
             }
-            6 => from = options.order.unwrap_or(Order::Vtk).places().map(at),
+            6 => {
+                from = options.order.unwrap_or(Order::Vtk).places().map(at);
+                in_order = true;
+            }
             // Four components are xx, yy, zz, xy (plane strain); three are xx, yy, xy (plane stress).
             4 => (from[0], from[1], from[2], from[3]) = (at(0), at(1), at(2), at(3)),
             _ => (from[0], from[1], from[3]) = (at(0), at(1), at(2)),
         }
-        Ok(Choice { label: a.name.clone(), on: a.on, from, mirror, by_name })
+        Ok(Choice { label: a.name.clone(), on: a.on, from, mirror, by_name, in_order })
     }
 
     /// Components in arrays of their own: `S11`, `sigma_xy`, `Stress XX Component`.
@@ -430,7 +435,7 @@ impl FeFile {
                 if from[0].is_some() && from[1].is_some() && from[3].is_some() {
                     let label = from.iter().flatten().map(|&(i, _)| self.arrays[i].name.as_str());
                     let label = label.collect::<Vec<_>>().join(", ");
-                    return Some(Choice { label, on, from, mirror: [None; 6], by_name: true });
+                    return Some(Choice { label, on, from, mirror: [None; 6], by_name: true, in_order: false });
                 }
             }
         }
@@ -491,6 +496,14 @@ impl FeFile {
             }
         }
         self.check_von_mises(result, mpa, warnings);
+        if let (Some(order), false) = (options.order, choice.in_order) {
+            let text = format!(
+                "the order {} of stress components is not used: array {} is no array of six components",
+                order.name(),
+                choice.label
+            );
+            warnings.push(Warning::new(WarningId::FeOrderUnused, text));
+        }
         if !choice.by_name
             && let Some((order, stated, best)) = better_order(result, options.order)
         {

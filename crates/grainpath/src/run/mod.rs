@@ -448,7 +448,7 @@ fn plan_stack(
             diagnostics.begin(Stage::Fill, 2 * all.len());
             let mut walls = steps.walls(all.clone(), diagnostics)?;
             let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
-            let density = steps.density(&walls, &skins)?;
+            let density = steps.density(&walls, &skins, diagnostics)?;
             let filled = steps.infill(all, walls, &skins, density, diagnostics)?;
             laid = graded.as_ref().map(|graded| {
                 let asked = AskedDensity {

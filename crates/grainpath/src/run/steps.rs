@@ -362,6 +362,11 @@ impl<'a> Steps<'a> {
                     wall.path.speed = SpeedClass::SmallWall;
                 }
             }
+            for island in &mut islands {
+                island.walls.iter_mut().map(|w| &mut w.path).chain(&mut island.fills).for_each(Toolpath::shrink_to_fit);
+                island.walls.shrink_to_fit();
+            }
+            fill.shrink_to_fit();
             if window.contains(&(first + k)) {
                 diagnostics.advance(1);
             }
@@ -491,6 +496,8 @@ impl<'a> Steps<'a> {
                 tally = self.dense_fill(first + k, &skins[k], &mut add);
                 tally = tally.and(self.sparse_fill(first + k, &skins[k], density, &mut add));
             }
+            paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
+            paths.shrink_to_fit();
             diagnostics.advance(1);
             Ok((paths, tally))
         };
@@ -513,6 +520,9 @@ impl<'a> Steps<'a> {
         let mut supports: Vec<Vec<Island>> = window.into_par_iter().map(|i| self.supports(i)).collect();
         let whole = |(k, (walls, paths)): (usize, (LayerWalls, IslandPaths))| {
             let mut islands = walls.islands;
+            let mut n_fills = vec![0; islands.len()];
+            paths.iter().for_each(|(island, _)| n_fills[*island] += 1);
+            islands.iter_mut().zip(n_fills).for_each(|(island, n)| island.fills.reserve_exact(n));
             paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
             let adhesion = adhesion.get(k).cloned().unwrap_or_default();
             LayerPaths { adhesion, supports: std::mem::take(&mut supports[k]), islands }

@@ -91,19 +91,27 @@ pub fn stiffen(forest: &mut Forest, clearance: &Clearance, settings: &SupportSet
     }
 }
 
-/// The nodes of every tree, lower nodes first.
+/// The nodes of every tree, lower nodes first. Cost: linear in the nodes.
+///
+/// A branch may stand on a node that was made before its own, so the index of a node does not say which of two is lower.
 fn trees(forest: &Forest) -> Vec<Vec<u32>> {
-    let mut tree_of = vec![0; forest.nodes.len()];
+    let mut tree_of = vec![usize::MAX; forest.nodes.len()];
     let mut out: Vec<Vec<u32>> = Vec::new();
+    let mut way_down = Vec::new();
     for i in (0..forest.nodes.len()).rev() {
-        tree_of[i] = match forest.nodes[i].below {
-            Some(below) => tree_of[below as usize],
-            None => {
-                out.push(Vec::new());
-                out.len() - 1
-            }
-        };
-        out[tree_of[i]].push(i as u32);
+        let mut next = Some(i);
+        while let Some(node) = next.filter(|&node| tree_of[node] == usize::MAX) {
+            way_down.push(node);
+            next = forest.nodes[node].below.map(|below| below as usize);
+        }
+        let tree = next.map_or(out.len(), |node| tree_of[node]);
+        if tree == out.len() && !way_down.is_empty() {
+            out.push(Vec::new());
+        }
+        for node in way_down.drain(..).rev() {
+            tree_of[node] = tree;
+            out[tree].push(node as u32);
+        }
     }
     out
 }
@@ -260,5 +268,38 @@ impl SupportSettings {
     /// Thickness of the walls of a branch.
     fn wall_mm(&self) -> f64 {
         self.beads.walls.max(1) as f64 * self.beads.bead_width_mm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use grainpath_core::DVec3;
+
+    use super::*;
+
+    /// Two contacts on one foot, where each branch stands on a node that was made before its own.
+    #[test]
+    fn a_tree_is_found_whatever_the_order_of_its_nodes() {
+        let node = |z_mm: f64, kind: Kind, below: Option<u32>| Node {
+            at: DVec3::new(0.0, 0.0, z_mm),
+            radius_mm: 1.0,
+            end_mm: 1.0,
+            carries: 1,
+            top_mm: 20.0,
+            below,
+            kind,
+            post: false,
+        };
+        let nodes = vec![
+            node(5.0, Kind::Bend, Some(4)),
+            node(10.0, Kind::Join, Some(0)),
+            node(20.0, Kind::Contact(0), Some(1)),
+            node(18.0, Kind::Contact(1), Some(1)),
+            node(0.0, Kind::Foot, None),
+            node(0.0, Kind::Foot, None),
+            node(9.0, Kind::Contact(2), Some(5)),
+        ];
+        let forest = Forest { nodes, ..Forest::default() };
+        assert_eq!(trees(&forest), [vec![5, 6], vec![4, 0, 1, 3, 2]]);
     }
 }

@@ -90,7 +90,7 @@ pub struct Brace {
 /// All trees of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Forest {
-    /// Every node; the node below it has a higher index.
+    /// Every node. A node names the node below it, whose index may be higher or lower.
     pub nodes: Vec<Node>,
     /// Struts between trunks.
     pub braces: Vec<Brace>,
