@@ -181,18 +181,34 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
         }
         equal.extend(equal_held(part, &rows));
     }
-    println!("\nGrams at equal held length: the leanest peer with no more over air than our trees.\n");
-    println!("| part | trees g | over air mm | leanest peer | peer g | over air mm | trees / peer |");
-    println!("|---|---|---|---|---|---|---|");
-    equal.iter().for_each(|line| println!("{line}"));
-    println!("\nTime over the number of contacts (armadillo, L from 12 to 1.2 mm), `grainpath support`:\n");
-    println!("| L mm | contacts | support s |\n|---|---|---|");
+    println!("\nGrams at equal held length: the leanest peer with no more over air than our trees.");
+    let header =
+        ["part", "trees g", "over air mm", "leanest peer", "peer g", "peer over air mm", "trees / peer"];
+    let table = Table::new("support-equal", &header, 1);
+    equal.iter().for_each(|row| table.row(row));
+    println!("\nOur trees under the drag of the nozzle (`support.side_load_n`):");
+    let table = Table::new("support-tips", &["part", "contacts", "furthest tip mm"], 1);
+    for &part in parts {
+        let mut command = Command::new(&ours);
+        command.args(["slice", "--json", "--set", "support.style=tree", "--set", "fill.density=0.15", "-o"]);
+        command.arg(bench.folder.join("tips.gcode")).arg(bench.mesh(part));
+        let found: Value = serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+        let number = |name: &str| found["support"][name].as_f64().unwrap_or(f64::NAN);
+        table.row(&[
+            part.to_owned(),
+            format!("{:.0}", number("contacts")),
+            format!("{:.3}", number("tip_moves_mm")),
+        ]);
+    }
+    println!("\nTime over the number of contacts (armadillo, L from 12 to 1.2 mm), `grainpath support`:");
+    let table = Table::new("support-contacts", &["L mm", "contacts", "support s"], 1);
     for l in ["12", "6", "3", "1.8", "1.2"] {
         let mut command = Command::new(&ours);
         command.args(["support", "--json", "--set", &format!("support.max_unsupported_mm={l}"), "-o"]);
         command.arg(bench.folder.join("scale.stl")).arg(bench.mesh("armadillo100"));
         let found: Value = serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
-        println!("| {l} | {} | {} |", found["support"]["contacts"], found["stages_s"]["support"]);
+        let (contacts, seconds) = (&found["support"]["contacts"], &found["stages_s"]["support"]);
+        table.row(&[l.to_owned(), contacts.to_string(), seconds.to_string()]);
     }
     Ok(())
 }
@@ -263,18 +279,22 @@ const SUPPORTERS: [Supporter; 10] = [
     },
 ];
 
-/// Our trees beside the leanest peer that leaves no more of the part over air; no line without our trees.
-fn equal_held(part: &str, rows: &[SupportRow]) -> Option<String> {
+/// Our trees beside the leanest peer that leaves no more of the part over air; no row without our trees.
+fn equal_held(part: &str, rows: &[SupportRow]) -> Option<Vec<String>> {
     let ours = rows.first().filter(|r| !r.peer)?;
     let leanest = rows
         .iter()
         .filter(|r| r.peer && r.over_air_mm <= ours.over_air_mm)
         .min_by(|a, b| a.grams.total_cmp(&b.grams));
     let peer = match leanest {
-        Some(p) => format!("{} | {:.2} | {} | {:.2}", p.name, p.grams, p.over_air_mm, ours.grams / p.grams),
-        None => "none of those tried | | |".to_owned(),
+        Some(p) => {
+            let share = format!("{:.2}", ours.grams / p.grams);
+            [p.name.to_owned(), format!("{:.2}", p.grams), p.over_air_mm.to_string(), share]
+        }
+        None => ["none of those tried", "-", "-", "-"].map(str::to_owned),
     };
-    Some(format!("| {part} | {:.2} | {} | {peer} |", ours.grams, ours.over_air_mm))
+    let first = [part.to_owned(), format!("{:.2}", ours.grams), ours.over_air_mm.to_string()];
+    Some(first.into_iter().chain(peer).collect())
 }
 
 /// Length of beads of the part that run over air for more than 10 mm, by the outside check.
