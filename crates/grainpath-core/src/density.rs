@@ -1,10 +1,10 @@
-//! The density of an infill region.
+//! The density of an infill region: dense, or sparse with a fraction of the volume.
 
 /// Density of infill: dense, or a fraction of the volume.
 ///
-/// Dense infill is laid by other rules than sparse infill: bead widths and spacings are fitted to
-/// the region, so that it leaves no gaps. A density is therefore not a number that stages compare
-/// with 1, but one of two cases.
+/// Dense infill follows other rules than sparse infill: bead widths and spacings are fitted to the
+/// region, so that no gaps remain. A density is therefore one of two cases, and the stages need not
+/// compare a number with 1.
 ///
 /// ```
 /// use grainpath_core::Density;
@@ -26,7 +26,7 @@ pub enum Density {
 const DENSE_FROM: f64 = 0.999;
 
 impl Density {
-    /// The density with this volume of beads over volume of the region.
+    /// The density for a fraction: the volume of the beads over the volume of the region.
     pub const fn new(fraction: f64) -> Self {
         if fraction >= DENSE_FROM { Self::Dense } else { Self::Sparse(fraction) }
     }

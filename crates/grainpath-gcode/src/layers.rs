@@ -117,7 +117,8 @@ struct Marked {
 }
 
 impl Marked {
-    /// The height with the greatest printed length; the highest one if none has half of it, as in a spiral.
+    /// The height with the greatest printed length; the highest one if no height has half of the whole length, as in a
+    /// spiral.
     fn height(&self) -> Option<i64> {
         let whole: f64 = self.printed_mm.values().sum();
         let most = self.printed_mm.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))?;
@@ -137,7 +138,7 @@ pub(crate) struct LayerCollector {
 }
 
 impl LayerCollector {
-    /// Begins a new layer at a mark.
+    /// Begins a new layer at a mark, if it is of the kind that counts.
     pub(crate) fn mark(&mut self, kind: LayerMark) {
         self.starts_marked |= self.kind.is_none() && self.marked.is_empty();
         if *self.kind.get_or_insert(kind) == kind {

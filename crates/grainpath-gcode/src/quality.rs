@@ -79,7 +79,7 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
         q.gap += (a.part - a.inside) / part;
         q.spill += (a.union - a.inside) / part;
         q.overlap += (a.beads - a.union) / part;
-        // In tips smaller than 1 mm2 the width of a single bead dominates the share, so they do not count.
+        // In a tip of at most 1 mm2 the width of a single bead dominates the share, so the worst gap leaves it out.
         if a.part > 1.0 {
             q.worst_layer_gap = q.worst_layer_gap.max(1.0 - a.inside / a.part);
         }
@@ -209,7 +209,7 @@ fn capsule(a: DVec2, b: DVec2, r: f64, y: f64) -> Option<(f64, f64)> {
     (lo < hi).then_some((lo, hi))
 }
 
-/// Total length of sorted intervals without overlaps, and the part of it that lies within pairs of borders.
+/// Length of the union of sorted intervals, and the part of it that lies within pairs of borders.
 fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
     let (mut union, mut inside) = (0.0, 0.0);
     let mut pairs = borders.chunks_exact(2).peekable();

@@ -138,7 +138,7 @@ fn check_lines(s: &Settings) -> Result<(), String> {
 const NEEDS_STRESS: &str =
     "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import";
 
-/// Checks the settings that a number of walls graded by stress needs.
+/// Checks the settings that are needed if the number of walls follows the stress.
 fn check_walls(s: &Settings) -> Result<(), String> {
     let problem = match s.process.walls {
         WallCount::Even(_) => return Ok(()),

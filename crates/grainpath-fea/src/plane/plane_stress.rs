@@ -127,7 +127,7 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     let double = cross(c[1] - c[0], c[2] - c[0]);
     let l = [cross(c[1] - p, c[2] - p) / double, cross(c[2] - p, c[0] - p) / double];
     let l = [l[0], l[1], 1.0 - l[0] - l[1]];
-    // Because of rounding, points on a shared side count as inside both elements.
+    // The limit of -1e-12 allows for rounding, so that points on a shared side belong to both elements.
     if l.iter().all(|v| *v >= -1e-12) {
         return (0.0, l.map(|v| v.max(0.0)));
     }

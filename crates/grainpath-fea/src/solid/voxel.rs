@@ -67,7 +67,7 @@ struct Last {
     displacement: Vec<DVec3>,
     /// Residual forces; zero along supports.
     residual: Vec<DVec3>,
-    /// Size of the load by which the residual is divided, including the forces of prescribed
+    /// Size of the load with which the residual is compared, including the forces of prescribed
     /// displacements.
     load_size: f64,
 }
@@ -240,7 +240,7 @@ impl VoxelSystem {
 
     /// Updates the last solution after cells have changed: first at the nodes around them with all
     /// others fixed, then, if the residual is still too large, at all nodes. The residual falls to
-    /// `gain` times its value after the change, and to the tolerance times the load at most.
+    /// `gain` times its value after the change, or to the tolerance times the load if that is less.
     ///
     /// # Errors
     /// No convergence.

@@ -566,8 +566,8 @@ mod tests {
         }
     }
 
-    /// Outcomes with the step control of solids and with small steps, held at x = 0 and pulled at the far end, on the upper side
-    /// only where it is to bend open.
+    /// Outcomes with the step control of solids and with small steps, held at x = 0 and pulled at the far end, on the upper
+    /// side only where it is to bend open.
     fn peaks(bricks: &Bricks, active: &[bool], pull: DVec3) -> [Outcome; 2] {
         let [nx, ny, nz] = bricks.n;
         let face = |x: usize| (0..=nz).flat_map(move |z| (0..=ny).map(move |y| [x, y, z]));

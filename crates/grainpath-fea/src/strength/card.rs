@@ -59,7 +59,7 @@ impl StrengthCard {
         let x = if s1 >= 0.0 { self.xt_mpa } else { self.xc_mpa };
         let y = if s2 >= 0.0 { self.yt_mpa } else { self.yc_mpa };
         let terms = [s1 / x, s2 / y, s12 / self.s12_mpa].map(|t| t * t);
-        // The product of Tsai and Hill holds for stresses of the same sign; otherwise it would lower the index.
+        // The product of Tsai and Hill holds for stresses of the same sign; for opposite signs it is left out.
         let product = (s1 * s2).max(0.0) / (x * x);
         let sum = (terms[0] + terms[1] + terms[2] - product).max(0.0);
         let mode = if terms[0] >= terms[1].max(terms[2]) {
@@ -100,7 +100,7 @@ impl StrengthCard {
         ((opens * opens + slides * slides).sqrt(), slides > opens)
     }
 
-    /// The strains at which an element of this width and height carries no more stress. Elements that are too large
+    /// The strains at which an element of this width and height has lost all its stress. Elements that are too large
     /// for the fracture energy fail at once.
     pub fn final_strains(&self, cell_mm: f64, height_mm: f64) -> FinalStrains {
         let [e1, e2, e3] = self.elastic.e_mpa;
@@ -121,7 +121,7 @@ impl StrengthCard {
     }
 }
 
-/// Strain at which a crack band carries no more stress, over the strain at which it failed: for tearing through
+/// Strain at which a crack band has lost all its stress, over the strain at which it failed: for tearing through
 /// beads, parting between them, and parting of layers. Opening and sliding spend the same energy per area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinalStrains {

@@ -25,7 +25,7 @@ pub struct PlateElements {
     pub cells: Vec<u32>,
     /// Corners of each element, counter-clockwise from the lowest.
     pub corners: Vec<[u32; 4]>,
-    /// Index of each node among the corners of the grid.
+    /// Column and row of each node among the corners of the grid.
     pub places: Vec<[u32; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Where printed material fails first under a known stress, without a solution on its cells.
+//! Where printed material fails first under a known stress, without a finite-element solution on its cells.
 //!
 //! Method: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of [`Bricks`]. All
 //! plies of a cell have the same strain, so the inverse of their mean stiffness gives the strain, and the stiffness of each

@@ -304,7 +304,7 @@ fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
         fronts.push(Front { nodes: nodes.to_vec(), ..Front::default() });
         return;
     }
-    // The line through the median node divides the nodes into equal halves.
+    // The line through the median node divides the nodes into two halves of about equal number.
     let mut values: Vec<u32> = nodes.iter().map(|&i| place(i, axis)).collect();
     let half = values.len() / 2;
     let at = *values.select_nth_unstable(half).1;

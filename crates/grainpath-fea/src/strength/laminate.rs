@@ -71,8 +71,9 @@ struct Ribbon {
 /// it is treated as higher instead of wider. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a
 /// margin of 2.5.
 const MAX_BEAD_WIDTH_MM: f64 = 10.0;
-/// Two pieces of a path are merged if the point between them lies at most this far, in bead widths, from the line
-/// that joins their ends. Measured: row `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
+/// A piece of a path that is too short for the turns at its ends is merged with a neighbour only if the point between them
+/// lies at most this far, in bead widths, from the line that joins their ends. Measured: row
+/// `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
 static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
 /// Tangent of half the sharpest turn whose outer corner is filled; the tip of that corner is one bead width from the path.
 /// Source: derived. The tip lies half a width over the cosine of half the turn away, which is one width when half the turn

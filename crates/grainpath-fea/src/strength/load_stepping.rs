@@ -115,7 +115,8 @@ pub(super) struct StepControl {
     pub min_step: f64,
     /// The part counts as in equilibrium once all plies carry the level of the load, less this share of it.
     pub tolerance: f64,
-    /// Damage strain is raised to this multiple of the demand, so that a crack stops after fewer solutions.
+    /// The rise of the damage strain that the load demands is multiplied by this, so that a crack stops after fewer
+    /// solutions.
     pub overrelaxation: f64,
     /// Damage strain is raised to at least this multiple of its last value: smaller changes hardly change the
     /// stiffness but still cost a solution.

@@ -4,9 +4,9 @@
 //! k (from 1) that of case k. A *mix* is a list of up to `MOST_SLOTS` families that layers take in turn. A mix is judged as
 //! plies of one material with the same strain, each with its share of the thickness. The stress of every case in the plane
 //! of the layer acts on them at every node; the ply nearest to failure counts, by the criterion of
-//! [`first_failure`](super::first_failure). The best mix has the lowest maximum of the failure index over nodes and cases.
-//! Of mixes within `TIE` of it the shortest is taken; of equally short ones that with the largest weighted mean of the
-//! cases' reserves.
+//! [`first_failure`](super::first_failure). The reserve of a case is one over its highest failure index at any node. The
+//! best mix has the largest least reserve over all cases. Of mixes within `TIE` of it the shortest is taken; of equally
+//! short ones that with the largest weighted mean of the cases' reserves.
 //!
 //! Limits: failure between layers is left out, because directions do not change it. At most `MOST_CASES` cases are served by
 //! families of their own, those with the least reserve; all are judged. Cost: a small solve for each mix, node and case; a
@@ -20,7 +20,8 @@ use super::first_failure::PlyJudge;
 use crate::material::Unstable;
 use crate::principal::von_mises_plane;
 
-/// The most families that layers take in turn. Source: derived: four layers are 0.8 mm, about the thinnest plate that is printed.
+/// The most families that layers take in turn. Source: derived: four layers are 0.8 mm, about the thinnest plate that is
+/// printed.
 pub const MOST_SLOTS: usize = 4;
 /// The most cases with families of their own. Source: derived: as many as there are slots.
 const MOST_CASES: usize = MOST_SLOTS;

@@ -404,7 +404,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Units of filament that have not been fed yet.
+    /// Steps of filament (`E_STEP_MM`) that have not been fed yet.
     fn e_owed(&self) -> i64 {
         (self.e_exact_mm / E_STEP_MM).round() as i64 - self.e_steps
     }

@@ -294,8 +294,8 @@ fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
         let off = |p: &DVec2| cross(along, *p - centre).abs();
         let mut all: Vec<f64> = kept.iter().map(off).collect();
         all.sort_by(f64::total_cmp);
-        // Points beyond 2.5 times the median distance are knots and shadows. The least limit of 0.3
-        // pixels keeps a perfect line from losing points to rounding.
+        // The limit of 2.5 times the median distance removes points on knots and shadows. A limit of at
+        // least 0.3 pixels keeps a perfect line from losing points to rounding.
         let limit = (2.5 * all[all.len() / 2]).max(0.3);
         kept.retain(|p| off(p) <= limit);
     }

@@ -3,8 +3,8 @@
 //! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4
 //! mm. The black share of the inner square names the corner: 0 for the upper left one, then clockwise
 //! 1/3, 1 and 2/3. Rotation and mirroring do not change a share, so each marker identifies its corner.
-//! In a mirrored photograph, the grain would be mirrored too; the order of the corners around the sheet
-//! reveals it.
+//! The order of the corners around the sheet then reveals a mirrored photograph, in which the grain would
+//! be mirrored too.
 //!
 //! ```text
 //!   upper left      upper right     lower right     lower left      (#: black)

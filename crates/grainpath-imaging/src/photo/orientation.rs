@@ -28,7 +28,7 @@ const USUAL_FOCAL: f64 = 0.62;
 /// Range of credible focal lengths, in the same share. A value outside it comes from noise or from a cropped picture.
 /// Source: 13 mm (the widest camera of a telephone) to 200 mm as 35 mm equivalent.
 const FOCAL_RANGE: [f64; 2] = [0.3, 4.6];
-/// Factor by which a measured ratio of sides may differ from the true one. Measured:
+/// Factor by which the ratio of sides found may differ from the given one. Measured:
 /// `the_ratio_of_a_board_comes_out_from_every_side` looks at boards of 2:1 to 4:1 from 108 camera positions tilted by
 /// up to 45 degrees. With the usual focal length ratios come out within 1.03; with twice that focal length they are off
 /// by up to 1.26, in views where one pair of sides is parallel in the picture and the focal length cannot be found.

@@ -125,8 +125,8 @@ fn slices_held(info: &VolumeInfo) -> usize {
     (HELD_BYTES / (4 * info.size[0] * info.size[1])).clamp(1, info.size[2])
 }
 
-/// Describes the cost of slices that are not stored in the order of the height. `None` if one pass needs no more memory than
-/// is allowed.
+/// Describes the cost of slices that are not stored in the order of the height. `None` if the memory suffices for a single
+/// pass over the file.
 pub(super) fn cost(info: &VolumeInfo, order: [StoredAxis; 3]) -> Option<String> {
     let held = slices_held(info);
     let mib = (4 * info.size[0] * info.size[1] * held).div_ceil(1 << 20);

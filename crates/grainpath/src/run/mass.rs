@@ -1,11 +1,12 @@
 //! Finds the infill density that gives a part a required mass.
 //!
-//! Walls, skins and bridges have a mass that does not depend on the density, so it is summed once.
-//! The mass of sparse infill is nearly proportional to the density: up to six proportional steps
-//! find it to 0.25 %. It also jumps where a line appears or disappears. Where the steps fail, up to
-//! 14 bisections take the density with the nearest mass. Each try lays the sparse infill of all
-//! layers. Masses are added in the order of the layers, so the result does not depend on the number
-//! of threads. Of a graded density it is the mean that is found, and with it the scale of the densities. A mass that the pattern cannot give is refused, with the range that it can give.
+//! The mass of walls, skins and bridges does not depend on the density, so it is summed once. The
+//! mass of sparse infill is nearly proportional to the density, so up to six proportional steps find
+//! it to 0.25 %. The mass jumps where a line appears or disappears. If the steps fail, up to 14
+//! bisections find the density with the nearest mass. Each try lays the sparse infill of all layers.
+//! Masses are added in the order of the layers, so the result does not depend on the number of
+//! threads. For a graded density the mean is found, which fixes the scale of the densities. A mass
+//! that the pattern cannot give is an error, which states the possible range.
 
 use grainpath_core::{Density, Role, Toolpath};
 use rayon::prelude::*;
@@ -20,20 +21,20 @@ impl Steps<'_> {
     /// those of all layers.
     ///
     /// # Errors
-    /// [`Error::Mass`] where no density gives the mass.
+    /// [`Error::Mass`] if no density gives the mass.
     pub fn density(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
         let density = self.density_of_mass(walls, skins);
-        // Notes of densities that were only tried do not concern the print.
+        // Notes from tried densities are discarded, because they do not concern the print.
         self.discard_notes();
         density
     }
 
     fn density_of_mass(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
         let Some(asked_g) = self.settings.infill.mass_g else {
-            // Of a graded density the number is its mean.
+            // A graded density is represented by its mean.
             return Ok(self.graded.map_or(self.settings.infill.density, |g| Density::Sparse(g.mean)));
         };
-        // The numbers that are tried: for a graded density its mean, whose scale follows from it.
+        // The range of densities that are tried. For a graded density they are means, which fix its scale.
         let [least, most] = self.graded.map_or([0.0, 1.0], GradedDensity::range);
         let grams = |path: &Toolpath, height_mm: f64| {
             let infill = &self.settings.infill;
@@ -42,7 +43,7 @@ impl Steps<'_> {
         };
         let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
         let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
-            // Masses are added in the order of the layers: the same sum for any number of threads.
+            // Masses are added in the order of the layers, so that the sum is the same for any number of threads.
             layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
@@ -65,7 +66,7 @@ impl Steps<'_> {
                     mass
                 })
         };
-        // Mass is nearly proportional to density, so each step scales the density by what is missing.
+        // Mass is nearly proportional to density, so each step scales the density by required over found infill mass.
         let mut density = self.graded.map_or(0.3, |g| g.mean);
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
@@ -78,15 +79,15 @@ impl Steps<'_> {
                 return Ok(Density::new(density));
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
-            // Outside this range the proportion no longer holds: a line appears or the infill turns
-            // dense.
+            // Outside this range the mass is no longer proportional to the density: a line appears or
+            // the infill becomes dense.
             if self.graded.is_some() {
                 density = density.clamp(least, most);
             } else if !(0.01..0.95).contains(&density) {
                 break;
             }
         }
-        // Half a percent is accepted without bisection: the steps then circle around a jump.
+        // An error of half a percent is accepted without bisection: the steps then alternate around a jump.
         if nearest.0 < 5e-3 * asked_g {
             return Ok(Density::new(nearest.1));
         }

@@ -79,8 +79,8 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     // In a soup every facet is a shell of its own: measured from their own vertices the volumes are
     // zero, but the whole surface encloses a volume.
     let is_soup = surface.signed_volume().abs() > 2.0 * total;
-    // Shells that hold more than a hundredth of the volume together are not debris; without them
-    // the part would change.
+    // Flat shells that together hold more than a hundredth of the volume belong to the part, so the
+    // surface is left as it is.
     if n_removed == 0 || n_removed == shells.len() || is_soup || removed_mm3 > 0.01 * total {
         return unchanged();
     }

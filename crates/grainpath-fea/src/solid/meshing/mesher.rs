@@ -29,8 +29,8 @@ use crate::solid::model::tet_shape::{self, MeshQuality};
 /// Approximate number of unknowns for each tetrahedron; in the interior of a lattice there are 4.
 const DOFS_PER_TET: f64 = 4.6;
 /// Approximate number of unknowns that are added when a cell at the surface is divided. Source: derived. Half of its
-/// eight parts are inside, each with 12 tetrahedra of 4.6 unknowns; half of the 12 of the whole cell, which were inside,
-/// are saved.
+/// eight parts are inside, each with 12 tetrahedra of 4.6 unknowns. Half of the 12 tetrahedra of the whole cell were
+/// inside before; their unknowns are subtracted.
 const DOFS_PER_SPLIT: f64 = 200.0;
 
 /// Number of times that an automatically chosen size may be enlarged to bring the unknowns within
@@ -238,8 +238,8 @@ fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &Mes
     SolidError::ThinWalls { thickness_mm, size_mm, fitting_mm, limit_mib: settings.max_mib }
 }
 
-/// The share of the volume in walls that are missing from the mesh, or the share of the surface of
-/// these walls if that is less.
+/// The share of the volume that lies in walls missing from the mesh, or their share of the surface
+/// if that is less.
 fn lost_walls(mesh: &TetMesh, walls: &MeasuredWalls, size_mm: f64) -> f64 {
     // Walls of one and a half cells and more are resolved; only thinner ones are tested.
     let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();

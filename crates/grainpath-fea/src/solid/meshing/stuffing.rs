@@ -83,8 +83,8 @@ struct Warped<'a> {
 }
 
 impl<'a> Warped<'a> {
-    /// Each point, in order, moves to the nearest cut within its limit. It stays where the other
-    /// end of the edge has moved onto that cut already, and where `stays` demands it.
+    /// Each point, in order, moves to the nearest cut within its limit. Cuts of an edge whose other
+    /// end has moved already are left out. Points for which `stays` is true are not moved.
     fn new(lattice: &'a Background, stays: &[bool]) -> Self {
         let mut near: Vec<(u32, u32, usize, f64)> = Vec::new();
         for (i, cut) in lattice.cuts.iter().enumerate() {

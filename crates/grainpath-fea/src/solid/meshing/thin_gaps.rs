@@ -20,7 +20,8 @@ const LEAST_RATIO: f64 = 0.2;
 /// the thin wall, because slivers are worse.
 const TOO_NEAR: f64 = 0.08;
 
-/// Moves the points in thin walls and gaps to the middle. Returns for each point whether it has to stay there.
+/// Moves the points in thin walls and gaps towards the middle. Returns for each point whether it has to stay
+/// where it is afterwards.
 pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> Vec<bool> {
     let wanted = between(lattice);
     if wanted.is_empty() {

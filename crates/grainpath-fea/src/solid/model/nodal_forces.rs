@@ -256,7 +256,7 @@ fn complete(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], (force_n, mom
     };
     let missing = force_n - sums(forces).0;
     add_force(forces, mesh, faces, missing);
-    // The forces now balance, so the missing moment is a pure one and the same about every point.
+    // The sum of the forces is now complete, so the missing moment is the same about every point.
     let missing = moment_nmm - sums(forces).1;
     add_moment(forces, mesh, faces, missing);
 }

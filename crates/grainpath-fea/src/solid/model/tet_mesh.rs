@@ -208,8 +208,8 @@ impl TetMesh {
             (0..self.tets.len()).filter(|&t| self.tets[t][4..].iter().any(is_curved)).collect();
         let (start, around) = incidence(self.nodes.len(), &self.tets);
         while !bent.is_empty() {
-            // The least Jacobian must be a quarter of the straight element's: below that, the
-            // inverse map distorts stresses.
+            // The least Jacobian must be at least a quarter of the straight element's: below that,
+            // the inverse map distorts stresses.
             let bad = |&t: &usize| element::least_jacobian(&self.places(t)) < 0.25;
             let mut back: Vec<u32> = bent.into_iter().filter(bad).flat_map(|t| self.tets[t]).collect();
             back.retain(is_curved);

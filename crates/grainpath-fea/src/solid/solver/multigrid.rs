@@ -180,8 +180,8 @@ impl Multigrid {
         Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
     }
 
-    /// Makes the levels from a finest level: it gets the transfer to it, the matrix of the next
-    /// level with its smoothing, and the grid of the level after that.
+    /// Makes the levels from the finest level, the transfer to it, the matrix of the next level with
+    /// its smoothing, and the grid of the level after that.
     pub(crate) fn below(
         finest: &dyn System,
         first: Transfer,

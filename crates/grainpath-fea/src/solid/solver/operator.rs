@@ -178,7 +178,7 @@ fn group(model: &Model<'_>, g: usize) -> Group {
     let tet = |t: usize| {
         let x = mesh.places(t);
         let longest = EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max);
-        // The middle node is half way within rounding, so the cheaper formula below is exact.
+        // If all middle nodes lie half way within rounding, the formula for straight sides below is exact.
         let straight = |(m, &(i, j)): (usize, &(usize, usize))| {
             x[4 + m].distance(0.5 * (x[i] + x[j])) < 1e-12 * (longest + x[i].length())
         };

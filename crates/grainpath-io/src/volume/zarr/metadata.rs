@@ -340,7 +340,7 @@ fn fill(file: &str, sample: SampleType, big_endian: bool, value: &Value) -> Resu
     Ok(bytes)
 }
 
-/// Checks that the sizes are valid and fit into memory.
+/// Checks that the number of axes and the sizes are valid and within their limits.
 fn check(file: &str, array: &Array) -> Result<(), VolumeError> {
     let n_axes = array.shape.len();
     if !(3..=MAX_AXES).contains(&n_axes) {
