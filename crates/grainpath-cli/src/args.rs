@@ -1,4 +1,4 @@
-//! Arguments.
+//! Commands of the program with their arguments and help texts.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use clap::{Parser, Subcommand};
     disable_help_subcommand = true
 )]
 pub(crate) struct Args {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -38,32 +38,32 @@ pub(crate) enum Command {
         after_help = "Examples:\n  grainpath new plate\n  grainpath new stress-lines bars\n  grainpath new plate --printer prusa-mk3s --material petg"
     )]
     New(New),
-    /// Grow supports for a mesh and write them as a mesh of their own
+    /// Grow supports for a mesh and write them as a separate mesh
     #[command(
         after_help = "Examples:\n  grainpath support statue.stl\n  grainpath support statue.stl -o both.3mf --with-model --preview steps"
     )]
     Support(Support),
-    /// Write a piece to print and read: the critical angle's calibration and others
+    /// Write a calibration piece, for example for the critical overhang angle, or a standard test piece
     #[command(
         after_help = "Examples:\n  grainpath specimen\n  grainpath specimen critical-angle -o angle.stl"
     )]
     Specimen(Specimen),
-    /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
+    /// Describe a mesh, an image, a CT scan, a finite-element result or a G-code file, and list its defects
     #[command(
         after_help = "Examples:\n  grainpath inspect part.stl\n  grainpath inspect scan.nrrd --sheet slices.png"
     )]
     Inspect(Inspect),
-    /// Test how much a job's part, or a G-code file of it, carries until it breaks
+    /// Compute the load at which the part of a job or of a G-code file breaks
     #[command(
         after_help = "Examples:\n  grainpath strength bracket.toml --preview damage\n  grainpath strength other-slicer.gcode --job bracket.toml --json"
     )]
     Strength(Strength),
-    /// Test several jobs or G-code files of one part, side by side
+    /// Compare the strength of several jobs or G-code files of one part
     #[command(
         after_help = "Examples:\n  grainpath compare along.toml across.toml --same-mass\n  grainpath compare ours.gcode theirs.gcode --job bracket.toml"
     )]
     Compare(Compare),
-    /// Say which way up a job's part carries its loads best: stable poses, ranked
+    /// Rank the stable poses of a job's part by the loads that it carries in them
     #[command(
         after_help = "Examples:\n  grainpath orient bracket.toml\n  grainpath orient bracket.toml --write --json"
     )]
@@ -86,13 +86,13 @@ pub(crate) enum Command {
         after_help = "Examples:\n  grainpath profiles\n  grainpath profiles prusa-mk3s > my-printer.toml"
     )]
     Profiles(Profiles),
-    /// Say what this machine offers to grainpath: version, cores, memory, folders, other programs
+    /// Report what grainpath finds on this machine: version, cores, memory, folders, other programs
     #[command(after_help = "Examples:\n  grainpath doctor\n  grainpath doctor --json")]
     Doctor(Doctor),
     /// Print the licences of grainpath and of every library in it
     #[command(after_help = "Examples:\n  grainpath licences\n  grainpath licences | less")]
     Licences(Licences),
-    /// Print the completions of a shell
+    /// Print the completion script for a shell
     #[command(
         after_help = "Examples:\n  grainpath completions bash > ~/.local/share/bash-completion/completions/grainpath\n  grainpath completions zsh > ~/.zfunc/_grainpath"
     )]
@@ -193,7 +193,7 @@ pub(crate) struct Support {
     /// File to write, .stl or .3mf [default: the mesh's name with _support.stl]
     #[arg(short, long, value_name = "FILE.stl")]
     pub output: Option<PathBuf>,
-    /// Write the model into the same file
+    /// Write the model into the same file as its supports
     #[arg(long)]
     pub with_model: bool,
     /// Folder for pictures of the steps: overhangs, contacts, trees
@@ -317,7 +317,7 @@ pub(crate) struct Orient {
 pub(crate) struct Render {
     /// G-code of any slicer
     pub gcode: PathBuf,
-    /// Layer, from 1 [default: the middle one]; the whole part without --layer when the output is named thumbnail.png
+    /// Number of the layer to draw, from 1 [default: the middle layer]
     #[arg(long, value_name = "N")]
     pub layer: Option<usize>,
     /// Picture to write, .png or .svg [default: the G-code's name with .png]
@@ -335,7 +335,7 @@ pub(crate) struct Render {
     /// Longest side in pixels
     #[arg(long, default_value_t = 1600, value_parser = clap::value_parser!(u32).range(16..=20000))]
     pub size: u32,
-    /// Leave travels out
+    /// Draw no travels
     #[arg(long)]
     pub no_travels: bool,
 }

@@ -1,4 +1,4 @@
-//! Meshes of files that hold exact surfaces: STEP and IGES, through gmsh.
+//! Meshes of files that hold exact surfaces: STEP and IGES, triangulated by gmsh.
 //!
 //! No library under a permissive licence reads STEP well enough, so grainpath runs gmsh (<https://gmsh.info>) as a
 //! separate program if it is installed: gmsh reads the surfaces with OpenCASCADE, turns their unit into mm and writes
@@ -44,7 +44,7 @@ pub(crate) fn mesh(bytes: Vec<u8>, name: &str, diagnostics: &Diagnostics) -> Res
         let read = diagnostics.leave_at_stop(move || parse_mesh(&bytes, Some(&shown)));
         return read.map_err(grainpath::Error::from)?.map_err(wrong);
     };
-    // On this thread, so that the program cannot end before gmsh has.
+    // gmsh is run on this thread, so that the program cannot end before gmsh does.
     let Some(stl) = triangles(&bytes, name, format, diagnostics)? else {
         return Err(wrong(MeshError::ExactSurfaces { format }));
     };

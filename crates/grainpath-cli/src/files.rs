@@ -81,7 +81,7 @@ pub(crate) fn plain(error: &io::Error) -> String {
 /// On an error the temporary file is removed. Links are followed; devices and pipes are written directly.
 ///
 /// # Errors
-/// Errors of `fill`, or exit code 2 if the file cannot be created.
+/// Errors of `fill`, or exit code 2 if the file cannot be created or written.
 pub(crate) fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,

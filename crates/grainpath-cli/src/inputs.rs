@@ -62,7 +62,7 @@ pub(crate) fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, Pa
     Ok((settings, folder))
 }
 
-/// The file of a job's shape, where the job has one.
+/// The file of a job's shape; `None` if the job names no shape.
 pub fn shape_of(settings: &Settings, folder: &Path) -> Option<PathBuf> {
     let shape = &settings.shape;
     let given =
@@ -141,7 +141,7 @@ pub(crate) fn plan(
 /// error messages. Returns the plan and the time for reading, in seconds.
 ///
 /// # Errors
-/// Those of reading and planning.
+/// Errors of reading and planning.
 pub fn plan_given(
     settings: &Settings,
     given: Given,

@@ -41,7 +41,7 @@ fn outputs() -> MutexGuard<'static, Outputs> {
     OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// States whether failures are printed as JSON too.
+/// Sets whether failures are also printed as JSON.
 pub(crate) fn set_json(json: bool) {
     JSON.store(json, Ordering::Relaxed);
 }

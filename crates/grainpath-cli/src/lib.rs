@@ -38,8 +38,8 @@ pub use outputs::{program_bytes, read_back, report_of};
 pub struct Failure {
     /// The message: the place of the mistake, the mistake, and the correct form.
     pub message: String,
-    /// Exit code: 2 wrong usage or job file; 3 bad input file; 4 physically impossible, or warnings under --strict; 130
-    /// interrupted.
+    /// Exit code: 2 wrong usage or job file; 3 bad input file; 4 job that cannot be fulfilled, or warnings under --strict;
+    /// 130 interrupted.
     pub code: i32,
     /// Warnings that count as a failure under `--strict`.
     pub warnings: Vec<Warning>,

@@ -231,7 +231,7 @@ pub fn report_of(
     report
 }
 
-/// The program of a plan, as `grainpath run` writes it.
+/// The G-code of a plan, with the same bytes as `grainpath run` writes.
 ///
 /// # Errors
 /// Errors of the G-code writer.
@@ -422,7 +422,7 @@ pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)>
         ),
         (
             "index.png".into(),
-            picture("Failure index at the moment when the first ply broke, red 1", index_png(tested, GUIDE_PX)),
+            picture("Failure index when the first ply broke, red 1", index_png(tested, GUIDE_PX)),
         ),
     ]
 }

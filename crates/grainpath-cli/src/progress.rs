@@ -1,4 +1,4 @@
-//! A progress line on a terminal, and Ctrl-C.
+//! Shows a progress line on the terminal and lets Ctrl-C stop the run.
 
 use std::io::IsTerminal;
 use std::sync::Arc;

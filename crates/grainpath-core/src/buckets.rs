@@ -86,7 +86,7 @@ impl CellGrid {
         })
     }
 
-    /// The least distance from a point in a cell to a point in a cell `ring` columns or rows away, mm.
+    /// The least possible distance between a point in a cell and a point in the ring `ring` around that cell, mm.
     pub fn ring_distance_mm(&self, ring: usize) -> f64 {
         // A point may lie at the border of its cell, so its distance to the first ring can be
         // zero.

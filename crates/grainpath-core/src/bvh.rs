@@ -1,4 +1,4 @@
-//! A tree of boxes around triangles: closest point, ray hits and winding number of a mesh.
+//! A tree of bounding boxes around triangles, for the closest point, ray hits and winding number of a mesh.
 //!
 //! The tree depends only on the mesh (median splits, ties broken by triangle index), so every answer is
 //! the same for any number of threads. Triangles without area are kept: they have closest points,
@@ -169,7 +169,7 @@ impl Bvh {
     }
 
     /// The first hit of the ray `from + t * along` with `t` in `range`. If several triangles are hit at
-    /// the same `t`, it is that of the lowest index.
+    /// the same `t`, the one with the lowest index is taken.
     pub fn first_hit(&self, from: DVec3, along: DVec3, range: (f64, f64)) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         self.for_hits(from, along, range, |hit, end| {
@@ -226,7 +226,7 @@ impl Bvh {
         }
     }
 
-    /// Winding number of the mesh around a point: 1 inside and 0 outside a closed mesh, a value between
+    /// Winding number of the mesh around a point: 1 inside and 0 outside a closed mesh, between 0 and 1
     /// near holes, and 2 where two bodies overlap. Groups far away count as dipoles (`barill2018`); the
     /// error stays under about 0.02.
     pub fn winding_number(&self, q: DVec3) -> f64 {

@@ -21,8 +21,8 @@ pub enum Density {
     Sparse(f64),
 }
 
-/// From this fraction on infill is dense, so that a number written as 0.9999 or found by a search
-/// up to 1 counts as 1. Source: derived. The spacing of the beads changes by 0.4 um then, which G-code rounds away.
+/// Infill with at least this fraction is dense, so that 0.9999, or the result of a search up to 1, counts as 1.
+/// Source: derived. This changes the spacing of the beads by 0.4 um, which G-code rounds away.
 const DENSE_FROM: f64 = 0.999;
 
 impl Density {

@@ -2,8 +2,8 @@
 //!
 //! Union by lowest member with path halving (Tarjan and van Leeuwen 1984, `tarjan1984` in
 //! docs/references.bib). A set is named by its lowest member, so names depend neither on the order
-//! of the unions nor on the number of threads. The price is the inverse-Ackermann bound of union by
-//! rank: with path halving alone, a call costs O(log n) amortised.
+//! of the unions nor on the number of threads. In exchange, the inverse-Ackermann bound of union by
+//! rank does not hold: with path halving alone, a call costs O(log n) amortised.
 //! Memory: 4 bytes per item.
 
 /// A partition of the numbers below `n` into sets.

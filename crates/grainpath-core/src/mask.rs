@@ -55,12 +55,12 @@ impl Grid {
     /// Calls `each` for every row in which a convex shape, grown by `slack` cells, covers cell centres. The
     /// arguments are the row and its first and last covered column.
     fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
-        // In cells, with centres at whole numbers.
+        // Coordinates are in cells, with cell centres at whole numbers.
         let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
         let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
         let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
         for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
-            // A convex shape covers one run of cells in a row, from its leftmost to its rightmost
+            // In each row a convex shape covers a single run of cells, between its leftmost and its rightmost
             // crossing.
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
             for (a, b) in edges(corners) {
@@ -90,9 +90,9 @@ impl Grid {
         }
     }
 
-    /// Calls `each` with the rows that an edge crosses and the first cell right of the crossing.
+    /// Calls `each` with every row that an edge crosses and the column of the first cell right of the crossing.
     fn for_each_row(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize, usize)) {
-        // In cells, with centres at whole numbers.
+        // Coordinates are in cells, with cell centres at whole numbers.
         let (a, b) = ((a - self.origin) / self.cell_mm - 0.5, (b - self.origin) / self.cell_mm - 0.5);
         let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
         // The edge is half-open in y, so that a vertex on a row of centres counts for only one of its two edges.

@@ -209,7 +209,7 @@ fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
     // only.
     let turned = (volume - as_read).abs() > 1e-6 * volume.abs();
     let text =
-        "facets or shells are inside out; slicing turns them, and this is the volume after turning";
+        "facets or shells are inside out; slicing turns them, and this is the volume after they are turned";
     (Some(volume), turned.then(|| text.to_owned()))
 }
 

@@ -48,7 +48,7 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
         text.push_str(&line(row));
     }
     if faces.len() > shown {
-        let _ = writeln!(text, "and {} smaller ones", faces.len() - shown);
+        let _ = writeln!(text, "and {} smaller faces", faces.len() - shown);
     }
     files::print(&text);
     Ok(())

@@ -1,4 +1,4 @@
-//! `grainpath inspect` on CT scans.
+//! `grainpath inspect` for CT scans.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::args::Inspect;
 use crate::inputs::open_scan;
 use crate::{Failure, outputs};
 
-/// Bars of the picture of a histogram. Source: chosen; one bar for each grey value of 8 bits.
+/// Number of bars in the histogram picture. Source: chosen; one bar for each grey value of 8 bits.
 const HISTOGRAM_BINS: usize = 256;
 /// Width of the histogram picture, pixels. Source: derived; three pixels for each bar, and a margin for the axis.
 const IMAGE_PX: u32 = 900;

@@ -1,4 +1,4 @@
-//! `grainpath markers`: a sheet of corner markers.
+//! `grainpath markers`: writes a sheet of corner markers on which a board is photographed.
 
 use grainpath_core::DVec2;
 use grainpath_core::spelling::meaning;

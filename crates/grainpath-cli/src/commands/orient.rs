@@ -62,7 +62,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     if args.write && is_loaded(&settings) && settings.guide.frame == LoadFrame::Placed {
         return Err(Failure::usage(format!(
-            "{}: --write turns the part, and its loads only with guide.frame = \"part\", whose coordinates are those of the shape's file",
+            "{}: --write would turn the part but not its loads; set guide.frame = \"part\" and give coordinates as in the shape's file",
             args.job.display()
         )));
     }

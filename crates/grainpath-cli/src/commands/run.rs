@@ -129,7 +129,7 @@ pub fn checked(
         }
         Some(Handed::Scan(_) | Handed::Layers(_)) | None => {
             return Err(Failure::usage(
-                "--check needs a part from a mesh or an outline; those of scans and photographs are known after planning",
+                "--check needs a part from a mesh or an outline; parts of scans and photographs have no shape before planning",
             ));
         }
     };

@@ -28,7 +28,7 @@ const NO_SHAPES: [(&[&str], &str); 3] = [
     (&["toml"], "not a mesh, but a job: `grainpath run` takes it"),
     (
         &["gcode", "gco", "g"],
-        "not a mesh, but a program already: `grainpath inspect`, `render` and `strength` take it",
+        "not a mesh, but a G-code program: `grainpath inspect`, `render` and `strength` take it",
     ),
     (
         &["vtu", "vtk", "frd", "msh", "inp", "csv", "npy", "npz"],
@@ -52,7 +52,7 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     }
     if model != Path::new("-") && inspect_scan::is_scan(model)? {
         let assumed =
-            "a scan: the part is what is brighter than Otsu's threshold, with spacing and unit of its header";
+            "a scan: voxels above Otsu's threshold are the part, spacing and unit are those of its header";
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
     }
     Ok((String::new(), None))

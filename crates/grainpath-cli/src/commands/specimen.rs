@@ -34,7 +34,7 @@ pub(crate) fn specimen(args: &Specimen) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes a test piece, with a drawing and a job that tests it beside the mesh.
+/// Writes the mesh of a test piece and, in the same folder, a drawing and a job that tests the piece.
 fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
     write_mesh(output, &[&piece.mesh()])?;
     // The job refers to the mesh by name, so job and drawing take the file name that the user chose for the mesh.

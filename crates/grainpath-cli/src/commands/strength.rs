@@ -18,7 +18,7 @@ use crate::inputs::{
 };
 use crate::{Failure, files, memory, outputs, progress};
 
-/// A tested job or program.
+/// The result of testing a job or a program.
 pub struct Done {
     /// File name without its extension.
     pub name: String,
@@ -68,7 +68,7 @@ pub(crate) fn is_job(path: &Path) -> bool {
 pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
     let none = || {
         Failure::usage(format!(
-            "{}: no job (.toml), and G-code needs --job JOB.toml for part, loads and material",
+            "{}: this is not a job (.toml); G-code needs --job JOB.toml for part, loads and material",
             input.display()
         ))
     };

@@ -175,7 +175,7 @@ pub(super) fn orient(
     Ok(Finished { report, warnings: diagnostics.warnings(), ..Finished::default() })
 }
 
-/// The supports of a job's part, and what each branch bears.
+/// The supports of a job's part, and the load on each branch.
 pub(super) fn supports(
     settings: &Settings,
     path: &Path,

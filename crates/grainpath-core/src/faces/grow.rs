@@ -68,7 +68,7 @@ const MAX_IN_VAIN: usize = 400_000;
 /// Most vertices that a fit uses. Source: derived: with 400 points the error of a fit is a twentieth of
 /// the rounding of one vertex.
 const FIT_POINTS: usize = 400;
-/// Vertices may lie off the model by the rounding times this. Source: derived: for evenly distributed
+/// Vertices may lie off the model by this many times the rounding. Source: derived: for evenly distributed
 /// rounding this is more than three standard deviations.
 const OFF: f64 = 3.0;
 /// Vertices may lie off the model by at most this share of the face's sagitta; otherwise a small patch of
@@ -77,8 +77,8 @@ const OFF_OF_SAGITTA: f64 = 0.01;
 /// Least cosine of the angle between a triangle and the model at its centroid. Source: derived: 35 degrees;
 /// with edges of up to 40 degrees a triangle deviates by half of that, a slender one somewhat more.
 const ALONG: f64 = 0.82;
-/// The centre of a facet may lie off the model by the median of the patch times this, since facets of one
-/// surface have about the same width. Source: derived: 3 allows 1.7 times the width.
+/// The centre of a facet may lie off the model by this many times the median in the patch, since facets of
+/// one surface have about the same width. Source: derived: 3 allows 1.7 times the width.
 const WIDER: f64 = 3.0;
 /// Cosine of the angle by which normals must turn over a face for it to count as curved: 15 degrees.
 /// Source: derived: half of the widest angle between facets of an exporter.

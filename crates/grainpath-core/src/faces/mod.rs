@@ -11,7 +11,7 @@
 //! continue as a chain of equal bends are planes. (5) The other pieces are joined across edges below 20
 //! degrees, and across edges below 40 degrees inside such a chain (hysteresis, as in `canny1986`).
 //!
-//! A region counts as curved with three pieces or more: two planes that meet in a blunt edge always
+//! A region needs at least three pieces to count as curved: two planes that meet in a blunt edge always
 //! lie on some cylinder. A prism of 10 sides or more is therefore reported as a cylinder; one of 9
 //! sides or fewer (edges of 40 degrees or more) as planes.
 //!
@@ -168,7 +168,7 @@ impl Faces {
             let f = &self.faces[face];
             let c = f.centroid;
             let join = if text.is_empty() { "" } else { ", " };
-            // Writing to a text cannot fail.
+            // Writing to a `String` cannot fail.
             let _ = write!(
                 text,
                 "{join}{} ({} of {:.1} mm2 at {:.2}, {:.2}, {:.2})",

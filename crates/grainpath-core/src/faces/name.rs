@@ -1,4 +1,4 @@
-//! Names of faces: `f:9c1e`.
+//! Names of faces, such as `f:9c1e`.
 //!
 //! A name is a coarse description of its face in hexadecimal digits. It can be decoded without the mesh
 //! that it came from. In another export of the part, the face nearest to the description is looked up, so
@@ -14,8 +14,9 @@
 //! Each digit stands for four halvings of the intervals in which the numbers lie. Each time, the interval
 //! that is widest in units of its tolerance is halved. A name is thus a box of eight intervals. The
 //! distance of a face from the box is zero inside; outside it is measured in tolerances. A name means the
-//! one face within a distance of 1, provided that the next face is at least 0.5 further away. Names are printed with the fewest digits (at least four)
-//! that keep all other faces at least 1.5 away; for faces that are equal, no name finds one of them.
+//! one face within a distance of 1, provided that the next face is at least 0.5 further away. Names are
+//! printed with the fewest digits (at least four) that keep all other faces at least 1.5 away. If two
+//! faces are equal, no name finds either.
 
 use std::fmt;
 use std::str::FromStr;
@@ -170,7 +171,7 @@ pub enum FaceError {
     NotFound {
         /// The name.
         name: String,
-        /// Faces that are nearest, described.
+        /// Descriptions of the nearest faces.
         candidates: String,
     },
     /// Two or more faces are about equally near.
@@ -180,7 +181,7 @@ pub enum FaceError {
     Doubtful {
         /// The name.
         name: String,
-        /// These faces, described.
+        /// Descriptions of these faces.
         candidates: String,
     },
 }

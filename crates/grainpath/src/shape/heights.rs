@@ -86,8 +86,8 @@ pub fn layer_heights(
 
 /// Takes `excess` steps off the topmost layers, the thickest first, so that the last one ends at the part's height.
 ///
-/// The excess is spread over as many layers as can absorb it by losing up to a third of their height each. If the part has
-/// too few layers for that, all of them are thinned, down to `least` steps. If that is not enough either, the last layer is
+/// The excess is shared by as many layers as are needed if each loses up to a third of its height. If the part has too
+/// few layers for that, all of them are thinned, down to `least` steps. If that is not enough either, the last layer is
 /// removed if more than half of it stands above the part. The thickest layers are thinned first, so a layer stays at most
 /// [`MAX_GROWTH`] times as high as the one below it.
 fn thin_topmost(steps: &mut Vec<u32>, excess: u32, least: u32) {

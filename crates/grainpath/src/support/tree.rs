@@ -265,7 +265,8 @@ impl Grower<'_> {
         self.state[upper as usize] = State::Done;
     }
 
-    /// Adds the tip at a contact. It leaves the part along the normal, or leans as far as a branch may.
+    /// Adds the tip at a contact. It leaves the part along the normal, or in another direction where that leans too far
+    /// or has no room.
     fn begin(&mut self, i: u32, contact: &Contact) {
         let top = contact.at - DVec3::Z * self.s.z_gap_mm;
         if top.z < 0.5 * self.s.first_layer_mm {
