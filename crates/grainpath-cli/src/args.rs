@@ -1,4 +1,4 @@
-//! Arguments.
+//! Commands of the program with their arguments and help texts.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use clap::{Parser, Subcommand};
     disable_help_subcommand = true
 )]
 pub(crate) struct Args {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -38,32 +38,32 @@ pub(crate) enum Command {
         after_help = "Examples:\n  grainpath new plate\n  grainpath new stress-lines bars\n  grainpath new plate --printer prusa-mk3s --material petg"
     )]
     New(New),
-    /// Grow supports for a mesh and write them as a mesh of their own
+    /// Grow supports for a mesh and write them as a separate mesh
     #[command(
         after_help = "Examples:\n  grainpath support statue.stl\n  grainpath support statue.stl -o both.3mf --with-model --preview steps"
     )]
     Support(Support),
-    /// Write a piece to print and read: the critical angle's calibration and others
+    /// Write a calibration piece, for example for the critical overhang angle, or a standard test piece
     #[command(
         after_help = "Examples:\n  grainpath specimen\n  grainpath specimen critical-angle -o angle.stl"
     )]
     Specimen(Specimen),
-    /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
+    /// Describe a mesh, an image, a CT scan, a finite-element result or a G-code file, and list its defects
     #[command(
         after_help = "Examples:\n  grainpath inspect part.stl\n  grainpath inspect scan.nrrd --sheet slices.png"
     )]
     Inspect(Inspect),
-    /// Test how much a job's part, or a G-code file of it, carries until it breaks
+    /// Compute the load at which the part of a job or of a G-code file breaks
     #[command(
         after_help = "Examples:\n  grainpath strength bracket.toml --preview damage\n  grainpath strength other-slicer.gcode --job bracket.toml --json"
     )]
     Strength(Strength),
-    /// Test several jobs or G-code files of one part, side by side
+    /// Compare the strength of several jobs or G-code files of one part
     #[command(
         after_help = "Examples:\n  grainpath compare along.toml across.toml --same-mass\n  grainpath compare ours.gcode theirs.gcode --job bracket.toml"
     )]
     Compare(Compare),
-    /// Say which way up a job's part carries its loads best: stable poses, ranked
+    /// Rank the stable poses of a job's part by the loads that it carries in them
     #[command(
         after_help = "Examples:\n  grainpath orient bracket.toml\n  grainpath orient bracket.toml --write --json"
     )]
@@ -86,13 +86,13 @@ pub(crate) enum Command {
         after_help = "Examples:\n  grainpath profiles\n  grainpath profiles prusa-mk3s > my-printer.toml"
     )]
     Profiles(Profiles),
-    /// Say what this machine offers to grainpath: version, cores, memory, folders, other programs
+    /// Report what grainpath finds on this machine: version, cores, memory, folders, other programs
     #[command(after_help = "Examples:\n  grainpath doctor\n  grainpath doctor --json")]
     Doctor(Doctor),
     /// Print the licences of grainpath and of every library in it
     #[command(after_help = "Examples:\n  grainpath licences\n  grainpath licences | less")]
     Licences(Licences),
-    /// Print the completions of a shell
+    /// Print the completion script for a shell
     #[command(
         after_help = "Examples:\n  grainpath completions bash > ~/.local/share/bash-completion/completions/grainpath\n  grainpath completions zsh > ~/.zfunc/_grainpath"
     )]
@@ -111,7 +111,7 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Whether the answer is wanted as JSON.
+    /// Whether the user asked for JSON output.
     pub(crate) fn json(&self) -> bool {
         match self {
             Self::Run(a) => a.common.json,
@@ -137,10 +137,10 @@ impl Command {
     }
 }
 
-/// Options that every command with a job has.
+/// Options shared by all commands that take a job.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Common {
-    /// Override a setting, stronger than the job file
+    /// Override a setting of the job file
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub sets: Vec<String>,
     /// Number of threads; the result does not depend on it
@@ -149,7 +149,7 @@ pub(crate) struct Common {
     /// Print the report as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 4 on any warning; outputs are not written where the warning comes before them
+    /// Exit with code 4 on any warning; a warning during planning also stops the outputs from being written
     #[arg(long)]
     pub strict: bool,
 }
@@ -162,11 +162,11 @@ pub(crate) struct RunArguments {
     /// Write outputs here instead of beside the job file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Run all jobs of a folder on the workers of this Dask scheduler (the Python package does it); `local` starts
-    /// workers here
+    /// Run all jobs of a folder on the workers of this Dask scheduler, through the Python package; `local` starts
+    /// workers on this computer
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["check", "strict"])]
     pub scheduler: Option<String>,
-    /// Stop after the loads are solved: tell and draw what fixtures and loads caught, and write no G-code
+    /// Only solve the loads: report and draw which nodes the fixtures and loads act on, and write no G-code
     #[arg(long)]
     pub check: bool,
     #[command(flatten)]
@@ -190,10 +190,10 @@ pub(crate) struct Slice {
 pub(crate) struct Support {
     /// Mesh: STL, OBJ, PLY, OFF or 3MF
     pub model: PathBuf,
-    /// STL or 3MF, by its ending [default: the mesh's name with _support.stl]
+    /// File to write, .stl or .3mf [default: the mesh's name with _support.stl]
     #[arg(short, long, value_name = "FILE.stl")]
     pub output: Option<PathBuf>,
-    /// Write the model into the same file
+    /// Write the model into the same file as its supports
     #[arg(long)]
     pub with_model: bool,
     /// Folder for pictures of the steps: overhangs, contacts, trees
@@ -206,7 +206,7 @@ pub(crate) struct Support {
 /// `grainpath specimen`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Specimen {
-    /// Which; left out, all are listed
+    /// Name of the specimen; without a name, all specimens are listed
     pub name: Option<String>,
     /// File to write [default: the specimen's name with .stl]
     #[arg(short, long, value_name = "FILE.stl")]
@@ -218,21 +218,21 @@ pub(crate) struct Specimen {
 pub(crate) struct New {
     /// Which example: plate, stress-lines, field, ct, woodgrain, tree-support or continuous
     pub preset: String,
-    /// Where to [default: the example's name]
+    /// Folder to write to [default: the example's name]
     pub dir: Option<PathBuf>,
     /// Columns and rows of the scan that `ct` writes [default: 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=1024))]
     pub pixels: Option<u32>,
-    /// Write over files that are there
+    /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
-    /// Printer of the jobs, one of `grainpath profiles` or a file of your own; in a terminal you are asked
+    /// Printer of the jobs, a name from `grainpath profiles`; without it you are asked in a terminal
     #[arg(long, value_name = "PROFILE")]
     pub printer: Option<String>,
-    /// Material of the jobs, likewise
+    /// Material of the jobs, given like --printer
     #[arg(long, value_name = "PROFILE")]
     pub material: Option<String>,
-    /// Ask nothing: what is not given stays as the example has it
+    /// Ask nothing: without --printer or --material, the example keeps its own profile
     #[arg(long)]
     pub yes: bool,
 }
@@ -252,16 +252,16 @@ pub(crate) struct Inspect {
     /// the thresholds
     #[arg(long, value_name = "FILE.png")]
     pub image: Option<PathBuf>,
-    /// True dimensions to compare a G-code file with, as shape.ct.truth
+    /// File of true dimensions to compare a G-code file with, in the format of shape.ct.truth
     #[arg(long, value_name = "FILE.toml")]
     pub truth: Option<PathBuf>,
     /// Columns, rows and slices of raw data
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     pub size: Option<Vec<usize>>,
-    /// How raw data stores a voxel
+    /// Number type of a voxel in raw data
     #[arg(long, default_value = "u8", value_parser = grainpath_core::slices::SampleType::NAMES)]
     pub sample: String,
-    /// As one JSON object
+    /// Print the answer as one JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -284,16 +284,16 @@ pub(crate) struct Strength {
 /// `grainpath compare`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Compare {
-    /// Job files, or G-code files together with --job; ratios are to the first
+    /// Job files, or G-code files together with --job; each peak load is divided by that of the first file
     #[arg(required = true, num_args = 1..)]
     pub inputs: Vec<PathBuf>,
     /// The job whose part, loads and material belong to G-code files
     #[arg(long, value_name = "JOB.toml")]
     pub job: Option<PathBuf>,
-    /// Give every job the mass of the first one by its fill density
+    /// Adjust the fill density of every job so that all parts have the mass of the first
     #[arg(long)]
     pub same_mass: bool,
-    /// Folder for a picture of the damage of each
+    /// Folder for pictures of the damage of each part
     #[arg(long, value_name = "DIR")]
     pub preview: Option<PathBuf>,
     #[command(flatten)]
@@ -317,25 +317,25 @@ pub(crate) struct Orient {
 pub(crate) struct Render {
     /// G-code of any slicer
     pub gcode: PathBuf,
-    /// Layer, from 1 [default: the middle one]; the whole part without --layer when the output is named thumbnail.png
+    /// Number of the layer to draw, from 1 [default: the middle layer]
     #[arg(long, value_name = "N")]
     pub layer: Option<usize>,
-    /// PNG or SVG, by its ending [default: the G-code's name with .png]
+    /// Picture to write, .png or .svg [default: the G-code's name with .png]
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
-    /// What the colour tells; `direction` is the angle to the direction that --job asks for
+    /// Quantity that the colour shows; `direction` is the angle between a bead and the direction its job asks for
     #[arg(long, default_value = "role", value_parser = ["role", "width", "speed", "direction"])]
     pub color: String,
-    /// Job file whose guide beads are compared with
+    /// Job file whose guide gives the directions to compare the beads with
     #[arg(long, value_name = "JOB.toml", required_if_eq("color", "direction"))]
     pub job: Option<PathBuf>,
-    /// The whole part, shaded, instead of a layer
+    /// Draw the whole part, shaded, instead of a layer
     #[arg(long)]
     pub part: bool,
     /// Longest side in pixels
     #[arg(long, default_value_t = 1600, value_parser = clap::value_parser!(u32).range(16..=20000))]
     pub size: u32,
-    /// Leave travels out
+    /// Draw no travels
     #[arg(long)]
     pub no_travels: bool,
 }
@@ -345,9 +345,9 @@ pub(crate) struct Render {
 pub(crate) struct Markers {
     /// Width of the rectangle between the markers, mm
     pub width_mm: f64,
-    /// Its height, mm
+    /// Height of the rectangle between the markers, mm
     pub height_mm: f64,
-    /// SVG or PDF, by its ending
+    /// Sheet to write, .svg or .pdf
     #[arg(short, long, value_name = "FILE.svg", default_value = "markers.svg")]
     pub output: PathBuf,
 }
@@ -355,7 +355,7 @@ pub(crate) struct Markers {
 /// `grainpath schema`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Schema {
-    /// The reference page docs/settings.md instead
+    /// Print the reference page docs/settings.md instead of the schema
     #[arg(long)]
     pub markdown: bool,
 }
@@ -363,9 +363,9 @@ pub(crate) struct Schema {
 /// `grainpath profiles`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Profiles {
-    /// Print this one
+    /// Profile to print; without a name, all profiles are listed
     pub name: Option<String>,
-    /// As one JSON object
+    /// Print the list or the profile as one JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -373,7 +373,7 @@ pub(crate) struct Profiles {
 /// `grainpath doctor`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Doctor {
-    /// As one JSON object
+    /// Print the answer as one JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -394,7 +394,7 @@ pub(crate) struct Completions {
 pub(crate) struct Man {
     /// Folder to write `grainpath.1` and a page for each command to
     pub dir: PathBuf,
-    /// Write over files that are there
+    /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
 }
@@ -405,16 +405,16 @@ pub(crate) struct Man {
 pub(crate) struct Studio {
     /// Job file, mesh, outline or G-code of any slicer to open first
     pub file: Option<PathBuf>,
-    /// Print the address and open no browser
+    /// Print the address without opening a browser
     #[arg(long)]
     pub no_open: bool,
-    /// Path before every address, for a proxy that serves the studio below one
+    /// Path put before every address, for a proxy that serves the studio below that path
     #[arg(long, value_name = "PATH", default_value = "")]
     pub base: String,
-    /// A folder whose files may be read, besides the current one and that of FILE
+    /// Further folder whose files may be read; the current folder and the folder of FILE always may
     #[arg(long = "root", value_name = "DIR")]
     pub roots: Vec<PathBuf>,
-    /// A host name by which the studio may be asked for, besides 127.0.0.1, localhost and `[::1]`
+    /// Further host name under which the studio answers, besides 127.0.0.1, localhost and `[::1]`
     #[arg(long = "allow-host", value_name = "NAME")]
     pub hosts: Vec<String>,
     /// Largest file that may be dropped on the page, bytes

@@ -1,14 +1,14 @@
-//! Meshes of files that hold exact surfaces: STEP and IGES, through gmsh.
+//! Meshes of files that hold exact surfaces: STEP and IGES, triangulated by gmsh.
 //!
-//! No library of a permissive licence reads STEP well enough, so gmsh (<https://gmsh.info>) is run where it is
-//! installed, as any user would run it: it reads the surfaces with OpenCASCADE, turns their unit into mm and writes
+//! No library under a permissive licence reads STEP well enough, so grainpath runs gmsh (<https://gmsh.info>) as a
+//! separate program if it is installed: gmsh reads the surfaces with OpenCASCADE, turns their unit into mm and writes
 //! triangles as STL. It works in a folder of its own below the folder for temporary files, on one thread, without the
-//! user's gmsh settings, so the same file gives the same triangles with the same gmsh. A run is cut off when the job is
-//! stopped, and after [`LONGEST`].
+//! user's gmsh settings, so the same file gives the same triangles with the same gmsh. A run is ended when the job is
+//! stopped, or after [`LONGEST`].
 //!
-//! Round faces become polygons of [`SIDES`] sides a turn: they lie inside the true face by at most 0.06 % of its radius,
-//! 0.03 mm for one of 50 mm. Measured on a machined bracket (127 x 63 x 35 mm, many fillets): 165 054 triangles in 5 s,
-//! closed, its volume 0.003 % off that of a mesh of twice as many.
+//! Round faces become polygons of [`SIDES`] sides per full turn, which lie at most 0.06 % of the radius inside the true
+//! face: 0.03 mm for a radius of 50 mm. Measured on a machined bracket (127 x 63 x 35 mm, many fillets): 165 054
+//! triangles in 5 s, a closed mesh whose volume differs by 0.003 % from that of a mesh with twice as many.
 
 use std::fs;
 use std::path::Path;
@@ -21,30 +21,30 @@ use grainpath_io::{MeshError, MeshFile, parse_mesh, sniff_exact_surfaces};
 
 use crate::{Failure, files};
 
-/// Sides of the polygon that a round face becomes, a turn. Source: derived. A face of 80 mm radius is then off by
+/// Sides per full turn of the polygon that replaces a round face. Source: derived. A face of 80 mm radius is then off by
 /// 0.05 mm, an eighth of a usual bead.
 const SIDES: u32 = 90;
-/// Triangles do not get smaller than this for the sake of round faces, mm. Source: derived. A fillet of 0.5 mm is off by
+/// Smallest triangle size that gmsh may choose to follow round faces, mm. Source: derived. A fillet of 0.5 mm is off by
 /// 0.02 mm.
 const SMALLEST_MM: f64 = 0.3;
 /// How long gmsh may take. Source: chosen; the largest file tried took 11 s on a busy machine.
 const LONGEST: Duration = Duration::from_secs(600);
-/// How often the end of gmsh and the job's flag are looked at. Source: derived. A stopped run is to end within 0.2 s.
+/// Interval between checks whether gmsh has ended or the job was stopped. Source: derived. A stopped run must end in 0.2 s.
 const POLL: Duration = Duration::from_millis(10);
 
 /// The mesh of a file, triangulated by gmsh where it holds exact surfaces.
 ///
 /// # Errors
-/// What the file lacks, or that gmsh is needed; exit code 3.
+/// For a faulty file, and for a file that needs gmsh where it is not installed; exit code 3.
 pub(crate) fn mesh(bytes: Vec<u8>, name: &str, diagnostics: &Diagnostics) -> Result<MeshFile, Failure> {
     let wrong = |source: MeshError| Failure::from(grainpath::Error::Mesh { path: name.to_owned(), source });
     let shown = name.to_owned();
     let Some(format) = sniff_exact_surfaces(&bytes) else {
-        // A parser knows no flag, and a million triangles take it 0.4 s.
+        // A parser does not check the stop flag, and it takes 0.4 s for a million triangles.
         let read = diagnostics.leave_at_stop(move || parse_mesh(&bytes, Some(&shown)));
         return read.map_err(grainpath::Error::from)?.map_err(wrong);
     };
-    // On this thread, so that the program cannot end before gmsh has.
+    // gmsh is run on this thread, so that the program cannot end before gmsh does.
     let Some(stl) = triangles(&bytes, name, format, diagnostics)? else {
         return Err(wrong(MeshError::ExactSurfaces { format }));
     };
@@ -56,7 +56,7 @@ pub(crate) fn mesh(bytes: Vec<u8>, name: &str, diagnostics: &Diagnostics) -> Res
 /// The version of the gmsh that is installed.
 pub(crate) fn gmsh_version() -> Option<String> {
     let told = Command::new("gmsh").arg("--version").stdin(Stdio::null()).output().ok()?;
-    // Versions before 4.9 tell it on standard error.
+    // Versions before 4.9 print the version to standard error.
     let text = [told.stdout, told.stderr].concat();
     let line = String::from_utf8_lossy(&text).lines().next()?.trim().to_owned();
     (told.status.success() && !line.is_empty()).then_some(line)
@@ -89,7 +89,7 @@ fn triangles(
         .arg("-o")
         .arg(&output)
         .current_dir(folder.path())
-        // gmsh reads its settings there: a user's own would give other triangles.
+        // gmsh reads its settings from HOME: the user's own settings would give other triangles.
         .env("HOME", folder.path())
         .stdin(Stdio::null())
         .stdout(fs::File::create(&log).map_err(io)?)
@@ -106,7 +106,7 @@ fn triangles(
         }
         let stopped = diagnostics.check();
         if stopped.is_err() || start.elapsed() > LONGEST {
-            // It may have ended by itself in the meantime.
+            // Errors are ignored: gmsh may just have ended by itself.
             let _ = running.kill();
             let _ = running.wait();
             stopped.map_err(grainpath::Error::from)?;
@@ -124,7 +124,7 @@ fn triangles(
 fn reason(log: &Path) -> String {
     let text = fs::read(log).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
-    // `Error   : Could not ...`, and OpenCASCADE's own lines between stars and colours.
+    // gmsh writes `Error   : Could not ...`; OpenCASCADE's lines contain `ERR`, stars and colour codes.
     let line = text.lines().find(|l| l.contains("ERR") || l.starts_with("Error"));
     let plain = |l: &str| {
         let words: Vec<&str> =

@@ -10,7 +10,7 @@ use std::{env, fs};
 
 use crate::Failure;
 
-/// The identity of a file or of the place of one.
+/// The identity of a file, or of the place where a file would be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Identity {
     /// A file that exists: its device and inode.
@@ -42,7 +42,7 @@ fn identity(path: &Path) -> Option<Identity> {
         Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
         _ => PathBuf::from("."),
     };
-    // The part of the folder that exists is real, the rest is taken as written.
+    // The existing part of the folder's path is resolved; the rest is kept as written.
     let (mut real, mut rest) = (folder.clone(), Vec::new());
     while fs::canonicalize(&real).is_err() {
         rest.push(real.file_name().map(ToOwned::to_owned)?);
@@ -54,7 +54,7 @@ fn identity(path: &Path) -> Option<Identity> {
 
 /// A file or folder that a command reads or writes.
 struct Claim {
-    /// Name that the user gave it by: a setting or an argument.
+    /// The setting or argument that names the file.
     what: String,
     path: PathBuf,
     identity: Identity,
@@ -65,7 +65,7 @@ struct Claim {
 pub(crate) struct Claims {
     read: Vec<Claim>,
     written: Vec<Claim>,
-    /// All paths that were given, devices too: read, and written.
+    /// All given paths, including devices: first those read, then those written.
     paths: (Vec<PathBuf>, Vec<PathBuf>),
 }
 
@@ -93,11 +93,11 @@ impl Claims {
     /// Compares each output with all inputs and all other outputs.
     ///
     /// # Errors
-    /// Exit code 2 for an output that is an input, that lies among the slices of a scan under the name of one, or that
+    /// Exit code 2 for an output that is also an input, that would replace a slice in the folder of a scan, or that
     /// shares its file with another output.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         for (k, out) in self.written.iter().enumerate() {
-            // A folder replaces no file; where a file is needed, writing says so.
+            // A path to a folder cannot replace a file; if a file is needed, the writing step reports the error.
             if out.path.is_dir() {
                 continue;
             }

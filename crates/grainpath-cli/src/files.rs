@@ -1,4 +1,4 @@
-//! Files: read whole with a limit, written under a temporary name in their folder and renamed.
+//! Reading whole files up to a size limit, and writing files under a temporary name that is then renamed.
 //!
 //! A file is written under a temporary name in its folder and renamed when it is complete, so that a
 //! reader never sees half of it. Links are followed, and a file that is replaced keeps its mode. Devices
@@ -12,16 +12,16 @@ use std::time::Duration;
 
 use crate::{Failure, interrupt};
 
-/// The ending of a file's name, without the dot; empty without one.
+/// The ending of a file's name without the dot; empty if the name has none.
 pub(crate) fn ending(path: &Path) -> &str {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default()
 }
 
-/// Size limit of a file that is read whole. Source: derived. A mesh takes about twice its file besides it, which
-/// fills a machine with 24 GiB. A larger limit risks that the system ends the process without a message.
+/// Size limit of a file that is read whole. Source: derived. A mesh needs about twice the memory of its file in addition
+/// to the file, 24 GiB in all here. With a larger limit the system may end the process without a message.
 const MAX_BYTES: u64 = 8 << 30;
-/// Size limit of a pipe or a device, whose size is not known beforehand. `/dev/zero` has no end, and
-/// without a limit would fill the memory. Source: chosen; a binary STL of 20 million triangles is as large.
+/// Size limit of a pipe or a device, whose size is not known beforehand: `/dev/zero`, for example, would
+/// fill the memory. Source: chosen; a binary STL of 20 million triangles has this size.
 const MAX_STREAM_BYTES: u64 = 1 << 30;
 
 /// Reads a file; `-` is standard input.
@@ -42,7 +42,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
         return read_stream(&mut stream).map_err(wrong);
     }
     if metadata.len() > MAX_BYTES {
-        return Err(wrong(format!("has {} bytes; more than {MAX_BYTES} are not read", metadata.len())));
+        return Err(wrong(format!("has {} bytes; the limit is {MAX_BYTES}", metadata.len())));
     }
     fs::read(path).map_err(|e| wrong(plain(&e)))
 }
@@ -50,11 +50,11 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 /// Reads a pipe or a device to its end, up to a limit.
 fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    // One byte more than the limit tells a stream that ends there from one that goes on.
+    // One byte beyond the limit is read, to see whether the stream ends at the limit or goes on.
     stream.take(MAX_STREAM_BYTES + 1).read_to_end(&mut bytes).map_err(|e| plain(&e))?;
     if bytes.len() as u64 > MAX_STREAM_BYTES {
         return Err(format!(
-            "gives more than {} MiB; from a pipe or a device no more are read, so give a file",
+            "gives more than {} MiB, the limit for a pipe or a device; give a file instead",
             MAX_STREAM_BYTES >> 20
         ));
     }
@@ -64,7 +64,7 @@ fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
 /// Reads a text file.
 ///
 /// # Errors
-/// As `read`, but with exit code 2: texts are jobs and profiles.
+/// As `read`, but with exit code 2, since text files are jobs and profiles.
 pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
     let usage = |f: Failure| Failure::usage(f.message);
     let bytes = read(path).map_err(usage)?;
@@ -77,11 +77,11 @@ pub(crate) fn plain(error: &io::Error) -> String {
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
-/// Writes a file through `fill` into a temporary file beside it, which takes its name when all went well.
+/// Lets `fill` write a temporary file in the same folder and renames it to `path` if all went well.
 /// On an error the temporary file is removed. Links are followed; devices and pipes are written directly.
 ///
 /// # Errors
-/// Errors of `fill`, or exit code 2 when the place cannot be written.
+/// Errors of `fill`, or exit code 2 if the file cannot be created or written.
 pub(crate) fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
@@ -91,8 +91,8 @@ pub(crate) fn write_atomically<T>(
     if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(Failure::usage(format!("cannot write {}: it is a folder", path.display())));
     }
-    // Descriptors lie below these folders: `/dev/stdout` may be a regular file and still must not be
-    // replaced by a rename.
+    // These folders hold file descriptors. `/dev/stdout` may lead to a regular file, but a rename must
+    // not replace it.
     let is_descriptor = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
     if there.as_ref().is_some_and(|m| is_descriptor || !m.is_file()) {
         let stream = OpenOptions::new().write(true).open(path).map_err(|e| wrong(&e))?;
@@ -109,7 +109,7 @@ pub(crate) fn write_atomically<T>(
     };
     fs::create_dir_all(&folder).map_err(|e| wrong(&e))?;
     remove_leftovers(&folder);
-    // The number of the process in the name tells a later run whether the writer still lives.
+    // From the process number in the name, a later run can find out whether the writer still runs.
     let prefix = format!("{TEMPORARY}{}-", std::process::id());
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
@@ -124,7 +124,7 @@ pub(crate) fn write_atomically<T>(
     writer.flush().map_err(|e| wrong(&e))?;
     drop(writer);
     if let Some(m) = &there {
-        // The mode given at creation was cut down by the process's mask.
+        // At creation the process's umask removed bits of the mode, so it is set again.
         temporary.as_file().set_permissions(m.permissions()).map_err(|e| wrong(&e))?;
     }
     watched.finish(|| temporary.persist(&target).map_err(|e| wrong(&e.error)))?;
@@ -135,12 +135,12 @@ pub(crate) fn write_atomically<T>(
 const TEMPORARY: &str = ".grainpath-";
 /// Limit on links that are followed. Source: Linux follows 40 (`path_resolution(7)`).
 const MAX_LINKS: usize = 40;
-/// Age at which a temporary file counts as left over where no list of processes can be read. No write
-/// takes a day; a shorter time could remove the file of a run in progress.
+/// Age above which a temporary file counts as left over on systems without a readable list of processes. No
+/// write takes a day; with a shorter time, the file of a running process could be removed.
 /// Source: chosen; no run that was measured writes for as long as an hour.
 const LEFTOVER_AGE: Duration = Duration::from_secs(24 * 3600);
 
-/// The file at the end of a chain of links; it need not exist.
+/// The path to which a chain of symbolic links leads; no file need exist there.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -150,7 +150,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links"))
 }
 
-/// Removes temporary files that killed runs have left in a folder; each run looks once at each folder.
+/// Removes the temporary files that killed runs left in a folder; done once per folder in each run.
 fn remove_leftovers(folder: &Path) {
     static LOOKED_AT: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
     let mut looked_at = LOOKED_AT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -164,8 +164,8 @@ fn remove_leftovers(folder: &Path) {
         let process = name.to_str().and_then(|n| n.strip_prefix(TEMPORARY)).and_then(|n| n.split('-').next());
         let Some(process) = process.and_then(|p| p.parse::<u32>().ok()) else { continue };
         if process != std::process::id() && has_ended(process, &entry) {
-            // Another run may have removed the file, or the permissions may forbid it; neither concerns
-            // this run.
+            // Errors are ignored: another run may have removed the file already, or the permissions forbid
+            // it.
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -173,7 +173,7 @@ fn remove_leftovers(folder: &Path) {
 
 /// Whether the process that made a temporary file has ended.
 fn has_ended(process: u32, entry: &fs::DirEntry) -> bool {
-    // A number may belong to a new process by now; the file then stays until that one ends.
+    // The number may have been given to a new process; the file then stays until that process ends.
     let processes = Path::new("/proc");
     if processes.join("self").exists() {
         return !processes.join(process.to_string()).exists();
@@ -199,12 +199,12 @@ fn permissions(_replaced: Option<&fs::Metadata>) -> Option<fs::Permissions> {
 /// The first error in writing standard output.
 static LOST_OUTPUT: Mutex<Option<String>> = Mutex::new(None);
 
-/// Prints to standard output. A reader that has gone is no error; any other failure ends the command with
-/// [`lost_output`].
+/// Prints to standard output. A closed pipe is not an error; any other error is stored, and the command ends
+/// with [`lost_output`].
 pub(crate) fn print(text: &str) {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        // `grainpath ... | head` closes the pipe on purpose.
+        // In `grainpath ... | head`, `head` closes the pipe on purpose.
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             let mut lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             lost.get_or_insert(plain(&e));

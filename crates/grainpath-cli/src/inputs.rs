@@ -1,4 +1,4 @@
-//! Inputs of commands: job files and the files they name, with their settings.
+//! Inputs of commands: job files with their settings, and the files that jobs name.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ use grainpath_job::{Settings, parse_job};
 use crate::claims::Claims;
 use crate::{Failure, cad, files};
 
-/// A job's text and overrides as settings.
+/// Parses the text of a job and the overrides of its settings.
 pub(crate) fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
     let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
     Ok(parse_job(text, name, sets, &load).map_err(grainpath::Error::from)?)
@@ -41,7 +41,7 @@ pub(crate) fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf
     Ok((settings, shape, folder))
 }
 
-/// Endings of files that hold a shape, which people give in the place of a job.
+/// Endings of files that hold a shape; users sometimes pass such a file instead of a job.
 const MODELS: [&str; 20] = [
     "stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs", "svg", "dxf", "png", "jpg", "jpeg",
     "bmp", "tif", "tiff", "nrrd", "nii", "dcm",
@@ -53,7 +53,7 @@ pub(crate) fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, Pa
     if MODELS.contains(&ending.as_str()) && job.is_file() {
         let name = job.display();
         return Err(Failure::usage(format!(
-            "{name}: a model and no job; `grainpath slice {name}` plans it with defaults, and a job names it in [shape]"
+            "{name}: this is a model, not a job; `grainpath slice {name}` plans it with default settings, or name it in [shape] of a job"
         )));
     }
     let text = files::read_text(job)?;
@@ -62,7 +62,7 @@ pub(crate) fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, Pa
     Ok((settings, folder))
 }
 
-/// The file of a job's shape, where the job has one.
+/// The file of a job's shape; `None` if the job names no shape.
 pub fn shape_of(settings: &Settings, folder: &Path) -> Option<PathBuf> {
     let shape = &settings.shape;
     let given =
@@ -70,24 +70,24 @@ pub fn shape_of(settings: &Settings, folder: &Path) -> Option<PathBuf> {
     given.into_iter().find(|p| !p.is_empty()).map(|p| folder.join(p))
 }
 
-/// The failure of a job without a shape.
+/// The error for a job that names no shape.
 pub fn no_shape(name: &str) -> Failure {
     Failure::usage(format!(
         "{name}: [shape] needs mesh = \"FILE\", outline = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
     ))
 }
 
-/// A shape that is handed over instead of read from its file.
+/// A shape that the caller passes in memory, so that its file is not read.
 pub enum Handed {
     /// A mesh.
     Mesh(MeshFile),
     /// A scan, slice by slice.
     Scan(Box<dyn SliceSource>),
-    /// Sections in the position in which they are printed.
+    /// Layers in the position in which they are printed.
     Layers(LayerStack),
 }
 
-/// What is handed over instead of read from the files that a job names.
+/// Inputs that the caller passes in memory; the others are read from the files that the job names.
 #[derive(Default)]
 pub struct Given {
     /// The shape.
@@ -96,9 +96,9 @@ pub struct Given {
     pub directions: Option<DirectionSamples>,
     /// The stress of `guide.import`.
     pub stress: Option<StressField>,
-    /// The photographs of `guide.image`, or of `shape.photo` where that names none.
+    /// The photographs of `guide.image`; if it names none, those of `shape.photo`.
     pub photos: Option<Vec<Photo>>,
-    /// Stress that earlier runs solved.
+    /// Stress solved in earlier runs.
     pub known: Option<Arc<KnownStress>>,
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claim
     }
 }
 
-/// Reads a job's inputs and plans it; the number is the time for reading, in seconds.
+/// Reads a job's inputs and plans it. Returns the plan and the time for reading, in seconds.
 pub(crate) fn plan(
     settings: &Settings,
     shape: &Path,
@@ -137,11 +137,11 @@ pub(crate) fn plan(
     plan_given(settings, Given::default(), shape, base, diagnostics)
 }
 
-/// Reads the inputs of a job, but for what is `given` in the place of files, and plans it. Where the shape is given,
-/// `shape` is only its name in errors. The number is the time for reading, in seconds.
+/// Reads the inputs of a job that are not `given`, and plans it. If the shape is given, `shape` is only its name in
+/// error messages. Returns the plan and the time for reading, in seconds.
 ///
 /// # Errors
-/// Those of reading and planning.
+/// Errors of reading and planning.
 pub fn plan_given(
     settings: &Settings,
     given: Given,
@@ -154,7 +154,7 @@ pub fn plan_given(
     let photos = photos_of(settings, given.photos, base, diagnostics)?;
     let directions = directions_of(settings, given.directions, base)?;
     let photos_s = start.elapsed().as_secs_f64();
-    // `shape.photo` gives the shape itself, so no mesh is read.
+    // With `shape.photo`, the shape comes from the photographs, so no mesh is read.
     if given.shape.is_none() && !settings.photo.files.is_empty() {
         return Ok((grainpath::plan_photo(settings, &photos, directions, diagnostics)?, photos_s));
     }
@@ -207,11 +207,11 @@ pub fn plan_given(
     Ok((planned, read_s))
 }
 
-/// Reads the guide of a job whose shape is a scan that was cut in parts, and plans it; see
-/// [`grainpath::plan_parted_scan`]. `name` is that of the scan in errors. The number is the time for reading, in seconds.
+/// Reads the guide of a job whose scan was sliced in parts, and plans it; see [`grainpath::plan_parted_scan`]. `name` is
+/// the scan's name in error messages. Returns the plan and the time for reading, in seconds.
 ///
 /// # Errors
-/// Those of reading and planning, and for a job whose fill follows the texture of the scan itself, whose voxels are not here.
+/// Errors of reading and planning; also if the infill follows the texture of the scan, since its voxels are not available.
 pub fn plan_parted(
     settings: &Settings,
     scan: CtStack,
@@ -225,7 +225,7 @@ pub fn plan_parted(
     let photos = photos_of(settings, given.photos, base, diagnostics)?;
     if settings.guide.kind == GuideKind::Grain && photos.is_empty() {
         return Err(Failure::usage(
-            "guide.kind = \"grain\": the texture of a scan is not found in parts; plan the scan as a whole, or name photographs",
+            "guide.kind = \"grain\": the texture cannot be read from a scan in parts; plan the scan as a whole, or name photographs",
         ));
     }
     let directions = directions_of(settings, given.directions, base)?;
@@ -243,7 +243,7 @@ fn photos_of(
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Photo>, Failure> {
     match given {
-        // As with files, photographs are not looked at where the fill follows something else.
+        // As with files, photographs are ignored unless the infill follows their grain.
         Some(_) if settings.guide.kind != GuideKind::Grain => Ok(Vec::new()),
         Some(handed) => Ok(handed),
         None => read_photos(settings, base, diagnostics),
@@ -269,8 +269,8 @@ fn stress_of(
 /// Sets the number of threads of the pool, if one is given.
 pub(crate) fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     let Some(n) = threads else { return Ok(()) };
-    // Zero would mean all cores to the pool, which is what leaving the option out means already. More
-    // than 1024 is taken for a mistake.
+    // The thread pool would take zero for all cores, which is the default without the option anyway. A
+    // number above 1024 is taken for a mistake.
     if n == 0 || n > 1024 {
         return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
     }
@@ -278,8 +278,8 @@ pub(crate) fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
 }
 
-/// Reads a mesh, or the body of an outline where the job has one; gives its bodies and the time in
-/// seconds.
+/// Reads the mesh of a job, or extrudes its outline if the job has one. Returns the bodies and the time
+/// in seconds.
 pub fn read_body(
     settings: &Settings,
     path: &Path,
@@ -302,7 +302,7 @@ pub fn read_body(
     Ok((file, start.elapsed().as_secs_f64()))
 }
 
-/// The meshes of the job's regions, by the index of the region.
+/// Reads the meshes of the job's regions; the key is the index of the region.
 pub(crate) fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<usize, MeshFile>, Failure> {
     let mut all = BTreeMap::new();
     for (k, region) in settings.regions.iter().enumerate() {
@@ -315,7 +315,7 @@ pub(crate) fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<
     Ok(all)
 }
 
-/// The photographs whose grain the job follows; empty for jobs without one.
+/// Reads the photographs whose grain the infill follows; empty if the job has none.
 pub(crate) fn read_photos(
     settings: &Settings,
     base: &Path,
@@ -336,7 +336,7 @@ pub(crate) fn read_photos(
     photos.iter().map(read).collect()
 }
 
-/// The scan of `guide.volume`, where its texture guides the fill.
+/// Opens the scan of `guide.volume` if its texture guides the infill.
 pub(crate) fn read_texture(
     settings: &Settings,
     base: &Path,
@@ -348,7 +348,7 @@ pub(crate) fn read_texture(
     open_scan(&base.join(path), None, settings.ct.outside_folder).map(Some)
 }
 
-/// The directions of `guide.field`: a file, or the matrices in a folder of `vector_slicer`.
+/// Reads the directions of `guide.field`: from a file, or from the matrices in a folder that `vector_slicer` wrote.
 pub(crate) fn read_directions(settings: &Settings, base: &Path) -> Result<Option<DirectionSamples>, Failure> {
     if settings.guide.kind != GuideKind::Field {
         return Ok(None);
@@ -357,7 +357,7 @@ pub(crate) fn read_directions(settings: &Settings, base: &Path) -> Result<Option
     directions(&path, &grainpath::run::config::directions(settings)).map(Some)
 }
 
-/// The file of `fill.density`.
+/// Reads the file of densities that `fill.density` names.
 pub(crate) fn read_densities(settings: &Settings, base: &Path) -> Result<Option<DensitySamples>, Failure> {
     let Some((file, array)) = settings.fill.density.file() else { return Ok(None) };
     let path = base.join(file);
@@ -366,7 +366,7 @@ pub(crate) fn read_densities(settings: &Settings, base: &Path) -> Result<Option<
     Ok(Some(read.map_err(|source| grainpath::Error::Densities { path, source })?))
 }
 
-/// Reads directions from a file, or from the matrices in a folder.
+/// Reads directions from a file, or from the matrices in a folder that `vector_slicer` wrote.
 pub(crate) fn directions(path: &Path, options: &DirectionOptions) -> Result<DirectionSamples, Failure> {
     let mut all = Vec::new();
     if path.is_dir() {
@@ -384,7 +384,7 @@ pub(crate) fn directions(path: &Path, options: &DirectionOptions) -> Result<Dire
     Ok(read.map_err(|source| grainpath::Error::Directions { path: path.display().to_string(), source })?)
 }
 
-/// The result file of `guide.import`.
+/// Reads the stress from the result file of `guide.import`.
 pub(crate) fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
     if settings.guide.import.is_empty() {
         return Ok(None);
@@ -397,7 +397,7 @@ pub(crate) fn read_stress(settings: &Settings, base: &Path) -> Result<Option<Str
     Ok(Some(StressField::new(result)))
 }
 
-/// The supports and loads of `guide.deck`.
+/// Reads the supports and loads from the solver deck of `guide.deck`.
 pub(crate) fn read_deck(settings: &Settings, base: &Path) -> Result<Option<DeckConditions>, Failure> {
     if settings.guide.deck.is_empty() {
         return Ok(None);
@@ -409,13 +409,13 @@ pub(crate) fn read_deck(settings: &Settings, base: &Path) -> Result<Option<DeckC
     grainpath::run::config::deck(settings, &file).map(Some).map_err(wrong)
 }
 
-/// Opens a file of a scan. Only regular files are opened: a named pipe would wait for ever, and a device
-/// has no end.
+/// Opens a file of a scan. Only regular files are opened: reading a named pipe could wait forever, and
+/// a device has no end.
 fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
     if !fs::metadata(name)?.is_file() {
         return Err(io::Error::new(
             io::ErrorKind::InvalidInput,
-            "is no regular file; scans are read from files",
+            "is not a regular file; scans are read only from regular files",
         ));
     }
     Ok(Box::new(fs::File::open(name)?))
@@ -445,8 +445,8 @@ pub(crate) fn open_scan(
     open_volume(all.allowing_outside(outside_folder), raw).map_err(|e| grainpath::Error::from(e).into())
 }
 
-/// Diameter of the filament for G-code that does not state one, mm. Source: the nominal diameter of the
-/// common filament; the other, 2.85 mm, would make all volumes 2.7 times as large.
+/// Filament diameter for G-code that does not state one, mm. Source: the nominal diameter of the common
+/// filament. With the other size, 2.85 mm, all volumes would be 2.7 times as large.
 pub(crate) const FILAMENT_MM: f64 = 1.75;
 
 /// Reads a G-code file and simulates it.

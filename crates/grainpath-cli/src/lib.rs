@@ -1,7 +1,7 @@
 //! The command line of grainpath: arguments, files, progress, exit codes.
 //!
-//! [`main_with`] is the program. The steps between files and the planner are public too, so that the Python module
-//! reads, plans and writes by the same code.
+//! [`main_with`] is the program. The functions that read inputs, plan and write outputs are public too, so that the
+//! Python module uses the same code.
 
 mod args;
 mod cad;
@@ -36,13 +36,14 @@ pub use outputs::{program_bytes, read_back, report_of};
 /// The reason why a command ends early: a line for the user and the exit code.
 #[derive(Debug)]
 pub struct Failure {
-    /// What is wrong, where, and what would be right.
+    /// The message: the place of the mistake, the mistake, and the correct form.
     pub message: String,
-    /// Exit code: 2 usage or job file; 3 an input file; 4 the physics; 130 interrupted.
+    /// Exit code: 2 wrong usage or job file; 3 bad input file; 4 job that cannot be fulfilled, or warnings under --strict;
+    /// 130 interrupted.
     pub code: i32,
     /// Warnings that count as a failure under `--strict`.
     pub warnings: Vec<Warning>,
-    /// The page of the documentation that helps.
+    /// The page of the documentation about this error.
     pub page: Option<&'static str>,
 }
 
@@ -78,19 +79,19 @@ impl From<grainpath::Error> for Failure {
     }
 }
 
-/// The commands and their options, as clap knows them.
+/// The definition of all commands and their options for clap.
 pub fn command() -> clap::Command {
     Args::command()
 }
 
-/// The program: runs the command that `args` state, the first of which is the program's name. Returns the exit code.
+/// Runs the command in `args`, whose first entry is the name of the program. Returns the exit code.
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(feature = "sweep")]
     if let Ok(constant) = std::env::var("GRAINPATH_SWEEP") {
         grainpath_core::tuned::sweep(&constant);
     }
     let args = Args::parse_from(args);
-    // Asked before the command takes its arguments, since a failure has to answer in JSON too.
+    // Read before the arguments move into the command: a failure must be printed as JSON too.
     let json = args.command.json();
     interrupt::set_json(json);
     let outcome = match args.command {
@@ -114,14 +115,14 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
         #[cfg(feature = "studio")]
         Command::Studio(a) => commands::studio::studio(&a),
     };
-    // A full disk behind a redirection fails only here: a command that could not say its result has
-    // failed.
+    // If standard output is redirected to a full disk, the error is found here: a command whose result
+    // was not printed has failed.
     let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
     match outcome {
         Ok(()) => 0,
         Err(failure) if failure.code == interrupt::EXIT_CODE => interrupt::end(),
         Err(failure) => {
-            // One line, so that a script can read the last line of standard error.
+            // The message is one line, so that a script can read it as the last line of standard error.
             let line = failure.message.replace('\n', " ");
             if json {
                 let mut report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });

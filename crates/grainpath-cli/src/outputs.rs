@@ -1,4 +1,4 @@
-//! Outputs of a run.
+//! Writes the outputs of a run: G-code, report, pictures, and files for other programs.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ use grainpath_view::strength::{damage_png, index_png};
 use crate::claims::Claims;
 use crate::{Failure, files, memory};
 
-/// The places of the outputs.
+/// The paths of the outputs.
 pub(crate) struct Paths {
     gcode: PathBuf,
     report: Option<PathBuf>,
@@ -42,7 +42,7 @@ impl Paths {
     pub(crate) fn new(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
-        // The program is always written; without a name it takes that of the shape.
+        // G-code is always written; if the job names no file, it gets the name of the shape's file.
         let gcode = given(&o.gcode).unwrap_or_else(|| {
             let name =
                 mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
@@ -60,7 +60,7 @@ impl Paths {
             stress: given(&o.stress),
             lines: given(&o.lines),
         };
-        // Endings are checked here, before planning: a slip in a name must not cost the time of a plan.
+        // Endings are checked before planning, so that a mistake in a file name is reported at once.
         if let Some(path) = &paths.support {
             MeshEnding::from_path(path)?;
         }
@@ -97,8 +97,8 @@ impl Paths {
     }
 }
 
-/// Writes the outputs of a job and returns the report. `ready` gets the program as soon as it is read back, before it is
-/// tested, measured and drawn.
+/// Writes the outputs of a job and returns the report. `ready` is called with the program as soon as it is read back,
+/// before it is tested, measured and drawn.
 pub(crate) fn write(
     settings: &Settings,
     mut planned: Planned,
@@ -112,8 +112,8 @@ pub(crate) fn write(
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    // The program is parsed back only where something is measured on it: the copy and its beads take
-    // several times its size.
+    // The program is parsed back only if something is measured on it, since the copy and the parsed beads
+    // take several times its size.
     let loaded = planned.test.is_some() || planned.guide.is_some();
     let special = loaded || planned.config.fibre.is_some() || truth.is_some();
     let wanted = measured || special || paths.report.is_some() || paths.preview.is_some();
@@ -125,8 +125,8 @@ pub(crate) fn write(
         let written = written.map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         diagnostics.check().map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         write_s = start.elapsed().as_secs_f64();
-        // The test runs before the rename: a program that cannot be tested must not replace one that
-        // could.
+        // The test runs before the rename, so that a program that fails to be tested does not replace an
+        // earlier one.
         program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?.map(Arc::new);
         program.iter().for_each(ready);
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
@@ -170,7 +170,7 @@ pub(crate) fn write(
         let marks = marks(&report, planned.plan.plate_from_part_mm);
         previews(settings, &program, (&drawn, &marks), paths, diagnostics, &mut report)?;
     }
-    // Files for other programs do not depend on the copy of the program.
+    // Files for other programs are written even if the G-code was not read back.
     guide_files(&planned, paths, &mut report)?;
     if let Some(path) = &paths.plan {
         let text = grainpath::measure::plan_json::plan_json(&planned.plan);
@@ -181,26 +181,26 @@ pub(crate) fn write(
         let (layers, method) = (&support.cut.layers, settings.support.solid);
         let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-        // Without overhangs there is no support; an empty STL would look like a failure.
+        // A part without overhangs has no support. No file is written, since an empty STL would look like a failure.
         if !mesh.triangles.is_empty() {
             write_mesh(path, &[&mesh])?;
             report.outputs.insert("support", path.display().to_string());
         }
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
-    // Last, because each of the outputs above may add a warning.
+    // Warnings are collected last, because each output above may add one.
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = memory::peak_rss_mb();
     Ok(report)
 }
 
-/// Seconds as reports show them.
+/// Rounds seconds to four decimals, as in reports.
 fn seconds(s: f64) -> f64 {
     (s * 1e4).round() / 1e4
 }
 
-/// The report of a plan and, where the `program` was read back, of what is measured on it. Warnings go to
-/// `diagnostics`.
+/// The report of a plan. If `program`, the G-code read back, is given, the report contains the quantities measured on
+/// it. Warnings go to `diagnostics`.
 pub fn report_of(
     settings: &Settings,
     planned: &Planned,
@@ -213,8 +213,8 @@ pub fn report_of(
         report.stages_s.insert(stage.name(), seconds(*s));
     }
     let Some(program) = program else { return report };
-    // Everything is measured on the program that was written, not on the plan, so that errors of the
-    // writer are seen too.
+    // All quantities are measured on the written program instead of the plan, so that errors of the
+    // writer show up too.
     let quality = measure(planned, program);
     report.fibre = measure_fibre(settings.fibre.min_radius_mm, planned, program);
     report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
@@ -231,10 +231,10 @@ pub fn report_of(
     report
 }
 
-/// The program of a plan, as `grainpath run` writes it.
+/// The G-code of a plan, with the same bytes as `grainpath run` writes.
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the G-code writer.
 pub fn program_bytes(settings: &Settings, planned: &Planned) -> Result<(Vec<u8>, Written), Failure> {
     let mut bytes = Vec::new();
     let written = write_gcode(&planned.plan, &planned.config, &thumbnails(settings, planned)?, &mut bytes)
@@ -242,7 +242,7 @@ pub fn program_bytes(settings: &Settings, planned: &Planned) -> Result<(Vec<u8>,
     Ok((bytes, written))
 }
 
-/// Writes the layers and the surface of the part, where the job asks for them.
+/// Writes the layers and the surface of the part if the job asks for them.
 fn shapes(
     planned: &Planned,
     paths: &Paths,
@@ -270,7 +270,7 @@ fn shapes(
     Ok(())
 }
 
-/// Writes to a file and, where wanted, keeps a copy.
+/// Writes to a file and keeps a copy of the bytes if `copy` is set.
 struct Tee<'a> {
     file: &'a mut dyn Write,
     copy: Option<&'a mut Vec<u8>>,
@@ -278,7 +278,7 @@ struct Tee<'a> {
 
 impl Write for Tee<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        // All bytes go to the file before the copy grows, so the copy never holds what the file lacks.
+        // Bytes are copied only after the file has taken all of them, so the copy never holds more than the file.
         self.file.write_all(bytes)?;
         if let Some(copy) = &mut self.copy {
             copy.extend_from_slice(bytes);
@@ -291,7 +291,7 @@ impl Write for Tee<'_> {
     }
 }
 
-/// Reads a program back as the job's printer would.
+/// Reads G-code back with the limits and the filament diameter of the job's printer.
 ///
 /// # Errors
 /// Exit code 3 for a program that cannot be replayed.
@@ -305,8 +305,8 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     if settings.printer.thumbnails_px.is_empty() {
         return Ok(Vec::new());
     }
-    // Thumbnails stand at the top of the program, so it is written once without them, to have what they
-    // show.
+    // Thumbnails stand at the top of the program but show its beads, so the program is first written
+    // without them.
     let mut plain = Vec::new();
     write_gcode(&planned.plan, &planned.config, &[], &mut plain)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
@@ -314,12 +314,12 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     Ok(grainpath_view::layer::thumbnails(&program, &settings.printer.thumbnails_px))
 }
 
-/// Layers for the report: the first, the quarters, and the last. Problems of the first layer and of the
-/// top differ from those between.
+/// Layers drawn for the report: the first, those at each quarter, and the last. The first and the last
+/// layer have other problems than those between.
 fn shown(n: usize) -> Vec<usize> {
     let mut layers: Vec<usize> =
         [0, n / 4, n / 2, 3 * n / 4, n.saturating_sub(1)].into_iter().filter(|&i| i < n).collect();
-    // Parts of few layers would show the same one twice.
+    // In a part with few layers, two of these can be the same layer.
     layers.dedup();
     layers
 }
@@ -347,7 +347,7 @@ fn previews(
     }
     if let Some(folder) = &paths.preview {
         save(&folder.join("part.png"), &pictures[0].png)?;
-        // The first picture is the part, so layers start at the second.
+        // The first picture shows the whole part; those of layers follow from the second on.
         for (i, p) in shown(all.len()).into_iter().zip(&pictures[1..]) {
             save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
             save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
@@ -362,7 +362,7 @@ fn previews(
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
         report.peak_rss_mb = memory::peak_rss_mb();
-        // The page draws layers itself; the middle one stands there for readers without scripts.
+        // The page draws its layers by script; a picture of the middle layer is for browsers without scripts.
         let stills = pictures.split_off(1);
         let middle = stills.len() / 2;
         pictures.extend(stills.into_iter().nth(middle));
@@ -375,12 +375,12 @@ fn previews(
     Ok(())
 }
 
-/// Places that the page leads to: the peak of the stress, where the part fails first, and where it breaks.
+/// Points that the report links to: the peak stress, the point of first failure, and the point of breakage.
 fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
     let mark = |what: &str, at: DVec3| page::Mark { what: what.into(), at: at.truncate(), z_mm: at.z };
     let stress = report.stress.as_ref().and_then(|s| s.peak_at_mm).map(DVec3::from_array);
     let weakest = report.strength.as_ref().map(|s| {
-        // A plate breaks through its thickness; half its height stands for it.
+        // A plate breaks through its whole thickness and has no z; its mid height is used.
         let z_mm = s.weakest.z_mm.unwrap_or(0.5 * report.z_max_mm - plate_from_part_mm.z);
         DVec3::new(s.weakest.x_mm, s.weakest.y_mm, z_mm)
     });
@@ -391,7 +391,7 @@ fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
         .collect()
 }
 
-/// Tests the program; the number is the time in seconds.
+/// Tests the strength of the program. Returns the test and its time in seconds.
 fn strength(
     settings: &Settings,
     planned: &Planned,
@@ -422,13 +422,13 @@ pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)>
         ),
         (
             "index.png".into(),
-            picture("How near to breaking when the first ply did, red 1", index_png(tested, GUIDE_PX)),
+            picture("Failure index when the first ply broke, red 1", index_png(tested, GUIDE_PX)),
         ),
     ]
 }
 
-/// Pixels of the longer side of a picture of stress or directions: as `PictureOptions` has for layers, so
-/// that pictures of one layer have one size. Source: chosen by eye; only the picture depends on it.
+/// Longer side of pictures of stress or directions, pixels: the same as in `PictureOptions` for layers, so
+/// that all pictures of a layer have the same size. Source: chosen by eye; only the picture depends on it.
 const GUIDE_PX: u32 = 1600;
 
 /// Pictures of stress, lines and directions, with their file names.
@@ -438,10 +438,10 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         return Vec::new();
     };
     let layers = planned.stack.layers();
-    // Fields are taken at mid height of a layer, where its section is cut as well.
+    // Fields are sampled at the mid height of a layer, at which its section was cut too.
     let z_mid = |i: usize| layers[i].z_top_mm() - 0.5 * layers[i].height_mm();
     let mut drawn = Vec::new();
-    // Layers that share a field share their pictures.
+    // Layers with the same field need only one set of pictures.
     let mut seen: Vec<usize> = Vec::new();
     for i in shown(layers.len()) {
         if seen.iter().any(|&j| guide.same(i, j)) {
@@ -471,12 +471,12 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
     drawn
 }
 
-/// What holds and loads the part, and how it moves.
+/// Pictures of the fixtures and loads of the part, and of its deformed shape.
 fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
     let mut drawn = Vec::new();
     if let Some(png) = loads_png(guide, GUIDE_PX) {
-        let title = "Forces of loads (red) and of fixtures (green), ending where they act and as long as they are large; moments \
-                     yellow with two heads; the nodes that each caught in its colour";
+        let title = "Forces of loads (red) and of fixtures (green) as arrows that end where the force acts, with lengths in proportion; \
+                     moments yellow with two heads; nodes in the colour of the fixture or load that selects them";
         let title = title.into();
         drawn.push(("loads.png".into(), page::Picture { title, png, of: page::Of::Stress, scale: None }));
     }
@@ -492,7 +492,7 @@ fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
     drawn
 }
 
-/// Writes what a check of the loads shows: pictures and the stress, where the job names a place for them.
+/// Writes the results of a load check, pictures and stress, to the files that the job names for them.
 pub(crate) fn write_check(guide: &Guide, paths: &Paths) -> Result<Vec<(&'static str, String)>, Failure> {
     let mut written = Vec::new();
     if let Some(folder) = &paths.preview {
@@ -518,7 +518,7 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
         report.outputs.insert("stress", path.display().to_string());
     }
     if let Some(path) = &paths.lines {
-        // One section stands for the part: the middle layer, away from the bed and the top.
+        // Only one section is written: that of the middle layer, away from the bed and the top.
         let middle = &planned.stack.layers()[planned.stack.layers().len() / 2];
         let z = middle.z_top_mm() - 0.5 * middle.height_mm();
         let families = guide.lines(middle.region(), z);
@@ -575,8 +575,8 @@ impl MeshEnding {
 pub(crate) fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
     let format = MeshEnding::from_path(path)?;
     let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
-    // STL knows no bodies, so they are joined; 3MF keeps them apart, and a slicer can then print the
-    // support with other settings.
+    // STL has no bodies, so they are joined; 3MF keeps them apart, so that a slicer can print the support
+    // with other settings.
     files::write_atomically(path, |out| match format {
         MeshEnding::Stl => grainpath_io::write_stl(&joined(bodies), out).map_err(wrong),
         MeshEnding::ThreeMf => grainpath_io::write_3mf(bodies, out).map_err(wrong),

@@ -1,4 +1,4 @@
-//! A progress line on a terminal, and Ctrl-C.
+//! Shows a progress line on the terminal and lets Ctrl-C stop the run.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -32,16 +32,16 @@ impl Progress for Bar {
     }
 }
 
-// Clearing the line leaves the terminal to the result that follows.
+// The line is cleared at the end, so that the result is printed in its place.
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
 }
 
-/// Diagnostics that show progress when standard error is a terminal, and stop on Ctrl-C.
+/// Diagnostics that show progress if standard error is a terminal, and stop the run on Ctrl-C.
 pub(crate) fn diagnostics() -> Arc<Diagnostics> {
-    // A log file would hold a line for each redraw, hence the test for a terminal.
+    // The line is drawn on terminals only: a log file would get a line for each redraw.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
         let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers {eta}");
         let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));

@@ -375,7 +375,7 @@ fn decks_that_cannot_be_taken_are_refused_in_one_line() {
     let good = deck(1.0, &step(&force));
     let told = refused(&format!("import_length_unit = \"m\"\n{}", shape(0.0)), &good);
     assert!(
-        told.contains("guide.deck: its part lies from (0.00, 0.00, 0.00) to (60000.00")
+        told.contains("guide.deck: the part in the deck lies from (0.00, 0.00, 0.00) to (60000.00")
             && told.contains("check guide.import_length_unit"),
         "{told}"
     );

@@ -231,9 +231,9 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         (
             &["strength", "bar.gcode", "--job", "along.toml", "--set", "printer.filament_mm=2.85"],
             3,
-            "E should be mm of filament",
+            "E should be in mm of filament",
         ),
-        (&["strength", "mm3.gcode", "--job", "along.toml"], 3, "or M200 say that it is mm3"),
+        (&["strength", "mm3.gcode", "--job", "along.toml"], 3, "or M200 should state that E is in mm3"),
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
         (&["strength", "off.toml"], 2, "load 1 (box) contains nothing of"),

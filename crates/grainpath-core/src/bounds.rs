@@ -1,4 +1,4 @@
-//! Boxes parallel to the axes.
+//! Axis-aligned bounding boxes in the plane.
 
 use crate::DVec2;
 

@@ -1,15 +1,15 @@
-//! Spatial indices: the points near a place, the cells along a line.
+//! Spatial indices: they find the points near a position and the grid cells that a segment passes.
 //!
-//! - [`CellGrid`]: square cells over a box; which cell a point is in, which cells a segment passes,
-//!   rings of cells.
-//! - [`Buckets`]: numbered things sorted once into the cells of a grid; compact and fast to read.
-//! - [`PointGrid2`] and [`PointGrid3`]: points that come and go, in the plane and in space.
+//! - [`CellGrid`]: square cells over a box; it finds the cell of a point, the cells that a segment passes,
+//!   and the cells in a ring around a cell.
+//! - [`Buckets`]: numbered items sorted once into the cells of a grid; compact and fast to read.
+//! - [`PointGrid2`] and [`PointGrid3`]: points in the plane and in space that can be added and removed.
 //!
 //! Lengths are mm. Answers never depend on the size of the cells or on the order in which points
-//! came: the nearest of equally near points is the one with the lowest value. Building is linear, a
-//! query costs the points in the cells it looks at: with cells of about the radius of the query
-//! these are a small multiple of the answer. Points outside the box of a grid belong to the nearest
-//! cell at its border, so they are found as surely but less quickly.
+//! were added: of equally near points, the one with the lowest value is taken. Building takes linear
+//! time. The time of a query is proportional to the points in the cells that it visits; if a cell is about
+//! as large as the query radius, these are a small multiple of the points found. Points outside the box
+//! belong to the nearest cell at its border: they are always found, but more slowly.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -32,28 +32,28 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells that cover `bounds`, at most `max_per_side` in either direction: larger ones where it
-    /// would be more.
+    /// A grid of cells that covers `bounds`. The cells are larger than `cell_mm` if there would otherwise
+    /// be more than `max_per_side` in x or y.
     pub fn covering(bounds: Bounds2, cell_mm: f64, max_per_side: usize) -> Self {
         let size = bounds.size();
-        // A box without size has one cell, whatever the size wanted.
+        // A box of size zero gets one cell; the smallest positive size keeps the division finite.
         let cell_mm = cell_mm.max(size.max_element() / max_per_side as f64).max(f64::MIN_POSITIVE);
         let count = |mm: f64| (mm / cell_mm) as usize + 1;
         Self { origin: bounds.min, cell_mm, nx: count(size.x), ny: count(size.y) }
     }
 
-    /// Column and row of the cell at `p`; outside the grid, of the nearest cell.
+    /// Column and row of the cell that contains `p`; outside the grid, those of the nearest cell.
     pub fn cell_of(&self, p: DVec2) -> [usize; 2] {
         let q = (p - self.origin) / self.cell_mm;
         [(q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1)]
     }
 
-    /// Number of the cell in a column and a row.
+    /// Index of the cell in this column and row; cells are numbered row by row.
     pub fn index(&self, [column, row]: [usize; 2]) -> usize {
         row * self.nx + column
     }
 
-    /// The cells up to `n` columns and rows away from one, itself included.
+    /// The cells at most `n` columns and `n` rows away from a cell, including the cell itself.
     pub fn neighbourhood(
         &self,
         [column, row]: [usize; 2],
@@ -65,17 +65,17 @@ impl CellGrid {
         )
     }
 
-    /// The cells from one to another, rows from below.
+    /// The cells of the block between two corner cells, row by row from below.
     pub fn block(&self, low: [usize; 2], high: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
         (low[1]..=high[1]).flat_map(move |row| (low[0]..=high[0]).map(move |column| [column, row]))
     }
 
-    /// The cells exactly `ring` columns or rows away from one; there are none outside the grid.
+    /// The cells in a square ring around a cell, `ring` columns or rows away. Those outside the grid are left out.
     pub fn ring(&self, [column, row]: [usize; 2], ring: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
         let (nx, ring) = (self.nx, ring as i64);
         let (column, row) = (column as i64, row as i64);
         let rows = (row - ring).max(0)..=(row + ring).min(self.ny as i64 - 1);
-        // The first and the last row of a ring are whole, of those between only the ends belong to it.
+        // The first and the last row belong to the ring as a whole; of the rows between only both ends do.
         rows.flat_map(move |y| {
             let (left, right) = (column - ring, column + ring);
             let whole = y == row - ring || y == row + ring;
@@ -86,20 +86,20 @@ impl CellGrid {
         })
     }
 
-    /// The least distance from a point in a cell to a point in a cell `ring` columns or rows away, mm.
+    /// The least possible distance between a point in a cell and a point in the ring `ring` around that cell, mm.
     pub fn ring_distance_mm(&self, ring: usize) -> f64 {
-        // A point may lie on the near side of its own cell, so the first ring gives no distance at
-        // all.
+        // A point may lie at the border of its cell, so its distance to the first ring can be
+        // zero.
         ring.saturating_sub(1) as f64 * self.cell_mm
     }
 
-    /// The number of rings that hold all cells, whatever cell is in the middle.
+    /// A number of rings that covers all cells, whichever cell the rings surround.
     pub fn n_rings(&self) -> usize {
         self.nx.max(self.ny)
     }
 
-    /// Calls `each` with the numbers of the cells that a segment passes, and with some that it
-    /// misses by a millionth of a cell. The part of the segment outside the grid is left out.
+    /// Calls `each` with the index of every cell that a segment passes, or misses by less than about a
+    /// millionth of a cell. The part of the segment outside the grid is left out.
     pub fn for_each_passed(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
         let cell = |p: DVec2| (p - self.origin) / self.cell_mm;
         let (a, b) = (cell(a), cell(b));
@@ -108,7 +108,7 @@ impl CellGrid {
         // rounded to about 1e-12, so a margin of 1e-6 never misses a cell that is passed and hardly
         // ever adds one.
         const HAIR: f64 = 1e-6;
-        // Rounded down, within the grid and one cell around it.
+        // Rounds down; the result lies in the grid or one cell outside it.
         let down = |v: f64, n: usize| (v.clamp(-1.0, n as f64) + 1.0) as i64 - 1;
         let row_of = |y: f64| down(y, self.ny);
         let column = |x: f64| down(x, self.nx);
@@ -124,7 +124,7 @@ impl CellGrid {
         }
         let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
         for row in first..=last {
-            // The clamp keeps steep extrapolation out: beyond its ends the segment has no x.
+            // The clamp prevents extrapolation beyond the ends of the segment, which could be steep.
             let x_at = |y: f64| low.x + (y.clamp(low.y, high.y) - low.y) * slope;
             let (x0, x1) = if high.y > low.y {
                 (x_at(row as f64 - HAIR), x_at(row as f64 + 1.0 + HAIR))
@@ -140,7 +140,7 @@ impl CellGrid {
     }
 }
 
-/// Numbered things sorted into cells; one thing may be in several.
+/// Numbered items sorted into cells; an item may be in several cells.
 ///
 /// ```
 /// use grainpath_core::{Bounds2, DVec2, buckets::{Buckets, CellGrid}};
@@ -161,14 +161,14 @@ pub struct Buckets {
 }
 
 impl Buckets {
-    /// Sorts `n` things into cells. `places` calls its second argument with the number of each cell
-    /// that the thing is in. Within a cell things keep their order.
+    /// Sorts `n` items into cells. `places` gets an item's number and calls its second argument with the
+    /// index of each cell that contains the item. In a cell, items keep their order.
     pub fn new(cells: CellGrid, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
-        // A counting sort: counts become start positions, then each thing is written to the next
-        // free place of its cells.
+        // A counting sort: counts become start positions, then each item is written to the next free
+        // position of its cells.
         let mut starts = vec![0u32; cells.nx * cells.ny + 1];
-        // The cells of all things one after the other, and the end of each thing's cells: `places`
-        // is called only once.
+        // `all` lists the cells of all items one after the other, `ends` the end of each item's cells, so
+        // that `places` is called only once per item.
         let (mut all, mut ends) = (Vec::with_capacity(2 * n), Vec::with_capacity(n));
         for i in 0..n {
             places(i, &mut |cell| {
@@ -194,18 +194,18 @@ impl Buckets {
         Self { cells, starts, members }
     }
 
-    /// The things in a cell.
+    /// The items in a cell.
     pub fn members(&self, cell: usize) -> &[u32] {
         self.members_of_run(cell, cell)
     }
 
-    /// Where the things in a cell stand in the list of all cells' things, [`Self::members_of_run`] from the first cell to
-    /// the last.
+    /// The index range of a cell's items in the list of the items of all cells, which is [`Self::members_of_run`] from the
+    /// first cell to the last.
     pub fn range(&self, cell: usize) -> Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// The things in the cells numbered from `first` to `last`, cell after cell.
+    /// The items in the cells with the indices `first` to `last`, cell after cell.
     pub fn members_of_run(&self, first: usize, last: usize) -> &[u32] {
         &self.members[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
@@ -236,7 +236,7 @@ pub struct PointGrid2<T> {
 }
 
 impl<T: Copy + Ord> PointGrid2<T> {
-    /// An empty grid over `bounds` for queries of a radius of about `cell_mm`.
+    /// An empty grid over `bounds`; it is fastest for query radii of about `cell_mm`.
     pub fn new(bounds: Bounds2, cell_mm: f64) -> Self {
         let cells = CellGrid::covering(bounds, cell_mm.max(1e-6), MAX_CELLS_PER_SIDE);
         Self { cells, points: vec![Vec::new(); cells.nx * cells.ny] }
@@ -257,11 +257,11 @@ impl<T: Copy + Ord> PointGrid2<T> {
         &self.cells
     }
 
-    /// Removes the point at this very place that was added last of those whose value is accepted; false when there is
-    /// none.
+    /// Removes a point at exactly this position whose value is accepted; of several, the one added last. Returns false if
+    /// there is none.
     pub fn remove(&mut self, p: DVec2, accept: impl Fn(T) -> bool) -> bool {
         let cell = self.cell(p);
-        // From the back: points are mostly removed soon after they were added.
+        // The search starts at the back, since most points are removed soon after they were added.
         let found = self.points[cell].iter().rposition(|&(q, v)| q == p && accept(v));
         if let Some(i) = found {
             self.points[cell].remove(i);
@@ -279,18 +279,18 @@ impl<T: Copy + Ord> PointGrid2<T> {
             .copied()
     }
 
-    /// The points in the cells `ring` columns or rows away from that of `p`, in the order of the cells.
+    /// The points in the ring of cells `ring` columns or rows away from the cell of `p`, in the order of the cells.
     pub fn ring(&self, p: DVec2, ring: usize) -> impl Iterator<Item = (DVec2, T)> + '_ {
         let cells = self.cells.ring(self.cells.cell_of(p), ring);
         cells.flat_map(|cell| &self.points[self.cells.index(cell)]).copied()
     }
 
-    /// The nearest point whose value is accepted; of equally near ones that of the lowest value.
+    /// The nearest point whose value is accepted; of equally near points, the one with the lowest value.
     pub fn nearest(&self, p: DVec2, accept: impl Fn(T) -> bool) -> Option<(DVec2, T)> {
         let mut best: Option<(f64, DVec2, T)> = None;
         for ring in 0..self.cells.n_rings() {
-            // Equal distances must still be searched, because a farther ring may hold a lower
-            // value; hence `>` and not `>=`.
+            // The test is `>` and not `>=`: a farther ring may hold a point at the same distance with
+            // a lower value.
             let reach = self.cells.ring_distance_mm(ring);
             if best.is_some_and(|b| reach * reach > b.0) {
                 break;
@@ -326,7 +326,7 @@ pub struct PointGrid3<T> {
 }
 
 impl<T: Copy + Ord> PointGrid3<T> {
-    /// An empty grid for queries of a radius of about `cell_mm`.
+    /// An empty grid; it is fastest for query radii of about `cell_mm`.
     pub fn new(cell_mm: f64) -> Self {
         Self { cell_mm, cells: BTreeMap::new() }
     }
@@ -340,7 +340,7 @@ impl<T: Copy + Ord> PointGrid3<T> {
         self.cells.entry(self.key(p)).or_default().push((p, value));
     }
 
-    /// Removes the point with this place and value; false when there is none.
+    /// Removes the point with this position and value; returns false if there is none.
     pub fn remove(&mut self, p: DVec3, value: T) -> bool {
         let Some(cell) = self.cells.get_mut(&self.key(p)) else { return false };
         let found = cell.iter().rposition(|&(q, v)| q == p && v == value);
@@ -355,14 +355,14 @@ impl<T: Copy + Ord> PointGrid3<T> {
         let ([x0, y0, z0], [x1, y1, z1]) = (self.key(p - radius_mm), self.key(p + radius_mm));
         (x0..=x1)
             .flat_map(move |x| (y0..=y1).map(move |y| (x, y)))
-            // In the map's order z varies fastest, so a column of cells is one range.
+            // In the order of the map z varies fastest, so the cells with the same x and y are one range.
             .flat_map(move |(x, y)| self.cells.range([x, y, z0]..=[x, y, z1]))
             .flat_map(|(_, points)| points)
             .map(move |&(q, value)| (q.distance(p), value))
             .filter(move |&(d, _)| d <= radius_mm)
     }
 
-    /// The value of the nearest point within the radius; of equally near ones the lowest.
+    /// The value of the nearest point within the radius; of equally near points, the lowest value.
     pub fn nearest_within(&self, p: DVec3, radius_mm: f64) -> Option<T> {
         self.within(p, radius_mm).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1)
     }

@@ -1,6 +1,6 @@
-//! A tree of boxes around triangles: closest point, ray hits and winding number of a mesh.
+//! A tree of bounding boxes around triangles, for the closest point, ray hits and winding number of a mesh.
 //!
-//! The tree depends on the mesh alone (median splits, ties by triangle index), so every answer is
+//! The tree depends only on the mesh (median splits, ties broken by triangle index), so every answer is
 //! the same for any number of threads. Triangles without area are kept: they have closest points,
 //! but no ray hits them and they add nothing to the winding number.
 //!
@@ -16,11 +16,11 @@ use crate::{TriMesh, math};
 
 /// Triangles in a leaf. Source: chosen; it changes speed alone, never the result.
 const LEAF: usize = 4;
-/// A group of triangles counts as one dipole when it is seen from farther away than this many times
+/// A group of triangles is replaced by one dipole if the query is farther from it than this many times
 /// its radius. Measured: with this value the winding numbers of the unit tests are off by less than
 /// 0.02.
 const FAR: f64 = 2.3;
-/// Subtrees with fewer triangles are built without a further thread.
+/// Subtrees with at most this many triangles are built on a single thread.
 /// Source: chosen; it changes speed alone, never the result.
 const SERIAL: usize = 4096;
 
@@ -30,7 +30,7 @@ pub struct Bvh {
     nodes: Vec<Node>,
     /// Triangles in leaf order.
     corners: Vec<[DVec3; 3]>,
-    /// The mesh's index of each of them.
+    /// Index in the mesh of each of these triangles.
     ids: Vec<u32>,
 }
 
@@ -42,8 +42,8 @@ struct Node {
     centre: DVec3,
     dipole: DVec3,
     radius: f64,
-    /// First triangle and count of a leaf; for an inner node its right child and 0. The left child
-    /// comes next.
+    /// In a leaf, its first triangle and their number; in an inner node, the index of its right child and 0.
+    /// The left child is the next node.
     first: u32,
     count: u32,
 }
@@ -65,24 +65,24 @@ pub struct ClosestPoint {
     pub point: DVec3,
     /// Distance from the query, in the mesh's unit.
     pub distance: f64,
-    /// Index of the triangle it lies on; the lowest of those equally near.
+    /// Index of the triangle that the point lies on; of several, the lowest.
     pub triangle: u32,
 }
 
 /// A point where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
-    /// Position along the ray in lengths of its direction vector.
+    /// Position along the ray, as a multiple of its direction vector.
     pub t: f64,
     /// Index of the triangle.
     pub triangle: u32,
-    /// Whether the ray comes out through the triangle's front, that is from inside a well-wound mesh.
+    /// Whether the ray passes the triangle from back to front: it then leaves a mesh with outward normals.
     pub leaves: bool,
 }
 
-/// Tree nodes over `n` and over `n + 1` triangles; splitting in halves, only two sizes occur on each level.
-// Needed before the tree exists: the nodes of both halves are written in parallel into one array,
-// so the left half's size has to be known.
+/// The numbers of tree nodes for `n` and for `n + 1` triangles. Halving gives only two sizes on each level.
+// They are needed before the tree exists: both halves write their nodes in parallel into one array,
+// so the size of the left half must be known.
 fn tree_sizes(n: usize) -> (usize, usize) {
     if n < LEAF {
         return (1, 1);
@@ -126,17 +126,17 @@ impl Bvh {
         self.ids.len()
     }
 
-    /// The nearest point of the mesh no farther than `reach` (infinity for any); `None` when there is none.
+    /// The nearest point of the mesh within the distance `reach` (infinity for no limit); `None` if there is none.
     pub fn closest_point(&self, q: DVec3, reach: f64) -> Option<ClosestPoint> {
         if self.is_empty() {
             return None;
         }
-        // Squared distances throughout the search; the root is taken once at the end.
+        // The search uses squared distances; `distance` becomes the root at the end.
         let mut best = ClosestPoint { point: q, distance: reach * reach, triangle: u32::MAX };
         let mut stack = Stack::new();
         stack.push((0, self.nodes[0].distance_squared(q)));
         while let Some((at, d)) = stack.pop() {
-            // Pushed when the best point was still farther away.
+            // A nearer point may have been found since this node was pushed.
             if d > best.distance {
                 continue;
             }
@@ -168,12 +168,12 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// The first hit of the ray `from + t * along` with `t` in `range`; of several at one place the
-    /// lowest triangle.
+    /// The first hit of the ray `from + t * along` with `t` in `range`. If several triangles are hit at
+    /// the same `t`, the one with the lowest index is taken.
     pub fn first_hit(&self, from: DVec3, along: DVec3, range: (f64, f64)) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         self.for_hits(from, along, range, |hit, end| {
-            // Shortening the ray at every hit leaves out boxes behind it.
+            // The ray is shortened to each hit, so that boxes behind it are skipped.
             if best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle)) {
                 best = Some(hit);
                 *end = hit.t;
@@ -226,8 +226,8 @@ impl Bvh {
         }
     }
 
-    /// Winding number of the mesh around a point: 1 inside and 0 outside a closed mesh, in between
-    /// near holes; 2 where bodies overlap. Groups far away count as dipoles (`barill2018`); the
+    /// Winding number of the mesh around a point: 1 inside and 0 outside a closed mesh, between 0 and 1
+    /// near holes, and 2 where two bodies overlap. Groups far away count as dipoles (`barill2018`); the
     /// error stays under about 0.02.
     pub fn winding_number(&self, q: DVec3) -> f64 {
         if self.is_empty() {
@@ -240,8 +240,8 @@ impl Bvh {
             let node = &self.nodes[at as usize];
             let away = node.centre - q;
             let d2 = away.length_squared();
-            // The dipole term is the first one of the far-field expansion. Near groups are opened,
-            // leaves summed exactly.
+            // A dipole is the first term of the far-field expansion. In near groups the children are
+            // visited; leaves are summed exactly.
             if d2 > (FAR * node.radius).powi(2) {
                 dipoles += away.dot(node.dipole) / (d2 * d2.sqrt());
             } else if node.count > 0 {
@@ -256,14 +256,14 @@ impl Bvh {
 
     /// Whether a point is inside: winding number over one half.
     pub fn contains(&self, q: DVec3) -> bool {
-        // A point outside the box of the mesh is outside the mesh, and costs no sum.
+        // A point outside the bounding box is outside the mesh, so the winding number need not be summed.
         let inside_box = self.nodes.first().is_some_and(|n| q.cmpge(n.lo).all() && q.cmple(n.hi).all());
         inside_box && self.winding_number(q) > 0.5
     }
 }
 
-/// A stack without allocation. Every split halves, so a tree of 2^32 triangles is at most 33 levels
-/// deep, and each level leaves one node behind.
+/// A stack without allocation. Every split halves, so a tree of 2^32 triangles has at most 33 levels, and
+/// each level leaves one node on the stack.
 struct Stack {
     items: [(u32, f64); 72],
     len: usize,
@@ -297,7 +297,7 @@ impl Node {
     fn meets_ray(&self, from: DVec3, inverse: DVec3, range: (f64, f64)) -> bool {
         let (mut near, mut far) = range;
         for axis in 0..3 {
-            // A ray parallel to the faces: both quotients would be infinite or, on a face, NaN.
+            // The ray is parallel to these two faces: `a` and `b` would be infinite or, on a face, NaN.
             if inverse[axis].is_infinite() {
                 if from[axis] < self.lo[axis] || from[axis] > self.hi[axis] {
                     return false;
@@ -309,7 +309,7 @@ impl Node {
             near = near.max(a.min(b));
             far = far.min(a.max(b));
         }
-        // A few ulps of slack: a face in the plane of its box would be lost to rounding.
+        // The slack of 1e-12 allows for rounding: without it, a flat box could be missed.
         near - 1e-12 * near.abs() <= far + 1e-12 * far.abs()
     }
 }
@@ -323,7 +323,7 @@ fn build(
 ) {
     let n = items.len();
     if n <= LEAF {
-        // Ordered by index within a leaf, so that a mesh of few triangles keeps its order.
+        // In a leaf, triangles are sorted by index, so that a mesh with few triangles keeps its order.
         items.sort_unstable_by_key(|&(_, i)| i);
         nodes[0] = leaf(items, item_start, corners);
         return;
@@ -331,7 +331,7 @@ fn build(
     let (lo, hi) =
         items.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &(c, _)| (lo.min(c), hi.max(c)));
     let extent = hi - lo;
-    // The longest side of the centres' box: splits across it keep the boxes compact.
+    // The split is across the longest side of the box of the centres, which keeps the boxes compact.
     let axis = (0..3).fold(0, |best, a| if extent[a] > extent[best] { a } else { best });
     let half = n / 2;
     items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
@@ -365,7 +365,7 @@ fn leaf(items: &[(DVec3, u32)], first: u32, corners: &impl Fn(u32) -> [DVec3; 3]
         weight += normal.length();
         middle += c;
     }
-    // A leaf whose triangles are all lines has no area; its middle keeps the radius finite.
+    // A leaf may hold only degenerate triangles without area; their mean centre keeps the radius finite.
     node.centre = if weight > 0.0 { node.centre / weight } else { middle / items.len() as f64 };
     let far = items.iter().flat_map(|&(_, i)| corners(i)).map(|p| p.distance(node.centre));
     node.radius = far.fold(0.0, f64::max);
@@ -374,8 +374,8 @@ fn leaf(items: &[(DVec3, u32)], first: u32, corners: &impl Fn(u32) -> [DVec3; 3]
 
 fn joined(a: &Node, b: &Node) -> Node {
     let (lo, hi) = (a.lo.min(b.lo), a.hi.max(b.hi));
-    // The weight of a child is half the surface of its box. It is close to the child's area, and
-    // zero for both only if both are points.
+    // The weight of a child is half the surface area of its box. It approximates the area of the child's
+    // triangles, and it is zero only for a point or a line along an axis.
     let weight = |n: &Node| {
         let e = n.hi - n.lo;
         e.x * e.y + e.y * e.z + e.z * e.x
@@ -384,14 +384,14 @@ fn joined(a: &Node, b: &Node) -> Node {
     let share = if wa + wb > 0.0 { wa / (wa + wb) } else { 0.5 };
     let centre = a.centre * share + b.centre * (1.0 - share);
     let box_radius = (centre - lo).max(hi - centre).length();
-    // Two bounds of the radius, one through the children and one through the box. Neither is always
-    // the tighter one.
+    // The radius has two upper bounds, one from the children and one from the box. The smaller one is
+    // taken.
     let radius = (centre.distance(a.centre) + a.radius).max(centre.distance(b.centre) + b.radius);
     Node { lo, hi, centre, dipole: a.dipole + b.dipole, radius: radius.min(box_radius), first: 0, count: 0 }
 }
 
-/// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5); for one without area the
-/// nearest of its sides.
+/// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5). In a triangle without area, it
+/// is the nearest point of its sides.
 pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, aq) = (b - a, c - a, q - a);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));
@@ -408,15 +408,15 @@ pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     if d6 >= 0.0 && d5 <= d6 {
         return c;
     }
-    // Inside, all three barycentric weights are positive. The threshold sends slivers, whose
-    // weights are all rounding, to their sides.
+    // Inside the triangle all three barycentric weights are positive. In slivers the weights are mere
+    // rounding errors, so the threshold leaves them to the search on the sides below.
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     let total = va + vb + vc;
     if va > 0.0 && vb > 0.0 && vc > 0.0 && total > 1e-14 * ab.length_squared() * ac.length_squared() {
         return a + ab * (vb / total) + ac * (vc / total);
     }
-    // The nearest point lies on a side. Rounding may leave several candidates, or for a sliver
-    // none, so all three sides are tried.
+    // The nearest point lies on a side. All three sides are tried, since with rounding the signs above
+    // may name several sides or none.
     let on = |p: DVec3, along: DVec3| {
         let length2 = along.length_squared();
         let t = if length2 > 0.0 { (along.dot(q - p) / length2).clamp(0.0, 1.0) } else { 0.0 };
@@ -429,9 +429,9 @@ pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
 }
 
 fn ray_triangle(from: DVec3, along: DVec3, &[a, b, c]: &[DVec3; 3]) -> Option<(f64, bool)> {
-    // The volumes that the ray spans with each side have the same sign inside. Each is computed
-    // from its side alone, in the order of the positions, so that two triangles get the same number
-    // at their common side and no ray slips between them.
+    // If the ray passes inside, the volumes that it spans with the three sides have the same sign. Each
+    // volume depends only on its side, with the corners sorted by position. Two triangles therefore get
+    // the same number for their common side, and no ray slips between them.
     let (pa, pb, pc) = (a - from, b - from, c - from);
     let side = |p: DVec3, q: DVec3| {
         if (p.x, p.y, p.z) <= (q.x, q.y, q.z) { along.dot(p.cross(q)) } else { -along.dot(q.cross(p)) }
@@ -452,8 +452,8 @@ fn half_solid_angle(q: DVec3, corners: &[DVec3; 3]) -> f64 {
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let volume = a.dot(b.cross(c));
     let rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    // With the query in the plane of the triangle the angle jumps between 0 and a full half-turn; 0
-    // is its mean over both sides.
+    // If the query lies in the plane of the triangle, the angle has opposite signs on both sides; their
+    // mean is 0.
     if volume == 0.0 { 0.0 } else { math::atan2(volume, rest) }
 }
 

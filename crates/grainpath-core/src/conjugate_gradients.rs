@@ -1,31 +1,31 @@
-//! Conjugate gradients for a symmetric positive definite operator that is known by its products alone.
+//! Conjugate gradients for a symmetric positive definite operator, given only by its product with a vector.
 //!
 //! The method of Hestenes and Stiefel (1952, `hestenes1952` in docs/references.bib) with a
 //! preconditioner; with [`CgSettings::flexible`] the direction follows Polak and Ribière's formula,
-//! which stays conjugate when the preconditioner differs a little from step to step (Notay 2000,
-//! `notay2000`). A step costs one product, one preconditioning, two sums of products and three
-//! updates; the memory is four vectors.
+//! which stays conjugate if the preconditioner changes a little from step to step (Notay 2000,
+//! `notay2000`). A step costs one operator product, one preconditioning, two dot products and three
+//! vector updates; the memory is four vectors.
 //!
-//! Sums run in a fixed order whatever the number of threads, so the same system gives the same
-//! bits. The residual is carried along, not computed anew: below about 1e-12 of the right side it
-//! is smaller than the true one. An operator with a direction of no or negative stiffness ends the
-//! run with [`CgEnd::NotPositive`]; the values found so far remain.
+//! Sums run in a fixed order for any number of threads, so the same system gives the same bits. The
+//! residual is updated in each step and never recomputed from `x`: below about 1e-12 of the right side
+//! it is smaller than the true residual. If a search direction has zero or negative stiffness, the run
+//! ends with [`CgEnd::NotPositive`]; `x` keeps the values found so far.
 
 use glam::DVec3;
 
-/// A number or a small vector, of which the unknowns consist.
+/// The type of an unknown: a number or a small vector.
 pub trait CgValue: Copy + Send + Sync {
     /// Zero.
     const ZERO: Self;
 
-    /// The sum of the products of two vectors, in a fixed order.
+    /// The dot product of two vectors, summed in a fixed order.
     fn dot(a: &[Self], b: &[Self]) -> f64;
 
     /// `self + factor * other`.
     fn plus(self, factor: f64, other: Self) -> Self;
 }
 
-/// Eight sums side by side: their order is fixed, and no addition waits for the one before.
+/// The dot product in eight partial sums: their order is fixed, and no addition waits for the previous one.
 fn dot_of<T: Copy + Into<f64>>(a: &[T], b: &[T]) -> f64 {
     let mut sums = [0.0; 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
@@ -93,7 +93,8 @@ impl CgValue for DVec3 {
     }
 }
 
-/// A system by its products. A closure that multiplies is a system without a preconditioner.
+/// A linear system, given by its operator product. A closure that computes this product is a system without a
+/// preconditioner.
 pub trait CgSystem<T> {
     /// Whether [`CgSystem::precondition`] does more than copy.
     const PRECONDITIONED: bool = false;
@@ -101,8 +102,8 @@ pub trait CgSystem<T> {
     /// Puts the operator's product with `x` into `out`.
     fn apply(&self, x: &[T], out: &mut [T]);
 
-    /// Puts an approximate solution for the right side `residual` into `out`; called only where
-    /// [`CgSystem::PRECONDITIONED`] says so.
+    /// Puts an approximate solution for the right side `residual` into `out`; called only if
+    /// [`CgSystem::PRECONDITIONED`] is true.
     fn precondition(&self, residual: &[T], out: &mut [T])
     where
         T: Copy,
@@ -134,7 +135,7 @@ pub enum CgGoal {
 /// When to stop, and which formula gives the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CgSettings {
-    /// The solution is good enough at or below this.
+    /// The iteration ends if this measure is at or below its value.
     pub goal: CgGoal,
     /// Largest number of steps.
     pub max_steps: usize,
@@ -143,7 +144,7 @@ pub struct CgSettings {
 }
 
 impl CgSettings {
-    /// Until the residual is at most `tolerance` times as long as the right side.
+    /// Settings that end when the residual is at most `tolerance` times as long as the right side.
     pub fn relative<T: CgValue>(right_side: &[T], tolerance: f64, max_steps: usize) -> Self {
         let length = T::dot(right_side, right_side).sqrt();
         Self { goal: CgGoal::Residual(tolerance * length), max_steps, flexible: false }
@@ -163,8 +164,8 @@ pub enum CgEnd {
     Cancelled,
 }
 
-/// Solves for the right side `b`, starting from the values in `x`. Returned are the number of steps
-/// and why the iteration ended.
+/// Solves for the right side `b`, starting from the values in `x`. Returns the number of steps
+/// and the reason why the iteration ended.
 ///
 /// ```
 /// use grainpath_core::conjugate_gradients::{CgEnd, CgGoal, CgSettings, conjugate_gradients};
@@ -206,7 +207,7 @@ pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
             return (step, CgEnd::Converged);
         }
         if S::PRECONDITIONED {
-            // Preconditioned before the second test, because the energy goal is measured with it.
+            // The residual is preconditioned before the second test, because the energy goal needs it.
             system.precondition(&residual, &mut better);
             now = T::dot(&residual, &better);
         }
@@ -220,8 +221,8 @@ pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
         if system.cancelled() {
             return (step, CgEnd::Cancelled);
         }
-        // Fletcher and Reeves' formula, or Polak and Ribiere's where the preconditioner changes: it
-        // subtracts what the old residual still has in common with the new direction.
+        // Fletcher and Reeves' formula, or Polak and Ribiere's if the preconditioner changes: the latter
+        // subtracts the product of the old residual with the new preconditioned residual.
         let share = match (step, settings.flexible) {
             (0, _) => 0.0,
             (_, false) => now / energy,
@@ -231,7 +232,7 @@ pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
         direction.iter_mut().zip(better).for_each(|(p, z)| *p = z.plus(share, *p));
         system.apply(&direction, &mut image);
         let stiffness = T::dot(&direction, &image);
-        // Zero stiffness means a direction that the operator does not hold, for instance a rigid
+        // With zero stiffness the operator does not resist this direction, for instance a rigid body
         // motion.
         if stiffness.is_nan() || stiffness <= 0.0 || !energy.is_finite() {
             return (step, CgEnd::NotPositive);

@@ -1,26 +1,26 @@
-//! Small dense systems with a symmetric positive definite matrix: Cholesky factors with one rule
-//! for lost rank.
+//! Solves small dense systems with a symmetric positive definite matrix by Cholesky factors, with one rule
+//! for rank-deficient matrices.
 //!
-//! Fits by least squares and coarse levels of solvers end in such systems, some of them rank
-//! deficient: samples on one line do not determine a plane. The factor leaves out each unknown that
-//! the unknowns before it determine already, and the solution has zero there. An unknown is left
-//! out when what remains of its diagonal entry falls below [`RANK_TOLERANCE`] times the entry.
+//! Least-squares fits and coarse levels of solvers lead to such systems. Some are rank deficient: samples
+//! on one line, for example, do not determine a plane. The factor leaves out each unknown whose column
+//! depends on the columns before it, and the solution is zero there. An unknown is left out if
+//! elimination reduces its diagonal entry to at most [`RANK_TOLERANCE`] times the entry.
 //!
 //! Storage: row-major, `n * n`, of which the lower triangle is read. Cost: n³ / 6 multiplications
 //! for the factor and n² for a solution. Degenerate: an all-zero matrix gives the zero solution;
-//! entries that are not finite give results that are not finite. A matrix that is not positive
-//! definite counts as one without rank from the row on where that shows.
+//! entries that are not finite give results that are not finite. In a matrix that is
+//! not positive definite, each row with a negative remainder is treated as rank deficient.
 
-/// Share of a diagonal entry that has to remain for its unknown to be kept.
+/// An unknown is kept if elimination leaves more than this share of its diagonal entry.
 ///
 /// Source: error bound. The remainder is the squared sine of the angle between a column and those
 /// before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002`
-/// in docs/references.bib), which is 2e-15 for ten unknowns. At 1e-9 it is still known to 2e-6 of
-/// itself.
+/// in docs/references.bib), which is 2e-15 for ten unknowns. A remainder of 1e-9 therefore
+/// still has a relative error of only 2e-6.
 pub const RANK_TOLERANCE: f64 = 1e-9;
 
-/// The sum of products, in four sums side by side: in a single sum each addition would wait for the
-/// one before.
+/// The dot product in four partial sums: in a single sum each addition would wait for the previous
+/// one.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -31,9 +31,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Replaces the lower triangle of `a` (`n * n`, row-major) by its Cholesky factor; the upper triangle stays.
+/// Replaces the lower triangle of `a` (`n * n`, row-major) by its Cholesky factor; the upper triangle is not
+/// changed.
 ///
-/// Rows of unknowns that are left out get a zero on the diagonal.
+/// An unknown that is left out gets a zero on the diagonal of its row.
 ///
 /// # Panics
 /// When `a` is shorter than `n * n`.
@@ -42,14 +43,14 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
         let (above, own) = a.split_at_mut(i * n);
         let own = &mut own[..n];
         let whole = own[i];
-        // Row by row, each entry from the rows above: only finished rows are read, so the factor
-        // replaces the matrix in place.
+        // The factor is computed row by row. Each entry needs only finished rows above and its own row, so
+        // the factor can replace the matrix in place.
         for j in 0..i {
             let other = &above[j * n..j * n + n];
             let pivot = other[j];
             let sum = own[j] - dot(&own[..j], &other[..j]);
-            // A row above without a pivot stands for an unknown that was left out; it must not
-            // contribute.
+            // A zero pivot marks an unknown that was left out; it must not contribute to
+            // this row.
             own[j] = if pivot > 0.0 { sum / pivot } else { 0.0 };
         }
         let rest = whole - dot(&own[..i], &own[..i]);
@@ -64,7 +65,7 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
 /// When `factor` is shorter than `n * n` with `n = x.len()`.
 pub fn cholesky_solve(factor: &[f64], x: &mut [f64]) {
     let n = x.len();
-    // Forwards with the lower triangle, then backwards with its transpose.
+    // Forward substitution with the lower triangle, then back substitution with its transpose.
     for i in 0..n {
         let row = &factor[i * n..i * n + i + 1];
         let sum = x[i] - dot(&row[..i], &x[..i]);

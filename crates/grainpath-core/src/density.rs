@@ -1,10 +1,10 @@
-//! The density of an infill region.
+//! The density of an infill region: dense, or sparse with a fraction of the volume.
 
 /// Density of infill: dense, or a fraction of the volume.
 ///
-/// Dense infill is laid by other rules than sparse infill: bead widths and spacings are fitted to
-/// the region, so that it leaves no gaps. A density is therefore not a number that stages compare
-/// with 1, but one of two cases.
+/// Dense infill follows other rules than sparse infill: bead widths and spacings are fitted to the
+/// region, so that no gaps remain. A density is therefore one of two cases, and the stages need not
+/// compare a number with 1.
 ///
 /// ```
 /// use grainpath_core::Density;
@@ -21,12 +21,12 @@ pub enum Density {
     Sparse(f64),
 }
 
-/// From this fraction on infill is dense, so that a number written as 0.9999 or found by a search
-/// up to 1 counts as 1. Source: derived. The spacing of the beads changes by 0.4 um then, which G-code rounds away.
+/// Infill with at least this fraction is dense, so that 0.9999, or the result of a search up to 1, counts as 1.
+/// Source: derived. This changes the spacing of the beads by 0.4 um, which G-code rounds away.
 const DENSE_FROM: f64 = 0.999;
 
 impl Density {
-    /// The density with this volume of beads over volume of the region.
+    /// The density for a fraction: the volume of the beads over the volume of the region.
     pub const fn new(fraction: f64) -> Self {
         if fraction >= DENSE_FROM { Self::Dense } else { Self::Sparse(fraction) }
     }

@@ -1,7 +1,7 @@
-//! Messages of a run on its way: warnings, progress, and whether to stop.
+//! Messages during a run: warnings, progress, and the request to stop.
 //!
-//! One `Diagnostics` is shared by all threads of a run. Warnings are sorted before they are read,
-//! so they do not depend on the number of threads.
+//! All threads of a run share one `Diagnostics`. Warnings are sorted before they are read, so their
+//! order does not depend on the number of threads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -52,7 +52,7 @@ impl Stage {
     }
 }
 
-/// Receiver of progress. It is called often and from any thread, so it has to be cheap.
+/// Receives the progress of a run. It is called often and from any thread, so it must be fast.
 pub trait Progress: Send + Sync {
     /// `stage` begins, with `total` steps (0 when unknown).
     fn begin(&self, stage: Stage, total: usize);
@@ -65,7 +65,7 @@ pub trait Progress: Send + Sync {
 #[error("interrupted; nothing was written")]
 pub struct Interrupted;
 
-/// Whether a run was asked to stop. Copies share one flag, so that solvers which know no [`Diagnostics`] can hold one.
+/// The flag that asks a run to stop. Copies share one flag, so that solvers without a [`Diagnostics`] can hold one.
 ///
 /// ```
 /// use grainpath_core::Diagnostics;
@@ -80,7 +80,7 @@ pub struct Interrupted;
 pub struct CancelFlag(Arc<AtomicBool>);
 
 impl CancelFlag {
-    /// Err once a stop was asked for. Long loops call this at least ten times a second.
+    /// Returns an error if a stop was requested. Long loops call this at least ten times a second.
     ///
     /// # Errors
     /// [`Interrupted`] after [`Diagnostics::stop`].
@@ -109,7 +109,7 @@ pub struct Diagnostics {
 }
 
 impl Default for Diagnostics {
-    /// Without progress, on the system's clock.
+    /// Diagnostics that report no progress and use the system's clock.
     fn default() -> Self {
         Self {
             warnings: Mutex::default(),
@@ -120,7 +120,7 @@ impl Default for Diagnostics {
     }
 }
 
-/// Seconds since the first call, of a clock that never goes back.
+/// Seconds since the first call, from a monotonic clock.
 fn system_clock_s() -> f64 {
     static FIRST: OnceLock<Instant> = OnceLock::new();
     FIRST.get_or_init(Instant::now).elapsed().as_secs_f64()
@@ -132,7 +132,7 @@ impl Diagnostics {
         Self { progress: Some(progress), ..Self::default() }
     }
 
-    /// Takes the time from `clock_s`: seconds since any moment, never going back. WebAssembly has no clock of its own.
+    /// Takes the time from `clock_s`, a monotonic clock in seconds with any zero. WebAssembly needs this: it has no clock.
     ///
     /// ```
     /// use grainpath_core::Diagnostics;
@@ -143,28 +143,28 @@ impl Diagnostics {
         Self { clock_s, ..self }
     }
 
-    /// The time in seconds, for differences.
+    /// The time in seconds since an arbitrary zero; only differences have a meaning.
     pub fn now_s(&self) -> f64 {
         (self.clock_s)()
     }
 
-    /// Adds a warning about the whole run. The same warning is kept once.
+    /// Adds a warning about the whole run. Of equal warnings only one is kept.
     pub fn warn(&self, id: WarningId, text: impl Into<String>) {
         self.push(Warning::new(id, text));
     }
 
-    /// Adds a warning with a place or a remedy of its own. The same warning is kept once.
+    /// Adds a warning that may have its own place or remedy. Of equal warnings only one is kept.
     pub fn push(&self, warning: Warning) {
-        // A panic of another thread while it held the lock must not hide the warnings.
+        // Warnings stay readable even if another thread panicked while it held the lock.
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        // A linear search: each warning is kept once, so a run has some dozens of them.
+        // A linear search is fast enough: without duplicates, a run has some dozens of warnings.
         if !rows.contains(&warning) {
             rows.push(warning);
         }
     }
 
-    /// All warnings so far: those about the whole run first, then layer by layer, whatever the
-    /// number of threads.
+    /// All warnings so far: those about the whole run first, then layer by layer. The order is the same
+    /// for any number of threads.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         rows.sort_by(Warning::order);
@@ -187,8 +187,8 @@ impl Diagnostics {
 
     /// Makes the run stop at its next check.
     pub fn stop(&self) {
-        // Relaxed is enough: the flag carries no other data, and a layer more or less makes no
-        // difference.
+        // Relaxed ordering is enough: the flag guards no other data, and the run may stop a layer
+        // later.
         self.cancel.0.store(true, Ordering::Relaxed);
     }
 
@@ -197,8 +197,8 @@ impl Diagnostics {
         self.cancel.clone()
     }
 
-    /// Runs work that cannot look at the flag, such as a parser or a decompressor, in a thread of its own. After a stop
-    /// the call returns within 20 ms; the work goes on unseen to its end, and its result is dropped.
+    /// Runs work that cannot check the flag, such as a parser or a decompressor, in a separate thread. After a stop the
+    /// call returns within 20 ms; the thread then goes on to the end of its work, and the result is dropped.
     ///
     /// ```
     /// use grainpath_core::Diagnostics;
@@ -213,7 +213,7 @@ impl Diagnostics {
     /// [`Interrupted`] after [`Diagnostics::stop`].
     ///
     /// # Panics
-    /// When `work` does.
+    /// When `work` panics.
     pub fn leave_at_stop<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> T + Send + 'static,
@@ -233,7 +233,7 @@ impl Diagnostics {
         }
     }
 
-    /// Fails once the run was asked to stop. Long loops call it once a layer.
+    /// Returns an error if a stop was requested. Loops over layers call it once per layer.
     ///
     /// # Errors
     /// [`Interrupted`] after [`Diagnostics::stop`].

@@ -1,10 +1,10 @@
-//! Disjoint sets: which of `n` things are connected, while connections are added one by one.
+//! Disjoint sets: tell which of `n` items are connected while connections are added one by one.
 //!
 //! Union by lowest member with path halving (Tarjan and van Leeuwen 1984, `tarjan1984` in
 //! docs/references.bib). A set is named by its lowest member, so names depend neither on the order
-//! of the unions nor on the number of threads. Union by lowest member gives up the
-//! inverse-Ackermann bound of union by rank; path halving alone costs O(log n) amortised per call.
-//! Memory: 4 bytes a thing.
+//! of the unions nor on the number of threads. In exchange, the inverse-Ackermann bound of union by
+//! rank does not hold: with path halving alone, a call costs O(log n) amortised.
+//! Memory: 4 bytes per item.
 
 /// A partition of the numbers below `n` into sets.
 ///
@@ -20,7 +20,7 @@
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DisjointSets {
-    /// A member of the same set that is not higher; the lowest member names itself.
+    /// For each member, a member of the same set with a lower number; for the lowest member, itself.
     parent: Vec<u32>,
 }
 
@@ -30,12 +30,12 @@ impl DisjointSets {
         Self { parent: (0..n as u32).collect() }
     }
 
-    /// Number of things.
+    /// Number of items in all sets.
     pub fn len(&self) -> usize {
         self.parent.len()
     }
 
-    /// Whether there are no things at all.
+    /// Whether there are no items at all.
     pub fn is_empty(&self) -> bool {
         self.parent.is_empty()
     }
@@ -53,7 +53,7 @@ impl DisjointSets {
         member as usize
     }
 
-    /// Unites the sets of `a` and `b`. True when they were two sets before.
+    /// Unites the sets of `a` and `b`. Returns true if they were different sets before.
     pub fn union(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.lowest(a), self.lowest(b));
         // Linking to the lower root keeps the lowest member as the name of the set.
@@ -66,7 +66,7 @@ impl DisjointSets {
         self.lowest(a) == self.lowest(b)
     }
 
-    /// For every thing the lowest member of its set.
+    /// The lowest member of its set for each item.
     pub fn names(mut self) -> Vec<u32> {
         (0..self.len()).for_each(|i| self.parent[i] = self.lowest(i) as u32);
         self.parent

@@ -1,8 +1,8 @@
-//! Pictures of failing geometry tests.
+//! Draws pictures of failing geometry tests.
 //!
-//! A polygon test that fails prints coordinates that nobody can read. [`FailurePicture`] collects
-//! what the test looked at and, when it is dropped while the test panics, writes an SVG below
-//! `target/failures/` and prints its path. A test that passes writes nothing.
+//! The coordinates that a failing polygon test prints are unreadable. [`FailurePicture`] collects the
+//! geometry under test. If it is dropped while the test panics, it writes an SVG to `target/failures/`
+//! and prints its path. A test that passes writes nothing.
 //!
 //! ```
 //! use grainpath_core::{DVec2, Region, failure_svg::FailurePicture};
@@ -21,7 +21,7 @@ use glam::DVec2;
 
 use crate::{Bounds2, Contour, Region};
 
-/// One colour a shape, in the order they are added.
+/// The colours of the shapes, in the order in which they are added.
 const COLOURS: [&str; 6] = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b"];
 
 /// Longer side of the picture, pixels. Source: chosen by eye; only the picture depends on it.
@@ -68,17 +68,17 @@ impl FailurePicture {
             Shape::Line(points) => points.clone(),
             Shape::Point(p) => vec![*p],
         });
-        // A NaN is often the failure itself; it must not make the whole picture unreadable.
+        // Points with NaN are left out of the bounds: they are often the failure itself and would spoil the picture.
         let finite = points.filter(|p| p.is_finite());
         let bounds = Bounds2::around_points(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
-        // A single point has no extent, and the scale below divides by it.
+        // The extent of a single point is zero, by which the scale below would divide.
         let margin = 0.05 * bounds.size().max_element().max(1e-6);
         let bounds = bounds.grown(margin);
         let scale = SIDE_PX / bounds.size().max_element();
         let size = bounds.size() * scale;
         let place = |p: DVec2| {
             let q = (p - bounds.min) * scale;
-            // SVG counts y downwards.
+            // In SVG, y points downwards.
             format!("{:.3},{:.3}", q.x, size.y - q.y)
         };
         let path = |points: &[DVec2]| points.iter().map(|&p| place(p)).collect::<Vec<_>>().join(" ");
@@ -105,7 +105,7 @@ impl FailurePicture {
                     format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"5\" fill=\"none\" stroke=\"{colour}\"/>")
                 }
             };
-            // Labels may hold expressions with `<`, which would end the XML.
+            // Labels may hold expressions with `<`, which is not allowed in XML text.
             let label = label.replace('&', "&amp;").replace('<', "&lt;");
             let y = 16 * (i + 1);
             let _ = writeln!(
@@ -118,8 +118,8 @@ impl FailurePicture {
     }
 
     /// Returns `condition`, and draws the picture if it is false. Property tests need this, because
-    /// they report failures without a panic. The picture that remains is that of the smallest
-    /// failing case.
+    /// they report failures without a panic. They shrink a failing case, and each failure overwrites the
+    /// picture, so the last picture shows the smallest case.
     pub fn holds(&self, condition: bool) -> bool {
         if !condition {
             self.write();
@@ -137,8 +137,8 @@ impl FailurePicture {
         }
     }
 
-    /// The folder of pictures: `failures` below the target folder of the running test binary, or
-    /// below the temporary folder where there is none.
+    /// The folder of pictures: `failures` in the target folder of the running test binary; without a target
+    /// folder, in the temporary folder.
     fn folder() -> PathBuf {
         let binary = std::env::current_exe().unwrap_or_default();
         let target = binary.ancestors().find(|p| p.ends_with("target")).map(PathBuf::from);

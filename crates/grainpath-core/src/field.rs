@@ -1,7 +1,7 @@
 //! Direction fields: the axis that beads are to follow, from a stress, the grain of wood or a rule.
 //!
 //! A direction has no sign: an axis and its opposite are the same, so angles are in `[0, pi)`.
-//! Fields are asked at points in part coordinates (mm) and answer everywhere, outside the part too.
+//! Fields are evaluated at points in part coordinates (mm) and have a value everywhere, even outside the part.
 
 use glam::DVec3;
 
@@ -10,9 +10,9 @@ use glam::DVec3;
 pub struct DirectionSample {
     /// Angle of the undirected axis from +X in the layer's plane, radians in `[0, pi)`.
     pub axis_rad: f64,
-    /// Weight of the direction here, from 0 (any direction will do) to 1.
+    /// Weight of the direction at this point, from 0 (any direction will do) to 1.
     pub strength: f64,
-    /// The two in-plane principal stresses in MPa, along and across the axis, where known.
+    /// The two in-plane principal stresses in MPa, along and across the axis; `None` if unknown.
     pub principal_mpa: Option<[f64; 2]>,
 }
 
@@ -34,16 +34,16 @@ pub struct DirectionSample {
 /// assert!((Rings.sample(DVec3::X).axis_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
 /// ```
 pub trait DirectionField: Send + Sync {
-    /// The axis at `p`. Outside the part it is the nearest sensible value, never an error.
+    /// The axis at `p`. Outside the part a field returns a sensible nearby value, never an error.
     fn sample(&self, p: DVec3) -> DirectionSample;
 
-    /// The distance of neighbouring beads that is asked for at `p`, mm; `None` where the density of the infill decides.
+    /// The spacing of beads that the field asks for at `p`, mm; `None` if the infill density determines it.
     fn spacing_mm(&self, _p: DVec3) -> Option<f64> {
         None
     }
 }
 
-/// The same axis everywhere.
+/// A field with the same axis everywhere.
 ///
 /// ```
 /// use grainpath_core::{DVec3, DirectionField, UniformField};

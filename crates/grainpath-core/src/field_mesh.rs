@@ -1,8 +1,8 @@
-//! A grid of right triangles over a region, on which direction fields and phases are solved for.
+//! A grid of right triangles over a region, on which direction fields and phases are computed.
 //!
-//! Nodes lie on a square grid, lengths are in mm. Edges come in three kinds, stored one after the
-//! other: sides to the right, sides upwards, diagonals. Within a kind they are sorted row by row,
-//! so that most products of a matrix with a vector run over arrays without gaps
+//! Nodes lie on a square grid; lengths are in mm. Edges are of three kinds, stored one kind after the
+//! other: sides to the right, sides upwards, diagonals. Within a kind they are sorted row by row, so
+//! that a product of a matrix with a vector mostly runs over contiguous parts of arrays
 //! (`FieldMesh::runs`). Cost and memory: linear in the nodes, which are at most about 400 000.
 
 use std::ops::Range;
@@ -11,46 +11,46 @@ use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
 use crate::poly::{Join, LineClipper};
 use crate::{DVec2, Region};
 
-/// No node here.
+/// Marks a place of the grid without a node.
 const NONE: u32 = u32::MAX;
 /// Number of nodes above which the grid becomes coarser. Source: derived. A node, its three edges and two triangles take
 /// about 105 bytes, and the matrix and the vectors of a solution 65 more: 70 MB.
 const MAX_NODES: f64 = 400_000.0;
 
-/// Two nodes that share a side.
+/// An edge between two nodes: a side of a square, or a diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     /// Its nodes.
     pub ends: [u32; 2],
-    /// Whether it crosses a square of the grid. Diagonals carry no weight in a Laplacian of right
-    /// triangles.
+    /// Whether the edge is the diagonal of a square. Diagonals have zero weight in the Laplacian of a grid of
+    /// right triangles.
     pub diagonal: bool,
 }
 
-/// Nodes on a square grid that cover a region and a margin around it, and the triangles between them.
+/// The nodes of a square grid over a region with a margin around it, and the triangles between these nodes.
 #[derive(Debug, Clone)]
 pub struct FieldMesh {
-    /// Positions, mm.
+    /// Positions of the nodes, mm.
     pub nodes: Vec<DVec2>,
     /// Side of a square of the grid, mm.
     pub cell_mm: f64,
     origin: DVec2,
     nx: usize,
     ny: usize,
-    /// Node at each place of the grid, row by row.
+    /// Index of the node at each place of the grid, row by row; [`NONE`] without a node.
     index: Vec<u32>,
-    /// Every edge once: those to the right, those upwards, then the diagonals; each kind row by
-    /// row.
+    /// Every edge once: first the sides to the right, then those upwards, then the diagonals; each kind
+    /// row by row.
     pub edges: Vec<Edge>,
-    /// The edges that are sides of squares, in stretches whose edges and nodes are numbered without
-    /// a gap.
+    /// The edges that are sides of squares, split into stretches in which edges and nodes have consecutive
+    /// numbers.
     runs: Vec<EdgeStretch>,
-    /// Halves of the squares, row by row.
+    /// The triangles, each half of a square, row by row.
     pub triangles: Vec<Triangle>,
 }
 
-/// A stretch of edges with consecutive numbers, whose first nodes and whose second nodes are
-/// consecutive too.
+/// A stretch of edges with consecutive numbers. Their first nodes have consecutive numbers, and so have
+/// their second nodes.
 #[derive(Debug, Clone, Copy)]
 struct EdgeStretch {
     edge: u32,
@@ -58,7 +58,7 @@ struct EdgeStretch {
     n: u32,
 }
 
-/// Index ranges of a run's edges and of their first and second nodes.
+/// A run of edges, as index ranges of the edges and of their first and second nodes.
 #[derive(Debug, Clone)]
 pub struct RunOf {
     /// Edges.
@@ -83,15 +83,15 @@ impl FieldMesh {
     pub fn over(region: &Region, cell_mm: f64) -> Option<Self> {
         let bounds = region.bounds()?;
         let size = bounds.size();
-        // The first bound is on the places of the bounding box, of which a thin diagonal region
-        // fills few. The second is on the nodes themselves.
+        // The first line limits the places in the bounding box, of which a thin diagonal region fills
+        // only few. The second limits the number of nodes.
         let cell_mm = cell_mm.max((size.x * size.y / (4.0 * MAX_NODES)).sqrt());
         let cell_mm = cell_mm.max((region.area_mm2() / MAX_NODES).sqrt());
         // With a margin, every point of the region lies in a square whose four corners are nodes.
         let covered = region.offset(1.5 * cell_mm, Join::Miter(2.0));
         let inside = LineClipper::new(&covered);
-        // Two cells more on each side than the bounds, so that the margin's nodes have neighbours
-        // in the array.
+        // The array extends two cells beyond the bounds on each side, so that the nodes of the margin
+        // have neighbours in it.
         let origin = bounds.min - 2.0 * cell_mm;
         let count = |mm: f64| (mm / cell_mm).ceil() as usize + 5;
         let (nx, ny) = (count(size.x), count(size.y));
@@ -112,7 +112,7 @@ impl FieldMesh {
         Some(mesh)
     }
 
-    /// The edges that are sides of squares, run by run: all edges but the diagonals, which come after them.
+    /// The sides of squares in runs of consecutive edges. They are all edges except the diagonals, which come last.
     pub fn runs(&self) -> impl Iterator<Item = RunOf> + '_ {
         let range = |first: u32, n: u32| first as usize..(first + n) as usize;
         self.runs.iter().map(move |r| RunOf {
@@ -122,11 +122,11 @@ impl FieldMesh {
         })
     }
 
-    /// The nodes around a point and their weights, which add up to 1. Nodes outside the mesh are
-    /// left out; far outside, the nearest node stands alone.
+    /// The nodes around a point and their interpolation weights, which add up to 1. Missing nodes get weight
+    /// zero; far outside the mesh, the nearest node alone has weight 1.
     pub fn around(&self, p: DVec2) -> ([u32; 4], [f64; 4]) {
         let q = (p - self.origin) / self.cell_mm;
-        // A little below the last node, so that the square's upper corners still exist.
+        // The position is kept a little below the last node, so that the upper corners of its square exist.
         let clamp = |v: f64, n: usize| v.clamp(0.0, n as f64 - 1.001);
         let q = DVec2::new(clamp(q.x, self.nx), clamp(q.y, self.ny));
         let (i, j) = (q.x as usize, q.y as usize);
@@ -147,8 +147,8 @@ impl FieldMesh {
                 sum += share;
             }
         }
-        // The weights that remain are scaled up, so the value near the border is an average of the
-        // nodes there.
+        // The weights of the existing nodes are scaled up, so that the value near the border is their
+        // average.
         if sum > 1e-9 {
             return (nodes, shares.map(|s| s / sum));
         }
@@ -179,17 +179,17 @@ impl FieldMesh {
         let (nx, ny) = (self.nx, self.ny);
         let index = std::mem::take(&mut self.index);
         let at = |i: usize, j: usize| index[j * nx + i];
-        // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its
-        // upper right.
+        // The edges of the node at (i, j): the side to the right, the side upwards, and the diagonal of
+        // the square to its upper right.
         let mut of_node = vec![[NONE; 3]; nx * ny];
-        // Kind by kind, so that edges of a kind are numbered without gaps.
+        // Edges are numbered kind by kind, so that the numbers of a kind are consecutive.
         for kind in 0..3 {
             for j in 0..ny - 1 {
                 for i in 0..nx - 1 {
                     let [a, b] = match kind {
                         0 => [at(i, j), at(i + 1, j)],
                         1 => [at(i, j), at(i, j + 1)],
-                        // Diagonals alternate, so that no direction is preferred.
+                        // The diagonals of adjacent squares alternate, so that no direction is preferred.
                         _ if (i + j) % 2 == 0 => [at(i, j), at(i + 1, j + 1)],
                         _ => [at(i + 1, j), at(i, j + 1)],
                     };
@@ -199,8 +199,8 @@ impl FieldMesh {
                     let edge = self.edges.len() as u32;
                     of_node[j * nx + i][kind] = edge;
                     self.edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
-                    // A run ends where a node is missing: then the numbers of the two rows no
-                    // longer advance together.
+                    // A run ends where a node is missing, because the node numbers at both ends
+                    // then no longer advance together.
                     match self.runs.last_mut() {
                         _ if kind == 2 => {}
                         Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
@@ -234,20 +234,20 @@ impl FieldMesh {
 /// A symmetric matrix over the nodes of a grid, with entries only for nodes that share an edge.
 pub struct GridMatrix<'a> {
     mesh: &'a FieldMesh,
-    /// Diagonal entries, one a node.
+    /// Diagonal entries, one for each node.
     pub own: Vec<f64>,
-    /// Off-diagonal entries, one an edge; those of the grid's diagonals may be left out.
+    /// Off-diagonal entries, one for each edge; those of diagonal edges may be left out.
     pub beside: Vec<f64>,
 }
 
 impl<'a> GridMatrix<'a> {
-    /// The zero matrix, with entries for the sides of squares or for all edges.
+    /// The zero matrix, with entries for the sides of squares; with `diagonals`, also for diagonal edges.
     pub fn zero(mesh: &'a FieldMesh, diagonals: bool) -> Self {
         let n_edges = mesh.edges.iter().filter(|e| diagonals || !e.diagonal).count();
         Self { mesh, own: vec![0.0; mesh.nodes.len()], beside: vec![0.0; n_edges] }
     }
 
-    /// Adds a spring along every side of a square, which pulls its two nodes to the same value.
+    /// Adds a spring along every side of a square; each spring pulls its two nodes to the same value.
     pub fn add_springs(&mut self, stiffness: f64) {
         for (edge, beside) in self.mesh.edges.iter().zip(&mut self.beside).filter(|e| !e.0.diagonal) {
             *beside -= stiffness;
@@ -275,8 +275,8 @@ impl<'a> GridMatrix<'a> {
         }
     }
 
-    /// Solves for a right side to a residual of `tolerance` times its length. The matrix has to be
-    /// positive definite.
+    /// Solves the system until the residual is at most `tolerance` times as long as the right side `rhs`, starting
+    /// from `x`. The matrix has to be positive definite.
     pub fn solve(&self, mut x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
         let settings = CgSettings::relative(rhs, tolerance, max_steps);
         conjugate_gradients(&|x: &[f64], y: &mut [f64]| self.times(x, y), rhs, &mut x, settings);

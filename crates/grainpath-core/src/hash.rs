@@ -1,8 +1,8 @@
-//! Reproducible scatter: numbers that look random and are the same on every platform and in every run.
+//! Reproducible pseudo-random numbers: they are the same on every platform and in every run.
 //!
 //! The mixing function is the output step of SplitMix64 (Steele, Lea and Flood 2014, `steele2014`
 //! in docs/references.bib): one addition, two multiplications and three shifts, and every output
-//! bit depends on every input bit. It is not meant to resist an attacker.
+//! bit depends on every input bit. It is not a cryptographic hash.
 
 /// The odd number nearest to 2⁶⁴ divided by the golden ratio. Source: steele2014.
 pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;

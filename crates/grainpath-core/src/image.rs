@@ -1,4 +1,4 @@
-//! A decoded image: what readers of image files make, and what photographs and slices of scans are read from.
+//! A decoded image. Readers of image files produce it; photographs and slices of scans are made from it.
 //!
 //! Samples are row-major with shape `(height, width, channels)`, rows from the top.
 
@@ -27,16 +27,16 @@ impl ImageFormat {
 /// The samples of an image as the file stores them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples {
-    /// 1 to 8 bits in the file; fewer than 8 are spread over 0 to 255.
+    /// 1 to 8 bits in the file; values of fewer than 8 bits are scaled to 0 to 255.
     U8(Vec<u8>),
     /// 16 bits, unsigned.
     U16(Vec<u16>),
-    /// Floats, and signed or 32-bit integers with their values.
+    /// Floats; also signed or 32-bit integers, converted to floats without scaling.
     F32(Vec<f32>),
 }
 
 impl Samples {
-    /// How many samples there are: pixels times channels.
+    /// The number of samples: pixels times channels.
     pub const fn count(&self) -> usize {
         match self {
             Self::U8(v) => v.len(),
@@ -45,7 +45,7 @@ impl Samples {
         }
     }
 
-    /// The sample that means white: 255, 65535, or 1 for floats.
+    /// The sample value of white: 255, 65535, or 1 for floats.
     pub const fn full_scale(&self) -> f32 {
         match self {
             Self::U8(_) => 255.0,
@@ -55,7 +55,7 @@ impl Samples {
     }
 }
 
-/// An upright image: rows from the top, channels side by side.
+/// An upright image: rows start at the top, and the channels of a pixel are stored together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Format of the file.
@@ -72,7 +72,7 @@ pub struct Image {
 
 impl Image {
     /// Brightness of each pixel in the unit of the samples ([`Samples::full_scale`] is white), row-major.
-    /// Brightness is the luma of ITU-R BT.601, 0.299 R + 0.587 G + 0.114 B, as JPEG has it. Alpha is
+    /// Brightness is the luma of ITU-R BT.601, 0.299 R + 0.587 G + 0.114 B, as in JPEG. Alpha is
     /// ignored.
     pub fn to_grey_f32(&self) -> Vec<f32> {
         match &self.samples {

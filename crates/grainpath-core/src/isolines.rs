@@ -1,7 +1,7 @@
-//! Lines on which a function on a grid of nodes is zero.
+//! Finds the lines on which a function is zero, from its values at the nodes of a grid.
 //!
-//! Marching squares: in every square the zeros on two of its sides are joined; where all four sides have one, the value
-//! in the middle says which. What is above zero lies to the left of a line. Cost: linear in the nodes.
+//! Marching squares: in every square the zeros on two sides are joined by a line. If all four sides have a zero, the
+//! value in the middle decides which are joined. Positive values lie to the left of a line. Cost: linear in the nodes.
 
 use crate::DVec2;
 
@@ -10,14 +10,15 @@ use crate::DVec2;
 pub struct Isoline {
     /// Its points.
     pub points: Vec<DVec2>,
-    /// Whether the last point is joined to the first; other lines end on the border of the grid.
+    /// Whether the last point is joined to the first. A line that is not closed ends on the border of the grid.
     pub closed: bool,
 }
 
-/// Nothing follows.
+/// Marks a side after which no point of the line follows.
 const NONE: u32 = u32::MAX;
 
-/// The lines on which `values`, row by row over `n` nodes at distances of `cell_mm` from `origin` on, are zero.
+/// The lines on which a function is zero. `values` are given row by row at `n` nodes in x and y, `cell_mm` apart; the
+/// first node is at `origin`.
 ///
 /// ```
 /// use grainpath_core::isolines::isolines;
@@ -32,13 +33,13 @@ const NONE: u32 = u32::MAX;
 /// ```
 pub fn isolines(n: [usize; 2], origin: DVec2, cell_mm: f64, values: &[f32]) -> Vec<Isoline> {
     let [nx, ny] = n;
-    // The zero on each side: those that run right from a node, then those that run upwards.
+    // For each side, the next side on the line. Sides to the right of a node come first, then sides upwards.
     let mut next = vec![NONE; 2 * nx * ny];
     let mut is_start = vec![true; 2 * nx * ny];
     let above = |i: usize, j: usize| values[j * nx + i] >= 0.0;
     for j in 0..ny.saturating_sub(1) {
         for i in 0..nx.saturating_sub(1) {
-            // Corners and sides counter-clockwise.
+            // Corners and sides are listed counter-clockwise.
             let corners = [above(i, j), above(i + 1, j), above(i + 1, j + 1), above(i, j + 1)];
             if corners == [true; 4] || corners == [false; 4] {
                 continue;
@@ -50,13 +51,13 @@ pub fn isolines(n: [usize; 2], origin: DVec2, cell_mm: f64, values: &[f32]) -> V
                 next[sides[from]] = sides[to] as u32;
                 is_start[sides[to]] = false;
             };
-            // A line goes from a side that leads out of what is above zero to one that leads into it.
+            // Going around counter-clockwise, a line starts where values fall below zero and ends where they rise again.
             let outs = (0..4).filter(|&k| crossed(k) && corners[k]);
             let middle: f32 =
                 [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)].map(|k| values[k]).iter().sum();
             for out in outs {
                 let turns = if (0..4).all(crossed) {
-                    // Around the corner after the side where the middle is above zero, else around the one before.
+                    // If the middle is above zero, the line cuts off the corner after the side, otherwise the one before.
                     if middle >= 0.0 { 1 } else { 3 }
                 } else {
                     (1..4).find(|t| crossed((out + t) % 4)).unwrap_or(1)
@@ -75,7 +76,7 @@ pub fn isolines(n: [usize; 2], origin: DVec2, cell_mm: f64, values: &[f32]) -> V
         origin + cell_mm * DVec2::new(x, y)
     };
     let mut out = Vec::new();
-    // Lines that end on the border first; what is left are closed ones.
+    // Lines that end on the border are traced first; the remaining lines are closed.
     for closed in [false, true] {
         for side in 0..next.len() {
             if next[side] == NONE || (!closed && !is_start[side]) {

@@ -1,9 +1,9 @@
-//! Regions as bits on a square grid: which cells are covered, over many layers, at the cost of a
-//! few instructions for 64 cells. Borders that decide the width of a bead are taken from the
-//! polygons instead.
+//! Masks represent regions as bits on a square grid, one bit per cell. They combine the regions of many
+//! layers at a cost of a few instructions per 64 cells. Borders that determine the width of a bead are
+//! taken from the polygons instead.
 //!
-//! Rows run upwards in y, and a word holds 64 cells of a row, the lowest bit leftmost. Cost: linear
-//! in the words for sets and growth, in the border's length for filling.
+//! Rows are ordered upwards in y. A word holds 64 cells of a row; its lowest bit is the leftmost cell. Cost:
+//! set operations and growth are linear in the words, filling is linear in the length of the border.
 
 use crate::poly::{edges, simplify_contour};
 use crate::{Bounds2, Contour, DVec2, Polygon, Region};
@@ -20,14 +20,14 @@ pub struct Grid {
 
 impl Grid {
     /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or
-    /// as much wider as keeps their number below 600,000.
+    /// wider if their number would otherwise exceed about 600,000.
     pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let coarsest = (size.x * size.y / 6e5).sqrt().max(size.max_element() / 60_000.0);
         Self::exactly(bounds, cell_mm.max(coarsest))
     }
 
-    /// The same, but with cells of exactly this width; they take an eighth of a byte each.
+    /// As [`Grid::over`], but with cells of exactly this width. A mask takes an eighth of a byte for each cell.
     pub fn exactly(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let margin = 8.0 * cell_mm;
@@ -52,15 +52,15 @@ impl Grid {
         self.origin
     }
 
-    /// Calls `each` for every row with centres covered by a convex shape grown by `slack` cells:
-    /// the row, its first and its last covered column.
+    /// Calls `each` for every row in which a convex shape, grown by `slack` cells, covers cell centres. The
+    /// arguments are the row and its first and last covered column.
     fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
-        // In cells, with centres at whole numbers.
+        // Coordinates are in cells, with cell centres at whole numbers.
         let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
         let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
         let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
         for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
-            // A convex shape covers one run of cells in a row, from its leftmost to its rightmost
+            // In each row a convex shape covers a single run of cells, between its leftmost and its rightmost
             // crossing.
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
             for (a, b) in edges(corners) {
@@ -71,8 +71,8 @@ impl Grid {
                         let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
                         a.x + t * (b.x - a.x)
                     };
-                    // With slack, the row is widened as well: a slanted edge reaches farther out at
-                    // the row's upper or lower rim.
+                    // With slack, the edge is evaluated above and below the row's centre line too, where a
+                    // slanted edge reaches farther out.
                     for y in [row as f64 - slack, row as f64 + slack] {
                         from = from.min(at(y));
                         to = to.max(at(y));
@@ -90,12 +90,12 @@ impl Grid {
         }
     }
 
-    /// Calls `each` with the rows that an edge crosses and the first cell right of the crossing.
+    /// Calls `each` with every row that an edge crosses and the column of the first cell right of the crossing.
     fn for_each_row(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize, usize)) {
-        // In cells, with centres at whole numbers.
+        // Coordinates are in cells, with cell centres at whole numbers.
         let (a, b) = ((a - self.origin) / self.cell_mm - 0.5, (b - self.origin) / self.cell_mm - 0.5);
         let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
-        // Half-open in y: a vertex on a row of centres counts for one of its two edges.
+        // The edge is half-open in y, so that a vertex on a row of centres counts for only one of its two edges.
         let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, self.ny as f64) as usize);
         let slope = (hi.x - lo.x) / (hi.y - lo.y);
         for row in first..end {
@@ -107,14 +107,14 @@ impl Grid {
         }
     }
 
-    /// The bits of a word that lie in a run of cells.
+    /// The bits of a word that belong to the cells `from` to `to` of a row.
     fn run(word: usize, from: usize, to: usize) -> u64 {
         let first = if word == from / 64 { from % 64 } else { 0 };
         let last = if word == to / 64 { to % 64 } else { 63 };
         (u64::MAX << first) & (u64::MAX >> (63 - last))
     }
 
-    /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
+    /// The part of the grid that covers `bounds` and is whole words wide, with its first word and its first row.
     fn window(&self, bounds: Bounds2) -> (Self, usize, usize) {
         let (lo, hi) = ((bounds.min - self.origin) / self.cell_mm, (bounds.max - self.origin) / self.cell_mm);
         let word = (lo.x.max(0.0) as usize / 64).min(self.words - 1);
@@ -126,14 +126,14 @@ impl Grid {
     }
 }
 
-/// The share of a polygon that a mask covers.
+/// Whether a mask covers none, a part or all of a polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coverage {
-    /// At most two cells.
+    /// At most two cells of the polygon are covered.
     None,
-    /// Some.
+    /// Some cells are covered, others are not.
     Part,
-    /// All but two cells, or more.
+    /// All cells are covered, except two at most.
     All,
 }
 
@@ -145,7 +145,7 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// No cell.
+    /// A mask without cells.
     pub fn empty(grid: Grid) -> Self {
         Self { grid, bits: vec![0; grid.words * grid.ny] }
     }
@@ -155,15 +155,15 @@ impl Mask {
         Self::of_contours(grid, region.contours())
     }
 
-    /// The cells whose centres lie inside closed lines by even-odd count.
+    /// The cells whose centres lie inside closed lines by the even-odd rule.
     pub fn of_contours<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
         let mut mask = Self::empty(grid);
-        // Even-odd filling without sorting: each edge flips one bit a row, and a running parity
-        // turns flips into runs.
+        // Even-odd filling without sorting: each edge flips one bit in each row that it crosses, and a running
+        // parity turns the flips into runs of cells.
         for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
             mask.toggle_right_of(a, b);
         }
-        // Each set bit now means that the inside begins or ends at this cell: a running parity along the row.
+        // Each set bit now marks a cell at which the inside begins or ends; the running parity fills the row.
         for row in mask.bits.chunks_mut(grid.words) {
             let mut carry = 0u64;
             for word in row {
@@ -181,10 +181,10 @@ impl Mask {
         mask
     }
 
-    /// The cells whose centres closed lines wind around (non-zero rule). The cost is that of the rows each edge crosses, and
-    /// does not depend on how often the lines cross.
+    /// The cells whose centres lie inside closed lines by the non-zero winding rule. The cost grows with the rows that the
+    /// edges cross and does not depend on the number of crossings between lines.
     pub fn wound<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
-        // How the winding number changes at each cell.
+        // The change of the winding number at each cell, from left to right.
         let mut turns = vec![0i32; grid.nx * grid.ny];
         for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
             let turn = if a.y < b.y { 1 } else { -1 };
@@ -201,13 +201,13 @@ impl Mask {
         mask
     }
 
-    /// The same, and every cell that a border passes through, so that thin parts between the cells'
+    /// As [`Mask::from_region`], plus the cells that a border passes through, so that thin parts between cell
     /// centres are not lost.
     pub fn touched(grid: Grid, region: &Region) -> Self {
         let mut mask = Self::from_region(grid, region);
         for (a, b) in region.contours().flat_map(|c| edges(c)) {
-            // Half a cell between samples: no cell that the border crosses over more than half a
-            // cell's length is missed.
+            // Samples are half a cell apart, so a cell is missed only if the border crosses it over less than
+            // half a cell's width.
             let n = (a.distance(b) / (0.5 * grid.cell_mm)).ceil().max(1.0);
             for i in 0..n as usize {
                 let c = (a.lerp(b, i as f64 / n) - grid.origin) / grid.cell_mm;
@@ -229,7 +229,7 @@ impl Mask {
         });
     }
 
-    /// Whether a cell is set whose centre lies in a convex shape or within a cell of it.
+    /// Whether any set cell has its centre in a convex shape or at most about one cell away from it.
     pub fn meets_convex(&self, corners: &[DVec2]) -> bool {
         let mut any = false;
         self.grid.convex_rows(corners, 1.0, |row, from, to| {
@@ -261,8 +261,8 @@ impl Mask {
         self.count() as f64 * self.grid.cell_mm * self.grid.cell_mm
     }
 
-    /// The share of a polygon that the cells cover, with a tolerance of two cells. Cost: linear in
-    /// the cells of the polygon's bounds.
+    /// Whether the mask covers none, a part or all of a polygon, with a tolerance of two cells. Cost: linear in
+    /// the cells of the polygon's bounding box.
     pub fn coverage(&self, polygon: &Polygon) -> Coverage {
         let Some(bounds) = polygon.bounds() else { return Coverage::None };
         let (window, word, row) = self.grid.window(bounds);
@@ -303,17 +303,17 @@ impl Mask {
         self
     }
 
-    /// Cells in both.
+    /// The cells in both masks.
     pub fn and(self, other: &Self) -> Self {
         self.zip(other, |a, b| a & b)
     }
 
-    /// Cells in either.
+    /// The cells in either mask.
     pub fn or(self, other: &Self) -> Self {
         self.zip(other, |a, b| a | b)
     }
 
-    /// Cells in this and not in the other.
+    /// The cells in this mask that are not in the other.
     pub fn and_not(self, other: &Self) -> Self {
         self.zip(other, |a, b| a & !b)
     }
@@ -349,7 +349,7 @@ impl Mask {
         }
     }
 
-    /// The cells without those that touch no other cell along a side.
+    /// The mask without single cells: those that share no side with another set cell.
     pub fn without_lone(&self) -> Self {
         let mut neighbours = Self::empty(self.grid);
         self.sideways(false, &mut neighbours);
@@ -357,7 +357,7 @@ impl Mask {
         neighbours.and(self)
     }
 
-    /// Grown by `n` cells all round (an octagon): in turn by the four neighbours and by all eight.
+    /// The mask grown by `n` cells on all sides: a cell grows into an octagon, by four and eight neighbours in turn.
     pub fn grown(&self, n: usize) -> Self {
         let mut grown = self.clone();
         let mut sideways = Self::empty(self.grid);
@@ -376,20 +376,20 @@ impl Mask {
         grown
     }
 
-    /// Shrunk by `n` cells all round.
+    /// The mask shrunk by `n` cells on all sides.
     pub fn shrunk(&self, n: usize) -> Self {
         let inverse = |m: &Self| Self { grid: m.grid, bits: m.bits.iter().map(|w| !w).collect() };
-        // Shrinking is growing the complement.
+        // Shrinking a mask is the same as growing its complement.
         inverse(&inverse(self).grown(n))
     }
 
-    /// Without parts that are thinner than about `2 n` cells.
+    /// The mask without parts that are thinner than about `2 n` cells.
     pub fn opened(&self, n: usize) -> Self {
         self.shrunk(n).grown(n)
     }
 
-    /// The borders as closed lines: counter-clockwise around cells, clockwise around holes, the
-    /// staircase smoothed to within a cell. Cells that touch only at a corner are apart.
+    /// The borders as closed lines, counter-clockwise around cells and clockwise around holes. The staircase
+    /// is smoothed within a cell's width. Cells that touch only at a corner belong to separate lines.
     pub fn contours(&self) -> Vec<Contour> {
         let mut seen = Self::empty(self.grid);
         let mut out = Vec::new();
@@ -397,8 +397,8 @@ impl Mask {
             for i in 0..self.grid.words {
                 let here = self.bits[y * self.grid.words + i];
                 let below = if y > 0 { self.bits[(y - 1) * self.grid.words + i] } else { 0 };
-                // A contour is found at the lower edge of its lowest cells; lower edges already
-                // walked are marked in `seen`.
+                // A contour is found at the lower edges of cells with none below. Lower edges that were
+                // walked already are marked in `seen`.
                 let mut starts = here & !below & !seen.bits[y * self.grid.words + i];
                 while starts != 0 {
                     let x = i * 64 + starts.trailing_zeros() as usize;
@@ -407,7 +407,7 @@ impl Mask {
                     if !smooth.is_empty() {
                         out.push(smooth);
                     }
-                    // The walk may have passed other starts in this same word.
+                    // The walk may have passed other starts in the same word, so they are computed again.
                     starts = here & !below & !seen.bits[y * self.grid.words + i];
                 }
             }
@@ -415,8 +415,8 @@ impl Mask {
         out
     }
 
-    /// Walks the border with the cells on its left, from the lower edge of cell (x, y), marking
-    /// lower edges seen.
+    /// Walks along the border with the cells on the left, from the lower edge of cell (x, y), and marks the
+    /// lower edges that it passes in `seen`.
     fn trace(&self, x: usize, y: usize, seen: &mut Self) -> Contour {
         let set = |x: i64, y: i64| x >= 0 && y >= 0 && self.get(x as usize, y as usize);
         let start = (x as i64, y as i64);
@@ -428,14 +428,14 @@ impl Mask {
                 seen.bits[cy * self.grid.words + cx / 64] |= 1 << (cx % 64);
             }
             at = (at.0 + d.0, at.1 + d.1);
-            // The cells ahead, left and right of the direction of travel.
+            // `cell` tests the cells ahead, to the left and to the right of the direction of travel.
             let cell = |side: (i64, i64)| {
                 let corner = (2 * at.0 + d.0 + side.0, 2 * at.1 + d.1 + side.1);
                 set((corner.0 - 1).div_euclid(2), (corner.1 - 1).div_euclid(2))
             };
             let left = (-d.1, d.0);
-            // Left is tested first: where two cells touch at a corner alone the walk turns away, so
-            // they stay separate contours.
+            // Left is tested first: where two cells touch only at a corner, the walk turns left, so that they
+            // get separate contours.
             let turned = if !cell(left) {
                 left
             } else if cell((d.1, -d.0)) {

@@ -1,8 +1,8 @@
 //! Elementary functions that give the same bits on every platform.
 //!
-//! `f64::sin` and friends call the system's libm, whose last bit differs between platforms; one
-//! differing bit is enough to send a path the other way round. Everything here is pure Rust.
-//! `clippy.toml` bans the originals.
+//! `f64::sin` and its kind call the system's libm, and the last bit of its results differs between
+//! platforms. One differing bit can reverse the direction of a path. The functions here are pure
+//! Rust; `clippy.toml` bans those of the standard library.
 
 pub use libm::{acos, asin, atan, atan2, cos, exp, hypot, log as ln, pow, sin, tan};
 

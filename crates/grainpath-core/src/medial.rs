@@ -6,7 +6,7 @@
 //!
 //! Lengths are in mm. Cost: a triangulation of the border's samples, n log n; at most 100 000
 //! samples a polygon. Degenerate cases: slivers and polygons that cannot be triangulated give no
-//! path; a place with a single chord gives a short bead across it.
+//! path; a place so short that it has a single chord gets a short bead at right angles to the chord.
 
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -21,22 +21,22 @@ use crate::{Polygon, Region};
 pub struct MedialPath {
     /// The line, mm.
     pub points: Vec<DVec2>,
-    /// Thickness of the region at each point, mm, within the limits given.
+    /// Thickness of the region at each point, mm, from the least to the greatest width asked for.
     pub widths_mm: Vec<f64>,
     /// Whether the last point joins the first.
     pub closed: bool,
 }
 
-/// The medial paths of a region whose thickness is hardly anywhere above `max_width_mm`. Places
-/// thinner than `min_width_mm` have no path. Polygons without a path, and polygons that cannot be
-/// triangulated, give none.
+/// The medial paths of a region that is almost everywhere thinner than `max_width_mm`; greater
+/// widths are cut to that. Places thinner than `min_width_mm` get no path, and polygons that cannot
+/// be triangulated get none either.
 pub fn medial_axis(region: &Region, min_width_mm: f64, max_width_mm: f64) -> Vec<MedialPath> {
     let mut out = Vec::new();
     for polygon in &region.polygons {
         let area = polygon.area_mm2();
         let thickness = 2.0 * area / polygon.perimeter_mm();
-        // Twice area over perimeter is the mean thickness of a strip. With a fifth of the least
-        // width as its mean, a sliver reaches that width nowhere.
+        // Twice area over perimeter is the mean thickness of a strip. A sliver with a mean below a
+        // fifth of the least width is nowhere as thick as that width.
         if area < 1e-4 || thickness < 0.2 * min_width_mm {
             continue;
         }
@@ -56,7 +56,7 @@ struct Node {
     at: DVec2,
     /// The chord, mm; zero at the centre of a triangle in which branches meet.
     chord: DVec2,
-    /// Neighbours; `NONE` fills the places of missing ones.
+    /// Indices of the neighbouring nodes, at most three; unused entries are `NONE`.
     next: [u32; 3],
 }
 
@@ -70,7 +70,7 @@ struct Graph {
 fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &mut Vec<[usize; 2]>) {
     let first = out.len();
     for (a, b) in edges(contour) {
-        // The bound keeps a single long edge from filling the memory.
+        // The upper bound limits the memory that a single long edge takes.
         let n = (a.distance(b) / step_mm).ceil().clamp(1.0, 5000.0) as usize;
         out.extend((0..n).map(|i| a.lerp(b, i as f64 / n as f64)).map(|p| Point2::new(p.x, p.y)));
     }
@@ -113,8 +113,8 @@ impl Graph {
                     *slot
                 })
                 .collect();
-            // One inner side: an ear in a corner, where the axis ends. Two: a strip passes. Three:
-            // a fork.
+            // A triangle with one inner side lies in a corner: the axis ends there. Two inner
+            // sides: the axis passes through. Three: it forks.
             match *inner {
                 [a, b] => graph.join(a, b),
                 [a, b, c] => {
@@ -163,8 +163,8 @@ impl Graph {
         }
     }
 
-    /// Cuts branches that only reach into a corner: they are shorter than the region is thick where
-    /// they leave.
+    /// Cuts branches that only reach into a corner. Such a branch is shorter than the region's
+    /// thickness at the fork where it begins.
     fn prune(&mut self) {
         // Twice, because cutting a branch may turn a fork next to it into the end of another short
         // branch.
@@ -209,7 +209,7 @@ impl Graph {
         self.split_forks();
         let mut used = vec![false; self.nodes.len()];
         let mut out = Vec::new();
-        // Lines from their ends first. Nodes that are left then lie on closed lines.
+        // Open lines are followed first, from their ends. The nodes that are left then lie on closed lines.
         let ends_first = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 1);
         let starts: Vec<u32> = ends_first.chain(0..self.nodes.len() as u32).collect();
         for start in starts {
@@ -232,7 +232,7 @@ impl Graph {
         out
     }
 
-    /// Separates the branch that turns most from each fork; it ends there in a node of its own.
+    /// Detaches the branch that turns most at each fork; it then ends there in a separate node.
     fn split_forks(&mut self) {
         for fork in 0..self.nodes.len() as u32 {
             if self.degree(fork) != 3 {
@@ -240,8 +240,8 @@ impl Graph {
             }
             let node = self.nodes[fork as usize];
             let toward = node.next.map(|n| {
-                // The direction over four nodes: a single chord is too short to tell it from the
-                // zigzag of the triangles.
+                // The direction is taken over four nodes: the step to the next node shows the
+                // zigzag of the triangles instead.
                 let way = self.branch(fork, n);
                 (self.nodes[way[way.len().min(4) - 1] as usize].at - node.at).normalize_or_zero()
             });
@@ -262,7 +262,7 @@ fn finish(
     max_mm: f64,
     out: &mut Vec<MedialPath>,
 ) {
-    // Centres of triangles have no chord, and so no width of their own.
+    // Centres of triangles have no chord, so no width can be measured there; they are left out.
     let nodes: Vec<Node> = nodes.into_iter().filter(|n| n.chord != DVec2::ZERO).collect();
     let n = nodes.len();
     if n < 2 {
@@ -298,7 +298,7 @@ fn finish(
     emit(&points, &widths, closed, min_mm, out);
 }
 
-/// A place so short that its axis is a single chord: one bead across the chord.
+/// A bead for a place so short that its axis is the middle of a single chord. The bead runs at right angles to the chord.
 fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &mut Vec<MedialPath>) {
     let [node] = nodes else { return };
     let along = DVec2::new(-node.chord.y, node.chord.x).normalize_or_zero();

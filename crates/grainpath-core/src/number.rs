@@ -9,7 +9,7 @@
 //! 22, 25, 23 and 25 ns (user time of 10^7 numbers each). Nine nanoseconds are a tenth of a second
 //! in an ASCII STL of 100 MB, so there is no second parser.
 
-/// The number that a whole word is, sign and exponent included; `None` for anything else.
+/// The value of a word that is a number, sign and exponent included; `None` for any other word.
 ///
 /// `nan`, `inf` and `infinity` are numbers here. Readers refuse them where they must be finite.
 ///
@@ -22,7 +22,7 @@ pub fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// The whole number that a word is, with an optional sign.
+/// The value of a word that is a whole number with an optional sign; `None` for any other word.
 ///
 /// ```
 /// use grainpath_core::number::whole;
@@ -32,7 +32,7 @@ pub fn whole(word: &[u8]) -> Option<i64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Whether an `e` after the digits begins an exponent. In G-code it is the next word.
+/// Whether an `e` after the digits begins an exponent. In G-code it does not: there it begins the next word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Exponent {
@@ -42,7 +42,7 @@ pub enum Exponent {
 
 /// The number at the beginning of `bytes` and its length in bytes; the rest is ignored.
 ///
-/// For formats that put numbers side by side: `X10Y-.5` of G-code, `M.5.5-1e1` of SVG.
+/// For formats that write numbers without a separator, such as `X10Y-.5` in G-code and `M.5.5-1e1` in SVG.
 ///
 /// ```
 /// use grainpath_core::number::{Exponent, leading_number};
@@ -65,7 +65,7 @@ pub fn leading_number(bytes: &[u8], exponent: Exponent) -> Option<(f64, usize)> 
     if !has_digits {
         return None;
     }
-    // `e` without digits after it is no exponent: in SVG and G-code it may be the next letter.
+    // An `e` without digits after it does not begin an exponent: in SVG and G-code it may begin the next command.
     if exponent == Exponent::Allowed && matches!(byte(end), b'e' | b'E') {
         let sign = usize::from(matches!(byte(end + 1), b'+' | b'-'));
         let first = end + 1 + sign;

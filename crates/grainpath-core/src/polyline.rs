@@ -44,7 +44,7 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     if line.len() < 2 || length <= 0.0 {
         return line.to_vec();
     }
-    // The bound keeps a tiny step from filling the memory.
+    // The upper bound limits the memory that a tiny step takes.
     let n = (length / step_mm).round().clamp(1.0, 1e6) as usize;
     let step = length / n as f64;
     let ends = line.windows(2).map(|w| (w[0], w[1]));
@@ -65,13 +65,13 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// The vertices of an open polyline that Douglas and Peucker's method keeps: the ends, and in each
-/// stretch the vertex that is farthest off as long as `off` is above 1.
+/// The vertices of an open polyline that Douglas and Peucker's method keeps. It keeps the ends, and
+/// of the vertices between two kept ones the one with the largest `off`, until no `off` is above 1.
 ///
 /// `off(i, a, b)` is the distance of vertex `i` from the line between vertices `a` and `b`, as a
-/// share of the tolerance; it may compare data of the vertices too. The line is first cut into
-/// pieces of at most `max_piece` segments, so that the time grows with the length of the line
-/// alone.
+/// share of the tolerance; it may include differences of other data of the vertices. The line is
+/// first cut into pieces of at most `max_piece` segments, so that the time grows no faster than the
+/// number of vertices.
 ///
 /// ```
 /// use grainpath_core::polyline::kept_vertices;
@@ -107,14 +107,14 @@ pub fn kept_vertices(n: usize, max_piece: usize, off: impl Fn(usize, usize, usiz
     keep
 }
 
-/// Stretches that are compared at once, segments. Source: derived. A comparison takes time
-/// with the square of the number, so 256 keep it below a millisecond; the price is one
-/// vertex that is kept every 256 segments although the line is straight there.
+/// The longest piece of a line that is simplified as a whole, in segments. Source: derived. The time
+/// for a piece grows with the square of its length, and is below a millisecond for 256 segments; the
+/// price is one vertex that is kept every 256 segments although the line is straight there.
 const MAX_PIECE: usize = 256;
 
-/// A polyline and its numbers (one a vertex) without the vertices that lie within `tolerance_mm` of
-/// the line through what remains and whose number lies within `value_tolerance` of the interpolated
-/// one.
+/// Simplifies a polyline with a value at each vertex. It drops a vertex that lies within
+/// `tolerance_mm` of the simplified line, if its value lies within `value_tolerance` of the value
+/// interpolated there.
 ///
 /// A closed line is cut into at least two pieces, so that it never collapses to a point.
 ///
@@ -141,7 +141,7 @@ pub fn simplified_with(
         let distance = line[i].distance(line[a] + share * (line[b] - line[a]));
         (distance / tolerance_mm).max((values[i] - value).abs() / value_tolerance)
     };
-    // A ring's first and last points are neighbours, so its whole chord is no line to measure from.
+    // A ring's first and last points are neighbours, so distances cannot be measured from the line between them.
     let max_piece = if closed { MAX_PIECE.min(line.len() / 2).max(1) } else { MAX_PIECE };
     let keep = kept_vertices(line.len(), max_piece, off);
     let kept = || (0..line.len()).filter(|&i| keep[i]);

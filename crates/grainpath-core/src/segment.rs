@@ -1,14 +1,14 @@
 //! Straight segments in the plane: the closest point, the distance, and whether two of them cross.
 //!
-//! Lengths are mm. Signs of areas are exact ([`robust::orient2d`], Shewchuk 1997, `shewchuk1997` in
-//! docs/references.bib), so three nearly collinear points have one sense of turn, in whatever order
-//! they are compared. A segment of no length is a point; every function accepts it.
+//! Lengths are mm. The signs of areas are exact ([`robust::orient2d`], Shewchuk 1997,
+//! `shewchuk1997` in docs/references.bib). So even three nearly collinear points turn the same way
+//! in every comparison. A segment of no length is a point; every function accepts it.
 
 use glam::DVec2;
 
 use crate::Bounds2;
 
-/// The share of the way from `a` to `b`, from 0 to 1, at which the segment is nearest to `p`.
+/// The position on the segment that is nearest to `p`, as a share of the way from `a` to `b` (0 to 1).
 pub fn closest_share(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let d = b - a;
     let length2 = d.length_squared();
@@ -64,16 +64,16 @@ pub enum Meeting {
 /// ```
 pub fn meeting([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Meeting {
     let bounds = |p: DVec2, q: DVec2| Bounds2 { min: p.min(q), max: p.max(q) };
-    // Comparing boxes is exact and cheaper than a turn. For segments on one line the boxes decide
-    // alone.
+    // Comparing boxes is exact and cheaper than computing turns. For two segments on one line it
+    // already gives the answer.
     if !bounds(a, b).meets(bounds(c, d)) {
         return Meeting::Apart;
     }
     let opposite = |s: f64, t: f64| (s > 0.0 && t < 0.0) || (s < 0.0 && t > 0.0);
     let same = |s: f64, t: f64| (s > 0.0 && t > 0.0) || (s < 0.0 && t < 0.0);
     let (of_c, of_d) = (turn(a, b, c), turn(a, b, d));
-    // Both ends on the same side: no common point. A zero means that an end lies on the line and is
-    // left to the rest.
+    // If both ends lie on the same side, there is no common point. A turn of zero (an end on the
+    // line) is decided below.
     if same(of_c, of_d) {
         return Meeting::Apart;
     }

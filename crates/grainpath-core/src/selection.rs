@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use crate::{Bvh, DMat3, DVec3, TriMesh};
 
-/// The part of a surface that lies in a shape, mm, part coordinates.
+/// The shape or list of facets that selects a part of a surface; mm, part coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Selection {
-    /// Between two corners.
+    /// Within a box along the axes.
     Box {
         /// Lowest corner.
         low: DVec3,
@@ -62,13 +62,13 @@ pub enum Selection {
         /// Greatest distance from a triangle, mm.
         within_mm: f64,
     },
-    /// On a piece of the surface that another mesh of the part describes.
+    /// On a piece of the part's surface, given as triangles of another mesh of the part.
     Patch(SurfacePatch),
-    /// At these points: triangles whose corners are one.
+    /// At these points. Each is stored as a triangle whose three corners coincide.
     Points(Facets),
 }
 
-/// A piece of a part's surface as another mesh has it: a little off where the surface is curved.
+/// A piece of a part's surface, taken from another mesh of the part. On curved surfaces the two meshes lie slightly apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfacePatch {
     /// Its triangles, counter-clockwise seen from outside.
@@ -78,12 +78,13 @@ pub struct SurfacePatch {
 }
 
 /// Least cosine between the normals of two meshes at the same place of a surface. Source: derived: a circle of six sides and
-/// one whose corners lie on the middles of those sides differ by 30 degrees; beyond 60 degrees it is another side of an edge.
+/// one whose corners lie on the middles of those sides differ by 30 degrees; beyond 60 degrees there is an edge between.
 const SAME_SIDE: f64 = 0.5;
 
 impl SurfacePatch {
-    /// The triangle at a point of the part's surface and the shares of its corners there; `None` off the patch. With the
-    /// outward normal of the surface given, places on the other side of an edge or of a thin wall are off it too.
+    /// The triangle of the patch nearest to a point of the part's surface, and the barycentric coordinates of the point
+    /// in it. `None` for a point off the patch, and for a point whose outward `normal` shows that it lies across an edge
+    /// or a thin wall.
     pub fn at(&self, p: DVec3, normal: Option<DVec3>) -> Option<(usize, [f64; 3])> {
         let found = self.triangles.search.closest_point(p, 1.001 * self.within_mm + f64::MIN_POSITIVE)?;
         let [a, b, c] = self.triangles.triangles.get(found.triangle as usize).copied()?;
@@ -132,7 +133,7 @@ impl Facets {
 
     /// Whether a point lies within a distance of a triangle.
     fn is_near(&self, p: DVec3, within_mm: f64) -> bool {
-        // The search looks a little further than asked, so that rounding in it loses no point.
+        // The search radius is slightly larger than the distance asked for, so that no point is lost by rounding.
         let found = self.search.closest_point(p, 1.001 * within_mm + f64::MIN_POSITIVE);
         found.is_some_and(|found| found.distance <= within_mm)
     }
@@ -144,13 +145,13 @@ impl PartialEq for Facets {
     }
 }
 
-/// Greatest distance of a selected point from a listed triangle, mm. Source: derived. A tenth of a layer of 0.2 mm: more
-/// than meshing and rounding move a point, less than the next surface is away.
+/// Greatest distance of a selected point from a listed triangle, mm. Source: derived. A tenth of a layer of 0.2 mm.
+/// Meshing and rounding move a point by less, and the next surface is farther away.
 const ON_TRIANGLE_MM: f64 = 0.02;
 
-/// Coordinates typed in a job select the faces that lie on them, although nodes of a section lie up to this far beside its
-/// true outline, mm. Source: derived. Ten times the grid that outlines are rounded to ([`GRID_MM`](crate::poly::GRID_MM)),
-/// and a micrometre, the last digit of G-code.
+/// Every shape is taken this much larger, mm. Nodes of a section lie up to this far from its true outline, and coordinates
+/// typed in a job still have to select the faces that lie on them. Source: derived. Ten times the grid that outlines are
+/// rounded to ([`GRID_MM`](crate::poly::GRID_MM)), and a micrometre, the last digit of G-code.
 const ROUNDED_MM: f64 = 1e-3;
 
 impl Selection {
@@ -178,7 +179,7 @@ impl Selection {
         }
     }
 
-    /// Whether a point of the part's surface with this outward normal is selected. Patches alone ask for the normal.
+    /// Whether a point of the part's surface with this outward normal is selected. Only patches use the normal.
     pub fn contains_on(&self, p: DVec3, normal: DVec3) -> bool {
         match self {
             Self::Patch(patch) => patch.at(p, Some(normal)).is_some(),
@@ -206,15 +207,15 @@ impl Selection {
                 wide = Self::Near { triangles: patch.triangles.clone(), within_mm: patch.within_mm + by_mm };
             }
             Self::Triangles(all) | Self::Points(all) => {
-                // The list has no distance of its own to enlarge, so it becomes a list with one.
+                // A list of triangles has no distance that could be enlarged, so it becomes `Near`, which has one.
                 wide = Self::Near { triangles: all.clone(), within_mm: ON_TRIANGLE_MM + by_mm };
             }
         }
         wide
     }
 
-    /// The selection that goes with a part which is scaled, turned by a rotation matrix, then shifted.
-    /// A box becomes a turned one where it is turned at all.
+    /// The selection after the part has been scaled, turned by a rotation matrix and shifted, in this
+    /// order. A box that is turned becomes a `TurnedBox`.
     #[must_use]
     pub fn moved(&self, scale: f64, rotation: DMat3, shift: DVec3) -> Self {
         let at = |p: DVec3| rotation * (scale * p) + shift;
@@ -231,7 +232,7 @@ impl Selection {
             Self::TurnedBox { centre, half, axes } => {
                 Self::TurnedBox { centre: at(*centre), half: scale * *half, axes: rotation * *axes }
             }
-            // The tolerance is one of coordinates, not of the part.
+            // The tolerance belongs to the coordinates, not to the part, so it is not scaled.
             Self::Plane { point, normal, tolerance_mm } => {
                 Self::Plane { point: at(*point), normal: rotation * *normal, tolerance_mm: *tolerance_mm }
             }

@@ -1,5 +1,5 @@
-//! Scans as a sequence of slices: the waist between the readers of volume files and whatever
-//! consumes grey values.
+//! Scans as a sequence of slices: the interface between the readers of volume files and the code
+//! that uses their grey values.
 //!
 //! A [`SliceSource`] hands out one slice after another, so a consumer holds a few slices and never
 //! the whole volume. Columns run along x, rows along y, slices along z, all counted from 0. A slice
@@ -73,9 +73,9 @@ pub struct VolumeInfo {
     pub z_mm: Vec<f64>,
     /// Position of the voxels in the file's world, if the file states one.
     pub world: Option<WorldFrame>,
-    /// How the file stores the voxels, for people: what it is, and its value.
+    /// How the file stores the voxels, for people: pairs of a property and its value.
     pub stored: Vec<(&'static str, String)>,
-    /// Oddities of the file that did not keep it from being read.
+    /// Irregularities of the file in spite of which it could be read.
     pub warnings: Vec<crate::Warning>,
 }
 
@@ -128,15 +128,15 @@ impl VolumeInfo {
     pub fn world_mm(&self, voxel: [usize; 3]) -> Option<DVec3> {
         let world = self.world?;
         let along = |axis: usize| Some(voxel[axis] as f64 * self.spacing_mm[axis]?);
-        // Uneven slices have heights of their own; the mean spacing would misplace all but the
-        // ends.
+        // Unevenly spaced slices state their heights; the mean spacing would misplace all slices
+        // but the first and the last.
         let z_mm = if self.z_mm.is_empty() { along(2)? } else { *self.z_mm.get(voxel[2])? };
         Some(world.origin_mm + world.axes * DVec3::new(along(0)?, along(1)?, z_mm))
     }
 }
 
-/// Why a source cannot give its next slice. It holds the reader's own error, as the message and as
-/// [`Error::source`].
+/// Why a source cannot give its next slice. It wraps the reader's error; its message and its
+/// [`Error::source`] are those of that error.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct SliceError(Box<dyn Error + Send + Sync>);
@@ -214,21 +214,21 @@ pub trait SliceSource: Send {
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
 
-    /// Number of voxels given since the last restart that are NaN or infinite in the file. All
-    /// voxels given are finite: such voxels come as the least grey value of their slice, which is
+    /// Number of voxels since the last restart that are NaN or infinite in the file. Slices
+    /// contain only finite values: such voxels get the least grey value of their slice, which is
     /// air.
     fn n_not_finite(&self) -> u64 {
         0
     }
 
-    /// Number of pieces of the volume read since the last restart that the files do not hold, and that have the value
-    /// which stands for such pieces.
+    /// Number of pieces of the volume (chunks) that were read since the last restart, but are not stored in the
+    /// files. Their voxels have the fill value that the format defines for missing pieces.
     fn n_absent(&self) -> u64 {
         0
     }
 }
 
-/// The place in a source that reaches any of its slices at the same cost.
+/// The position in a source that can read its slices in any order: the index of the next slice.
 ///
 /// ```
 /// use grainpath_core::slices::SliceCursor;
@@ -248,7 +248,7 @@ pub struct SliceCursor {
 }
 
 impl SliceCursor {
-    /// Before the first of some slices.
+    /// A cursor in front of the first of `n_slices` slices.
     pub const fn new(n_slices: usize) -> Self {
         Self { next: 0, n_slices }
     }
@@ -275,7 +275,7 @@ impl<S: SliceSource + ?Sized> SliceSource for &mut S {
     fn info(&self) -> &VolumeInfo {
         (**self).info()
     }
-    // Forwarding, so that a caller may lend a source instead of giving it away.
+    // A mutable reference to a source is a source too, so that a caller may lend one instead of giving it away.
     fn restart(&mut self) -> Result<(), SliceError> {
         (**self).restart()
     }

@@ -1,10 +1,10 @@
-//! The name that was meant by a misspelled one.
+//! Finds the name that a misspelled word was meant to be, and the meaning of a word in a table.
 
-/// The name that `word` was meant to be; empty without names.
+/// The name that `word` was probably meant to be; empty if there are no names.
 ///
-/// Names that hold every part of the word come first (`layer_mm` for `layer_height_mm`: a part left out is a longer edit
-/// than another short name). Among them, or among all where none does, the smallest edit distance (Levenshtein) wins,
-/// and of equal ones the first in the alphabet.
+/// Names that contain every part of the word are preferred: `layer_mm` means `layer_height_mm`, although a shorter name
+/// has a smaller edit distance. Among these names, or among all names if there is none of the kind, the one with the
+/// smallest edit distance (Levenshtein) is chosen; of equal ones, the first in the alphabet.
 ///
 /// ```
 /// use grainpath_core::spelling::nearest;
@@ -16,8 +16,8 @@ pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> &'a 
     names.into_iter().min_by_key(|n| (lacks_a_part(n), strsim::levenshtein(word, n), *n)).unwrap_or_default()
 }
 
-/// What a word of a table stands for; `None` for words outside the table. Words from files and arguments become
-/// enums here, at the border.
+/// The value that a table assigns to a word; `None` for words outside the table. Words from files and arguments
+/// are turned into enums with it, as soon as they are read.
 ///
 /// ```
 /// use grainpath_core::spelling::meaning;

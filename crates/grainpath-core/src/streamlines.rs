@@ -1,8 +1,8 @@
 //! Streamlines of a field: one at a time, and evenly spaced.
 //!
 //! Lines are traced with the embedded Runge-Kutta pair of `dormand1980`, fifth order with a
-//! fourth-order error estimate, so steps are long where the field is smooth. A field of axes has no
-//! sign: at every stage the sign is taken that continues the heading. Even spacing follows
+//! fourth-order error estimate, so steps are long where the field is smooth. An axis has no sign,
+//! so at every stage the sign is chosen that continues the heading. Even spacing follows
 //! `Jobard1997`. Lengths are in mm. Cost: seven samples of the field a step; spacing looks up the
 //! points in a few cells.
 
@@ -84,8 +84,8 @@ const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// Traces the line through `seed` in both directions. `axis` gives the field's axis as a unit
-/// vector of either sign, or `None` where the line has to end. `stop` may end the line too; it gets
-/// each new point and the length so far.
+/// vector of either sign, or `None` where the line has to end. `stop` gets each new point and the
+/// length so far; the line also ends where it returns `true`.
 pub fn trace_line<P: Place>(
     seed: P,
     axis: &dyn Fn(P) -> Option<P>,
@@ -114,15 +114,15 @@ fn half<P: Place>(
     let mut points = vec![seed];
     let (mut at, mut heading) = (seed, heading);
     let first = heading;
-    // A cautious first step: the error estimate then finds the right one.
+    // The first step is short; the error estimate then adjusts its length.
     let mut step = 0.25 * settings.step_mm;
     let mut length = 0.0;
-    // Below a thousandth of the step the line is as good as at the border.
+    // A line that could only take steps shorter than a thousandth of the longest one has practically reached the border.
     let least = 1e-3 * settings.step_mm;
     let along = |p: P, heading: P| -> Option<P> {
         let a = axis(p)?;
-        // Nearly at right angles to the heading: the line has come to a degenerate point, and
-        // either sign would be arbitrary.
+        // An axis nearly at right angles to the heading occurs at a degenerate point, where either
+        // sign would be arbitrary; the line ends.
         let c = a.dot(heading);
         (c.abs() > 0.2).then_some(if c < 0.0 { -a } else { a })
     };
@@ -140,7 +140,7 @@ fn half<P: Place>(
         // Usual step control for a method of fifth order: the safety factor of 0.9 avoids rejected
         // steps, the bounds avoid oscillation.
         let factor = (0.9 * fifth_root(ratio)).clamp(0.3, 2.0);
-        // A step at the least size is accepted whatever its error, or the line would never end.
+        // A step of the least size is accepted whatever its error; otherwise the loop might never end.
         if ratio < 1.0 && step > least {
             step *= factor;
             continue;
@@ -151,7 +151,7 @@ fn half<P: Place>(
             let d = to - at;
             let t = ((seed - at).dot(d) / d.dot(d).max(1e-300)).clamp(0.0, 1.0);
             if distance(seed, at + d * t) < 0.1 * settings.step_mm {
-                // A last point close to the first would make a stub.
+                // A last point close to the first would leave a very short last segment.
                 if distance(seed, points[points.len() - 1]) < 0.2 * settings.step_mm {
                     points.pop();
                 }
@@ -173,8 +173,8 @@ fn fifth_root(x: f64) -> f64 {
     pow(x, 0.2)
 }
 
-/// One step: its end, the heading there, and the estimated error; `None` where a stage leaves the
-/// field.
+/// One Runge-Kutta step: its end, the heading there, and the estimated error; `None` where a stage
+/// leaves the field.
 fn attempt<P: Place>(at: P, heading: P, step: f64, along: &dyn Fn(P, P) -> Option<P>) -> Option<(P, P, f64)> {
     let mut k = [along(at, heading)?; 7];
     for stage in 0..6 {
@@ -200,9 +200,9 @@ pub struct Seeding<'a> {
     pub whole: bool,
 }
 
-/// Lines at the given distances, everywhere in `bounds` where the field exists (`Jobard1997`): each
-/// line offers seeds on both its sides. The first seeds are `seeds`; places of a grid follow, so
-/// that no area is forgotten.
+/// Evenly spaced lines everywhere in `bounds` where the field exists (`Jobard1997`). Each line
+/// yields further seeds on both its sides. `seeds` are tried first; points of a grid are tried
+/// last, so that no area is left out.
 pub fn evenly_spaced(
     seeds: &[DVec2],
     bounds: Bounds2,
@@ -230,8 +230,8 @@ pub fn evenly_spaced(
             continue;
         }
         let separation = (seeding.separation_mm)(seed);
-        // Seeds lie exactly one separation away from their line; two per cent less lets rounding
-        // pass.
+        // Seeds lie exactly one separation away from their line; the test asks for two per cent
+        // less because of rounding.
         if near.within(seed, 0.98 * separation).next().is_some() {
             continue;
         }
@@ -252,7 +252,8 @@ pub fn evenly_spaced(
         for k in 0..segments {
             let (a, b) = (line.points[k], line.points[(k + 1) % n]);
             let length = a.distance(b);
-            // Where lines are to lie closer than at the seed, they have to find this one there too.
+            // Where the separation is smaller than at the seed, points are closer together, so that
+            // later lines find this one there too.
             let separation = separation.min((seeding.separation_mm)(a));
             // Points at a quarter of the separation: the distance to the nearest one is then nearly
             // the distance to the line.
@@ -260,7 +261,7 @@ pub fn evenly_spaced(
             for s in 0..steps {
                 near.insert(a.lerp(b, s as f64 / steps as f64), ());
             }
-            // One pair of seeds for each separation along the line; more would be refused anyway.
+            // One pair of seeds for each separation along the line; seeds in between would be too near to the next lines.
             since += length;
             if since > separation {
                 since = 0.0;
@@ -274,8 +275,8 @@ pub fn evenly_spaced(
     }
 }
 
-/// A line that winds past itself nearer than `d_mm` is cut where it does so; spirals into a centre
-/// end this way.
+/// Cuts a line where it passes itself at less than `d_mm`, as a spiral into a centre
+/// does.
 fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
     if line.closed || line.points.len() < 8 {
         return line;
@@ -288,8 +289,8 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
         if k > 0 {
             length += p.distance(line.points[k - 1]);
         }
-        // The last stretch of the line is always near. It is entered only once the line has moved
-        // on by three distances.
+        // The latest stretch of the line is always near its end. A point therefore counts only once
+        // the line is three distances further on.
         while waiting.front().is_some_and(|w| length - w.1 > 3.0 * d_mm) {
             if let Some((q, _)) = waiting.pop_front() {
                 near.insert(q, ());

@@ -1,9 +1,9 @@
 //! One stress tensor: von Mises stress, principal values and axes.
 //!
 //! Components come in the order xx, yy, zz, xy, yz, zx, in MPa, without a factor of two on shear.
-//! Method of the principal values: cyclic Jacobi sweeps (`golub2013`, section 8.5), which find the
-//! axes of equal values as accurately as all others; the closed form through a cubic loses half its
-//! digits there.
+//! Method of the principal values: cyclic Jacobi sweeps (`golub2013`, section 8.5), which are
+//! accurate for equal principal values too; the closed solution of the cubic equation loses half
+//! its digits there.
 
 use glam::DVec3;
 
@@ -20,18 +20,18 @@ pub struct Principal {
 pub fn von_mises(s: &[f64; 6]) -> f64 {
     let [xx, yy, zz, xy, yz, zx] = *s;
     let (a, b, c) = (xx - yy, yy - zz, zz - xx);
-    // Rounding may make a tensor of equal principal values slightly negative.
+    // A sum of squares is never negative; `max` only turns a NaN into 0.
     (0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx)).max(0.0).sqrt()
 }
 
-/// Principal values and axes by Jacobi sweeps, which keep the axes at right angles where values meet.
+/// Principal values and axes by Jacobi sweeps, which keep the axes at right angles where values are equal.
 pub fn principal(s: &[f64; 6]) -> Principal {
     let [xx, yy, zz, xy, yz, zx] = *s;
     let mut a = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let mut v = [DVec3::X, DVec3::Y, DVec3::Z];
     let size = a.iter().flatten().map(|x| x * x).sum::<f64>();
-    // Convergence is quadratic, so a few sweeps are enough; the bound ends the loop for NaN as
-    // well.
+    // Convergence is quadratic, so a few sweeps are enough; the bound guarantees that the loop
+    // ends.
     for _ in 0..32 {
         let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
         // Off-diagonal entries below this are rounding errors of the largest entry.
@@ -51,7 +51,7 @@ pub fn principal(s: &[f64; 6]) -> Principal {
             let (app, aqq, apq) = (a[p][p], a[q][q], a[p][q]);
             let r = 3 - p - q;
             let (arp, arq) = (a[r][p], a[r][q]);
-            // Both formulas use the old off-diagonal entry alone, which loses no digits.
+            // Both formulas add a multiple of the old off-diagonal entry, which loses no digits.
             a[p][p] = app - t * apq;
             a[q][q] = aqq + t * apq;
             (a[p][q], a[q][p]) = (0.0, 0.0);

@@ -7,12 +7,12 @@ use glam::{DVec2, DVec3};
 
 use crate::units::bead_area_mm2;
 
-/// The purpose of a bead. Existing viewers colour by the names in G-code.
+/// The purpose of a bead. Viewers of G-code colour beads by the names of these roles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// The wall that is seen.
+    /// The wall that is seen from outside.
     OuterWall,
-    /// Any wall behind it.
+    /// Any wall inside the outer one.
     InnerWall,
     /// A single bead where two walls do not fit.
     ThinWall,
@@ -36,7 +36,7 @@ pub enum Role {
     Support,
     /// The layers of the support that touch the part.
     SupportInterface,
-    /// A line of dense fill whose offsets the rest of the fill is.
+    /// A line of dense fill that is laid first; the rest of the fill consists of its offsets.
     SeedLine,
 }
 
@@ -95,7 +95,7 @@ impl Role {
     }
 }
 
-/// Speed of a path, where its role does not decide alone.
+/// Class of a path's speed, for paths whose speed depends on more than their role.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SpeedClass {
     /// The speed of the path's role.
@@ -118,8 +118,8 @@ pub enum BeadWidth {
     PerVertex(Vec<f64>),
 }
 
-/// How far the ends in height of a bead lie above those of its layer, mm. Both are 0 but for staggered walls, which stand
-/// half a layer higher than their neighbours.
+/// How far the bottom and the top of a bead lie above those of its layer, mm. Both are 0 except for staggered walls,
+/// which stand half a layer higher than their neighbours.
 ///
 /// ```text
 ///          ┌────┐ <- top_mm above the layer
@@ -130,9 +130,9 @@ pub enum BeadWidth {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BeadRaise {
-    /// Of its lower end.
+    /// How far the bead's bottom lies above the layer's bottom.
     pub bottom_mm: f64,
-    /// Of its upper end, where the nozzle is.
+    /// How far the bead's top, where the nozzle is, lies above the layer's top.
     pub top_mm: f64,
 }
 
@@ -159,8 +159,8 @@ pub struct Toolpath {
     pub points: Vec<DVec2>,
     /// Full width of the bead.
     pub width: BeadWidth,
-    /// Factor on the stadium's section for the material laid (bridges may be thinner than they are
-    /// wide).
+    /// Factor on the material laid: cross-section of the bead over that of a stadium. It may be
+    /// below 1 for bridges.
     pub flow: f64,
     /// Purpose of the bead.
     pub role: Role,
@@ -197,7 +197,7 @@ impl Toolpath {
         layer_mm + (self.raise.top_mm - self.raise.bottom_mm)
     }
 
-    /// Width at vertex `i`, mm. For a closed path `i` may be the number of points: the first again.
+    /// Width at vertex `i`, mm. For a closed path `i` may equal the number of points, which means the first vertex.
     pub fn width_at(&self, i: usize) -> f64 {
         match &self.width {
             BeadWidth::Constant(w) => *w,
@@ -225,8 +225,8 @@ impl Toolpath {
     pub fn volume_mm3(&self, layer_mm: f64) -> f64 {
         let height_mm = self.height_mm(layer_mm);
         let segments = (0..self.n_segments()).map(|i| self.segment(i));
-        // Volume is linear in the mean width, except for beads narrower than they are high; there
-        // it is off by a term of second order in the change of width.
+        // The volume depends linearly on the mean width. Along a segment whose width passes the
+        // height of the bead, the result is slightly too low.
         segments.map(|(a, b, w)| a.distance(b) * bead_area_mm2(w, height_mm)).sum::<f64>() * self.flow
     }
 
@@ -316,7 +316,7 @@ pub struct Plan {
     /// Lowest first.
     pub layers: Vec<LayerPlan>,
     /// Position of the part: plate coordinates are part coordinates plus this. It is added once,
-    /// when G-code is written. Heights of layers are above the plate already, so z serves the
-    /// header alone.
+    /// when G-code is written. Heights of layers are counted from the plate already, so z only
+    /// appears in the header.
     pub plate_from_part_mm: DVec3,
 }

@@ -1,9 +1,9 @@
-//! Triangulations of a region: with triangles of good shape for finite elements, or over its
-//! corners alone for caps of bodies.
+//! Triangulations of a region: with triangles of good shape, for finite elements, or over its
+//! corners alone, for the flat ends of bodies.
 //!
 //! Method: constrained Delaunay triangulation, refined after `ruppert1995`. Lengths are in mm.
 //! Cost: n log n in the points. Degenerate cases: an empty region, contours that cross, and sides
-//! so short that memory would not do are errors.
+//! so short that the triangles would not fit into memory are errors.
 
 use glam::DVec2;
 use spade::{
@@ -26,7 +26,7 @@ pub struct Triangulation {
 /// Fineness of a triangulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleSize {
-    /// Greatest length of a side, mm, which a few sides exceed slightly.
+    /// Greatest length of a side, mm. A few sides are slightly longer.
     pub longest_mm: f64,
     /// Least number of sides of a closed contour, so that triangles are small around small holes.
     pub sides_of_hole: usize,
@@ -43,7 +43,7 @@ pub enum TriangulationError {
     /// Contours cross each other.
     #[error("the region's contours cross each other")]
     Crossing,
-    /// Good triangles would be too many.
+    /// Triangles of good shape and this size would be too many.
     #[error("more than {0} triangles are needed; allow longer sides")]
     TooMany(usize),
 }
@@ -56,7 +56,7 @@ const MAX_POINTS: usize = 3_000_000;
 /// (`shewchuk2002`).
 const LEAST_ANGLE_DEG: f64 = 25.0;
 
-/// A point with its number.
+/// A point with its index in the input.
 struct Numbered(Point2<f64>, u32);
 
 impl HasPosition for Numbered {
@@ -67,8 +67,8 @@ impl HasPosition for Numbered {
     }
 }
 
-/// Coordinates nearer to 0 than this are 0 for a Delaunay triangulation, mm. Source: the library refuses numbers below
-/// 1.8e-43, whose products are no longer exact.
+/// Coordinates nearer to 0 than this are rounded to 0 for a Delaunay triangulation, mm. Source: the library refuses
+/// numbers below 1.8e-43, whose products are no longer exact.
 const MIN_COORDINATE_MM: f64 = 1e-40;
 
 /// Delaunay triangles over finite points that differ, counter-clockwise, as indices of the points. There are none for fewer
@@ -88,7 +88,7 @@ pub fn delaunay(points: &[DVec2]) -> Vec<[u32; 3]> {
     let Ok(triangulation) = DelaunayTriangulation::<Numbered>::bulk_load(all) else { return Vec::new() };
     let mut triangles: Vec<[u32; 3]> =
         triangulation.inner_faces().map(|f| f.vertices().map(|v| v.data().1)).collect();
-    // The order of the library's faces is no promise.
+    // The library does not guarantee the order of its faces.
     triangles.sort_unstable();
     triangles
 }
@@ -97,13 +97,13 @@ impl Triangulation {
     /// Triangulates a region. `extra` are further corners, around which triangles become small.
     ///
     /// # Errors
-    /// [`TriangulationError`] for an empty region, crossing contours, and sides too short for memory.
+    /// [`TriangulationError`] for an empty region, crossing contours, and sides so short that memory does not suffice.
     pub fn new(region: &Region, size: &TriangleSize, extra: &[DVec2]) -> Result<Self, TriangulationError> {
         if region.is_empty() {
             return Err(TriangulationError::Empty);
         }
-        // An estimate of the number of triangles: one with sides of this length covers about 0.4 of
-        // their square. The test comes before any memory is taken.
+        // An estimate of the number of triangles: the area of one is about 0.4 times the square of
+        // its side. The test is made before any memory is allocated.
         let estimate = region.area_mm2() / (0.4 * size.longest_mm * size.longest_mm);
         if estimate > MAX_POINTS as f64 {
             return Err(TriangulationError::TooMany(MAX_POINTS));
@@ -126,8 +126,8 @@ impl Triangulation {
             RefinementParameters::new()
                 .exclude_outer_faces(true)
                 .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE_DEG))
-                // 0.433 is the area of an equilateral triangle of side 1: larger triangles are
-                // divided.
+                // Triangles with an area above that of an equilateral triangle (0.433 of its side
+                // squared) are divided.
                 .with_max_allowed_area(0.433 * size.longest_mm * size.longest_mm)
                 .with_max_additional_vertices(MAX_POINTS),
         );
@@ -204,16 +204,16 @@ fn constrain(cdt: &mut Cdt, ring: impl IntoIterator<Item = DVec2>) -> Result<(),
     Ok(())
 }
 
-/// For each face whether it lies inside: it is reached from outside over an odd number of border
-/// edges. Only edges are counted, because a face between samples of one straight border is flat,
-/// and no point of it could be tested.
+/// For each face, whether it lies inside, that is, whether a way from outside to the face crosses
+/// an odd number of border edges. Edges are counted because testing a point would fail: a face
+/// between samples of one straight border is flat.
 pub(crate) fn inside_faces(cdt: &Cdt) -> Vec<bool> {
     let mut side: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
     let outer = cdt.outer_face();
     side[outer.fix().index()] = Some(false);
     let mut stack = Vec::new();
     for edge in cdt.convex_hull() {
-        // Edges of the hull face outwards; on their other side lies the rim of the triangulation.
+        // The face of a hull edge is the outer one; the outermost triangle lies on its other side.
         let (face, crossed) = (edge.rev().face(), edge.is_constraint_edge());
         if side[face.fix().index()].is_none() {
             side[face.fix().index()] = Some(crossed);

@@ -1,14 +1,14 @@
 //! Numbers that were chosen by measurement, and the means to measure them again.
 //!
-//! Some constants of a fill, of a support or of the strength test follow from no formula and stand
-//! in no paper: they were chosen because the prints came out best. Such a constant is a [`Tuned`]
-//! number. It has a name, and `cargo xtask bench constants NAME` plans the same pieces with five or
-//! more values of it and prints gap, overlap, angle, paths and printing time of each, so that
-//! anyone can see how much hangs on the choice.
+//! Some constants of a fill, of a support or of the strength test cannot be derived from a formula
+//! or taken from a paper. They were chosen because the plans came out best. Such a constant is a
+//! [`Tuned`] number. It has a name, and `cargo xtask bench constants NAME` plans the same pieces
+//! with five or more values of it and prints gap, overlap, angle, paths and printing time of each,
+//! so that anyone can see how much depends on the choice.
 //!
-//! Ordinary builds read the value that stands in the source and nothing else. In builds with the
-//! feature `sweep`, which the bench makes for itself, the command line hands over the environment
-//! variable `GRAINPATH_SWEEP` (`fill.continuous.finish.GAP=1.5`, or several with commas between them).
+//! Ordinary builds use the value in the source only. The bench builds the program with the feature
+//! `sweep`. The command line of such a build passes the environment variable `GRAINPATH_SWEEP` to this
+//! module (`fill.continuous.finish.GAP=1.5`, or several with commas between them).
 //!
 //! ```
 //! use grainpath_core::tuned::Tuned;
@@ -28,7 +28,7 @@ pub struct Tuned<T> {
 }
 
 impl<T: Copy + std::str::FromStr> Tuned<T> {
-    /// A number with its name in the bench: modules and the constant, parted by dots.
+    /// A number with its name in the bench: the modules and the constant, separated by dots.
     #[must_use]
     pub const fn new(name: &'static str, value: T) -> Self {
         Self {
@@ -57,12 +57,12 @@ impl<T: Copy + std::str::FromStr> Tuned<T> {
     }
 }
 
-/// Names and values of the constants that are swept.
+/// Names and values of the constants whose values the bench replaces.
 #[cfg(feature = "sweep")]
 static SWEPT: std::sync::OnceLock<Vec<(String, String)>> = std::sync::OnceLock::new();
 
-/// Takes other values for constants from here on: `name=value`, with commas between several. The first
-/// call counts, and it has to come before the constants are read.
+/// Replaces the values of constants: `name=value`, with commas between several. Only the first call
+/// has an effect, and it has to come before the constants are read.
 #[cfg(feature = "sweep")]
 pub fn sweep(text: &str) {
     let pairs = text.split(',').filter_map(|pair| pair.split_once('='));

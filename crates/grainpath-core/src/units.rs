@@ -44,7 +44,7 @@ impl LengthUnit {
         }
     }
 
-    /// The unit with this name: those of [`LengthUnit::name`] and the spellings 3MF and OME-Zarr use.
+    /// The unit with this name: a name of [`LengthUnit::name`], or a spelling that 3MF or OME-Zarr uses.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "micron" | "um" | "micrometer" => Self::Micron,
@@ -60,9 +60,9 @@ impl LengthUnit {
 
 /// Cross-section of a bead in mm2: a stadium, `h (w - h (1 - pi/4))`.
 ///
-/// `width_mm` is the full width, `height_mm` the layer height. For a bead narrower than it is high
-/// the formula has no meaning, so the section never falls below that of the ellipse inscribed in
-/// `w` x `h`.
+/// `width_mm` is the full width, `height_mm` the layer height. The formula does not hold for a
+/// bead narrower than it is high; its section is taken as that of the ellipse inscribed in `w` x
+/// `h`.
 ///
 /// ```
 /// use grainpath_core::units::{bead_area_mm2, bead_spacing_mm};
@@ -86,7 +86,7 @@ pub fn bead_spacing_mm(width_mm: f64, height_mm: f64) -> f64 {
 /// [`bead_spacing_mm`].
 pub fn bead_width_mm(spacing_mm: f64, height_mm: f64) -> f64 {
     let stadium = spacing_mm + height_mm * (1.0 - PI / 4.0);
-    // Below w = h the ellipse takes over, as in `bead_area_mm2`.
+    // For beads narrower than high the section is an ellipse, as in `bead_area_mm2`.
     if stadium >= height_mm { stadium } else { spacing_mm * 4.0 / PI }
 }
 

@@ -62,14 +62,14 @@ warning_ids! {
         "An argument of the command line replaces another setting of the job.",
         "unset the setting that should not count, as in --set fill.mass_g=none";
     RegionsOverlap = "regions-overlap",
-        "Two regions of the job cover the same place; the later one counts there.",
-        "cut the regions to size, or order them so that the one that should count comes last";
+        "Two regions of the job cover the same place; the settings of the later one apply there.",
+        "cut the regions to size, or put the one whose settings should apply last";
     RegionsSeam = "regions-seam",
         "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
         "lay borders of regions where little load passes, or where infill is sparse on one side at least";
     WallsLevel = "walls-level",
-        "process.stagger_walls is on, and no wall could be raised.",
-        "lay two walls or more, of which the second continues from layer to layer";
+        "process.stagger_walls is on, but no wall could be raised.",
+        "lay at least two walls; only an inner wall that continues from layer to layer can be raised";
     MaterialMixed = "material-mixed",
         "The job states some strengths of the material; the others come from the profile.",
         "state all strengths of the material, or none";
@@ -83,8 +83,8 @@ warning_ids! {
         "A mesh file ends too early or has data after its end; what could be read was used.",
         "export the mesh again";
     ThreemfVolumes = "threemf-volumes",
-        "A 3MF project has volumes or settings of volumes that are not used: negative volumes, support enforcers and blockers, and settings of modifiers without a word here.",
-        "say what matters in the job: [[region]] with mesh, support, or a body cut in the CAD program";
+        "A 3MF project has volumes or settings of volumes that are not used: negative volumes, support enforcers and blockers, and settings of modifiers that grainpath does not have.",
+        "state in the job what matters, as a [[region]] with mesh or as settings of [support]; cut negative volumes out of the body in the CAD program";
     MeshRepaired = "mesh-repaired",
         "Defects of the mesh were repaired before slicing.",
         "repair the mesh where it was made, or set shape.repair = \"strict\" to refuse it";
@@ -122,7 +122,7 @@ warning_ids! {
         "The slices of a scan are unevenly spaced; their stated heights were kept.",
         "check that no slice is missing";
     ScanDirectionsAssumed = "scan-directions-assumed",
-        "The directions of a scan's axes are missing or stated twice, so one reading was chosen.",
+        "The file does not state the directions of a scan's axes, or states them twice, so one interpretation was chosen.",
         "compare the part with the object; if it is mirrored, set shape.ct.flip";
     ScanOblique = "scan-oblique",
         "The voxels of a scan lie at an angle to the axes of its world; the part stands along its voxels.",
@@ -135,10 +135,10 @@ warning_ids! {
         "store the slices along the height of the part to save time";
     ScanNotFinite = "scan-not-finite",
         "Voxels of a scan are NaN or infinite; they were taken for air.",
-        "check what wrote the scan, if these voxels should be material";
+        "if these voxels should be material, check the program that wrote the scan";
     ScanChunksMissing = "scan-chunks-missing",
         "Chunks of a scan in Zarr are not stored; they were read as the fill value, as Zarr defines.",
-        "compare with the scan as it was written: programs leave out chunks of the fill value alone, but a copy that was cut short lacks others";
+        "compare the folder with the original: programs leave out chunks that hold only the fill value, but an incomplete copy lacks other chunks too";
     ScanFirstEntry = "scan-first-entry",
         "A scan in Zarr has several channels or times; the first was read.",
         "export the channel wanted as an image of its own, or choose it in Python with gp.read_zarr";
@@ -158,11 +158,11 @@ warning_ids! {
         "The image or the scan shows hardly any preferred direction.",
         "look at the picture of the directions; a larger guide.integration_mm may help";
     FieldAssumed = "field-assumed",
-        "A file of directions does not state how it is meant, so one reading was chosen.",
+        "A file of directions does not state units, axes or order, so one interpretation was chosen.",
         "state it: guide.field.angle_unit, guide.field.axes or a header such as angle_deg";
     FieldLeftOut = "field-left-out",
         "Samples of a file of directions have no direction and were left out.",
-        "look at the samples concerned; directions around them are interpolated across";
+        "look at the samples concerned; the directions there are interpolated from the samples around them";
     FieldOneSample = "field-one-sample",
         "A file of directions has samples at one place only.",
         "use guide.kind = \"angle\" if one direction everywhere is meant";
@@ -170,16 +170,16 @@ warning_ids! {
         "The part reaches beyond the directions that guide it; those of the nearest place were used there.",
         "give directions for the whole part, or check guide.field.frame and the unit of positions";
     FieldStretched = "field-stretched",
-        "A grid of directions does not state its size and was stretched over the part by unequal factors.",
+        "A grid of directions does not state its size; it was stretched over the part by different factors in x and y.",
         "set guide.field.cell_mm";
     GuideFar = "guide-far",
-        "The infill lies 15 degrees or more from the directions of its guide in the mean.",
+        "The infill differs from the directions of its guide by 15 degrees or more on average.",
         "try fill.pattern = \"stripes\", or look at the place with `grainpath render --color direction`";
     GuideTwoDirections = "guide-two-directions",
         "In most of the part tension and compression of about equal amount cross, so that no single direction carries the load.",
         "set guide.follow = \"alternate\": layers then follow tension and compression in turn";
     CasesByWeight = "cases-by-weight",
-        "The strengths of the material are not known, so directions for several load cases are their weighted sum.",
+        "The strengths of the material are not known, so the directions follow the weighted sum of the load cases in all layers.",
         "give the material a card with strengths, or set guide.case_mix = \"weights\"";
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
@@ -215,8 +215,8 @@ warning_ids! {
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";
     DensityOff = "density-off",
-        "Graded infill is off the density asked for by more than 3 % of full in the mean, or 10 % at worst, over cells of 5 mm.",
-        "look at the map of densities in the report; a larger fill.density.min, or rectilinear or stripes, follows more closely";
+        "Over cells of 5 mm, the density of graded infill differs from the density asked for by more than 3 percentage points on average, or by more than 10 at worst.",
+        "look at the map of densities in the report; raise fill.density.min, or use the pattern rectilinear or stripes, which follow the density more closely";
     PathNeck = "path-neck",
         "A neck of a region is too narrow for one continuous path; its two sides are printed separately.",
         "widen the neck or print a narrower bead";
@@ -254,13 +254,13 @@ warning_ids! {
         "The peak stress is more than twice the strength of the material.",
         "check the loads and their units; at a sharp inner corner the peak grows with every finer mesh";
     StressMeshError = "stress-mesh-error",
-        "The elements miss more than a tenth of the stress by their own estimate.",
+        "The estimated error of the stress due to the size of the elements is more than a tenth.",
         "lower guide.element_mm";
     StressUnbalanced = "stress-unbalanced",
-        "Loads and reactions of a solved case fail to cancel.",
+        "The loads of a solved case are not in equilibrium with its reactions.",
         "report the job as a bug";
     StressLargeDisplacement = "stress-large-displacement",
-        "The part moves by more than a twentieth of its size, more than linear elasticity holds for.",
+        "The part moves by more than a twentieth of its size; linear elasticity holds only for smaller displacements.",
         "check the loads and the modulus of the material";
     StrengthNotConverged = "strength-not-converged",
         "The peak load still changes when the cells of the strength test are halved.",
@@ -273,7 +273,7 @@ warning_ids! {
         "check the fixtures and the gaps between beads";
     StrengthUnfinished = "strength-unfinished",
         "The load was still rising when the strength test ended, so the peak is a lower bound.",
-        "take the peak as a lower bound; a load that bends the part less may end the test";
+        "take the peak as a lower bound; a test with a load that bends the part less may reach the peak";
     GcodeNotRead = "gcode-not-read",
         "Lines of a G-code program cannot be understood and were skipped.",
         "check that the file is G-code and complete";
@@ -291,7 +291,7 @@ impl Serialize for WarningId {
     }
 }
 
-/// Where a warning applies. Every field is optional; a place has at least one.
+/// Where a warning applies. Every field is optional, but at least one is given.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Place {
     /// The file, or the part of an archive.
@@ -400,8 +400,8 @@ impl Warning {
         self.place.get_or_insert_default()
     }
 
-    /// The order of a list: the whole run first, then layer by layer, then by text; a total order,
-    /// so that the order in which threads arrive never shows.
+    /// The order of warnings in a list: first those about the whole run, then layer by layer, then
+    /// by text. It is a total order, so the list does not depend on which thread finishes first.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let layer = |w: &Self| w.place.as_ref().and_then(|p| p.layer);
         let point = |w: &Self| w.place.as_ref().map_or_else(Vec::new, |p| p.point_mm.clone());

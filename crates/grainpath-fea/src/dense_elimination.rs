@@ -1,17 +1,18 @@
-//! Elimination of the first unknowns of a dense symmetric matrix: what a front of a multifrontal factorization needs.
+//! Elimination of the first unknowns of a dense symmetric matrix, as needed for a front of a multifrontal factorization.
 //!
 //! Method: Cholesky's factorization by blocks of columns (`golub2013` in docs/references.bib, section 4.2). A block is
-//! factored column by column; what it takes from the columns after it is a product of two thin matrices, computed in
-//! tiles that stay in the processor's registers, from a copy of the block in the order in which it is read (`goto2008`).
+//! factored column by column. Then the product of two thin matrices is subtracted from the columns after it. The product
+//! is computed in tiles that stay in the processor's registers, from a copy of the block in the order in which it is
+//! read (`goto2008`).
 //!
 //! Each entry is a sum over the columns of a block, from the first to the last, with one rounding for each product and
-//! each sum. A processor with wider vectors computes more entries at once and rounds no other way, so the result has the
-//! same bits on every processor.
+//! each sum. A processor with wider vectors computes more entries at once, but rounds each in the same way, so the
+//! result has the same bits on every processor.
 //!
 //! Cost: for `n` unknowns of which `m` are eliminated, `m n^2` products and sums at most, and a copy of one block. Fronts of
-//! 60 to 1000 unknowns take 1.0 to 1.4 times what they take in a library (faer 0.24) that joins product and sum in one
-//! rounding where the processor can. The whole strength test of a plate takes as long with either (10.5 and 10.7 s of
-//! processors).
+//! 60 to 1000 unknowns take 1.0 to 1.4 times as long as with a library (faer 0.24) that uses fused multiply-add where
+//! the processor has it. The whole strength test of a plate takes equally long with both (10.5 and 10.7 s of processor
+//! time).
 
 use multiversion::multiversion;
 
@@ -19,12 +20,12 @@ use crate::sparse::SparseError;
 
 /// Columns of a block. Measured: elimination of 200 of 600 unknowns takes 1.70, 1.56 and 1.64 ms with 16, 32 and 64.
 const BLOCK: usize = 32;
-/// Rows and columns of a tile. Source: derived. Its entries fill eight of the sixteen registers that hold four numbers
-/// each, which leaves the others to what is read.
+/// Rows and columns of a tile. Source: derived. Its entries fill eight of the sixteen registers, which hold four
+/// numbers each; the other eight are left for the operands.
 const TILE: [usize; 2] = [8, 4];
 
 /// Eliminates the first unknowns of a dense symmetric matrix, `(size, size)` by columns, lower half. Their columns become
-/// those of the factor; the rest becomes the Schur complement for the other unknowns. What stands above the diagonal is
+/// those of the factor; the rest becomes the Schur complement for the other unknowns. Entries above the diagonal are
 /// overwritten.
 ///
 /// # Errors
@@ -45,14 +46,14 @@ pub(crate) fn eliminate(whole: &mut [f64], size: usize, first: usize) -> Result<
 #[inline(always)]
 fn factor_block(whole: &mut [f64], size: usize, start: usize, end: usize) -> Result<(), SparseError> {
     for j in start..end {
-        // Only the columns of this block are still to be taken away: those before it were, when they were finished.
+        // Only columns of this block are still to be subtracted: earlier blocks were subtracted when they were finished.
         let (before, own) = whole.split_at_mut(j * size);
         let own = &mut own[j..size];
         for column in before[start * size..].chunks_exact(size) {
             let factor = column[j];
             own.iter_mut().zip(&column[j..]).for_each(|(x, l)| *x -= factor * l);
         }
-        // A pivot that is no number is refused as well.
+        // A pivot that is NaN is refused as well.
         if own[0].is_nan() || own[0] <= 0.0 {
             return Err(SparseError::Singular);
         }
@@ -64,13 +65,13 @@ fn factor_block(whole: &mut [f64], size: usize, start: usize, end: usize) -> Res
     Ok(())
 }
 
-/// Copies the rows below a block: strips of `TILE[0]` rows, a strip column by column. Rows that are missing in the last
-/// strip are zero.
+/// Copies the rows below a block into strips of `TILE[0]` rows, each stored column by column. The last strip is filled
+/// up with rows of zeros.
 #[inline(always)]
 fn copy_rows(whole: &[f64], size: usize, start: usize, end: usize, copy: &mut Vec<f64>) {
     let (n_rows, n_columns) = (size - end, end - start);
     copy.clear();
-    // Zeros in place of missing rows spare the tiles a case of their own at the border.
+    // With rows of zeros, tiles at the border need no separate case.
     copy.resize(n_rows.div_ceil(TILE[0]) * TILE[0] * n_columns, 0.0);
     for (p, column) in whole[start * size..end * size].chunks_exact(size).enumerate() {
         for (strip, rows) in column[end..].chunks(TILE[0]).enumerate() {
@@ -87,9 +88,9 @@ fn subtract_products(whole: &mut [f64], size: usize, end: usize, copy: &[f64], n
     for first_column in (end..size).step_by(TILE[1]) {
         let columns = &mut whole[first_column * size..size.min(first_column + TILE[1]) * size];
         let (own, offset) = ((first_column - end) / TILE[0], (first_column - end) % TILE[0]);
-        // The lower half only: strips above the diagonal are left out.
+        // Only the lower half is computed: strips above the diagonal are left out.
         for k in own..(size - end).div_ceil(TILE[0]) {
-            // The tile on the diagonal reaches above it, where nothing is read.
+            // A tile on the diagonal also writes above the diagonal, where nothing is read.
             let tile = products(strip(k), strip(own), offset);
             let first_row = end + k * TILE[0];
             for (column, products) in columns.chunks_exact_mut(size).zip(&tile) {
@@ -102,7 +103,7 @@ fn subtract_products(whole: &mut [f64], size: usize, end: usize, copy: &[f64], n
 /// Products of the rows of a strip with `TILE[1]` rows of another one, summed over the columns.
 #[inline(always)]
 fn products(rows: &[f64], others: &[f64], offset: usize) -> [[f64; TILE[0]]; TILE[1]] {
-    // These stay in registers over the whole block; each is one sum from the first column to the last.
+    // The sums stay in registers over the whole block; each runs from the first column to the last.
     let mut sums = [[0.0; TILE[0]]; TILE[1]];
     let (rows, _) = rows.as_chunks::<{ TILE[0] }>();
     let (others, _) = others.as_chunks::<{ TILE[0] }>();

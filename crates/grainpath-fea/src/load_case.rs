@@ -1,8 +1,8 @@
 //! Fixtures and loads of a part, resolved against its surface.
 //!
-//! A job names places in several ways (shapes, facets, later faces). Whoever reads the job resolves
-//! them once into the types here; plates ([`crate::plane`]), solids ([`crate::solid`]) and both
-//! strength tests read only these, so that a load means the same everywhere.
+//! A job names places in several ways (shapes, facets, faces). The code that reads the job resolves
+//! them once into the types here. Plates ([`crate::plane`]), solids ([`crate::solid`]) and both
+//! strength tests read only these types, so that a load means the same everywhere.
 //!
 //! Units: mm, N, N mm, MPa, t/mm3 (1 g/cm3 is 1e-9 t/mm3, so that density times mm/s2 is N/mm3).
 //! Places and vectors are in part coordinates. A fixture holds in every load case; the loads of one
@@ -76,29 +76,29 @@ pub struct Fixture {
 /// The directions in which a fixture holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Held {
-    /// Along those of x, y and z that are true.
+    /// Along each of x, y and z whose entry is true.
     Axes([bool; 3]),
     /// Along the normal of the surface: a roller, or a plane of symmetry.
     Normal,
-    /// Along those of the turned axes that are true.
+    /// Along each of the turned axes whose entry is true.
     Turned {
         /// Unit vectors along the axes, as columns.
         axes: DMat3,
-        /// The axes along which it holds.
+        /// Whether the fixture holds along each of these axes.
         fixed: [bool; 3],
     },
 }
 
-/// Tractions that another mesh of the part carries on a piece of its surface.
+/// Tractions on a piece of the part's surface, given on another mesh of the part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchTraction {
     /// The piece of the surface.
     pub patch: SurfacePatch,
     /// Traction at the corners of each triangle of the patch, MPa.
     pub corners_mpa: Arc<Vec<[DVec3; 3]>>,
-    /// The resultant that they should have, N.
+    /// The resultant force that the tractions must have, N.
     pub force_n: DVec3,
-    /// The moment about the origin that they should have, N mm.
+    /// The moment about the origin that the tractions must have, N mm.
     pub moment_nmm: DVec3,
 }
 
@@ -116,7 +116,7 @@ impl PatchTraction {
 pub struct LoadCase {
     /// Name in reports.
     pub name: String,
-    /// Weight beside the other cases; positive.
+    /// Weight of the case relative to the other cases; positive.
     pub weight: f64,
     /// Its loads.
     pub loads: Vec<Load>,
@@ -155,15 +155,15 @@ pub enum Action {
         /// Its resultant, N mm.
         total_nmm: DVec3,
     },
-    /// A force of a pin or a bolt against the wall of a hole: a pressure over the half that it pushes
-    /// on, falling with the cosine of the angle from the force.
+    /// The force of a pin or a bolt on the wall of a hole: a pressure on the loaded half of the wall,
+    /// proportional to the cosine of the angle from the force.
     Bearing {
         /// The wall of the hole.
         on: Selection,
         /// Its resultant, N.
         total_n: DVec3,
     },
-    /// A torque about an axis, by forces across the radius that grow with the distance from the axis.
+    /// A torque about an axis, applied as tangential forces that grow with the distance from the axis.
     Torque {
         /// Where it acts.
         on: Selection,
@@ -177,19 +177,19 @@ pub enum Action {
     /// A force that acts at a point elsewhere and reaches the place through a rigid link that leaves it
     /// free to deform.
     RemoteForce {
-        /// The place at the part's end of the link.
+        /// The place on the part where the link is attached.
         on: Selection,
         /// The force, N.
         total_n: DVec3,
         /// The point where it acts, mm.
         at_mm: DVec3,
     },
-    /// One end of a bolt that clamps the part: a force towards the middle of its other end, spread evenly. The forces of both
-    /// ends lie on one line, so that together they have neither force nor moment.
+    /// One end of a bolt that clamps the part: a force towards the centre of its other end, spread evenly. The forces of
+    /// both ends lie on one line, so that they cancel each other.
     Clamp {
         /// The surface below the head or the nut.
         on: Selection,
-        /// That of the other end.
+        /// The surface below the other end.
         towards: Selection,
         /// The tension of the bolt, N.
         total_n: f64,
@@ -203,18 +203,18 @@ pub enum Action {
         /// Speed, rad/s.
         rad_s: f64,
     },
-    /// Tractions of another mesh of the part, carried over with their force and moment.
+    /// Tractions given on another mesh of the part, transferred so that their resultant force and moment are kept.
     Carried {
         /// The piece of the surface.
         on: Selection,
-        /// What acts there.
+        /// The tractions that act there.
         traction: PatchTraction,
     },
     /// Forces at points of the surface.
     Points {
         /// The points.
         on: Selection,
-        /// Each point, mm, and its force, N.
+        /// Each point, mm, with the force that acts on it, N.
         forces: Arc<Vec<(DVec3, DVec3)>>,
     },
     /// An acceleration of the whole part: gravity is (0, 0, -9810).
@@ -257,7 +257,7 @@ impl Action {
         }
     }
 
-    /// Whether only the analysis of a solid takes the load.
+    /// Whether the load can be solved for a solid only, not for a plate.
     pub fn is_for_solids(&self) -> bool {
         match self {
             Self::Bearing { .. }
@@ -276,14 +276,14 @@ impl Action {
     /// Whether the load leaves a plate in the xy plane flat: a force in the plane, a moment about
     /// z, any pressure on the plate's edge. Components up to 1e-9 of the vector count as rounding.
     pub fn is_in_plane(&self) -> bool {
-        // Source: derived: turning a vector about several axes rounds its components by about 1e-15
-        // of its length; 1e-9 is far above that and far below any load that matters.
+        // Source: derived: turning a vector about several axes changes its components by rounding errors
+        // of about 1e-15 of its length; 1e-9 is far above that and far below any load that matters.
         const ROUNDING: f64 = 1e-9;
         let flat = |v: &DVec3| v.z.abs() <= ROUNDING * v.length();
         match self {
             Self::Force { total_n: v, .. } | Self::Acceleration { mm_s2: v } => flat(v),
             Self::Pressure { .. } => true,
-            // These are solved as solids.
+            // Parts with these loads are solved as solids.
             Self::Bearing { .. }
             | Self::Torque { .. }
             | Self::RemoteForce { .. }
@@ -304,7 +304,7 @@ impl LoadCase {
 }
 
 impl BoundaryConditions {
-    /// Every selection that a fixture or a load of any case names; the rest of the surface is free.
+    /// The selections of all fixtures and of the loads of all cases. The surface outside them is free.
     pub fn places(&self) -> impl Iterator<Item = &Selection> {
         let loads = self.cases.iter().flat_map(|case| &case.loads);
         self.fixtures.iter().map(|fixture| &fixture.on).chain(loads.filter_map(|load| load.action.on()))
@@ -316,7 +316,7 @@ impl BoundaryConditions {
         self.fixtures.iter().map(|f| (f.name.as_str(), &f.on)).chain(loads)
     }
 
-    /// Whether a fixture holds in a way that a plate does not know: along turned axes, or at places of another mesh.
+    /// Whether a fixture holds in a way that plates do not support: along turned axes, or at places given by another mesh.
     pub fn are_held_in_space(&self) -> bool {
         let is = |f: &Fixture| {
             let is_turned = matches!(f.held, Held::Turned { .. });
@@ -328,7 +328,7 @@ impl BoundaryConditions {
     /// The index of the case with the largest weight, the first of equal ones; `None` without cases.
     pub fn heaviest_case(&self) -> Option<usize> {
         let by_weight = |a: &usize, b: &usize| self.cases[*a].weight.total_cmp(&self.cases[*b].weight);
-        // `max_by` takes the last of equal values; in reverse order that is the first case.
+        // `max_by` returns the last of equal values; on the reversed list that is the first case.
         (0..self.cases.len()).rev().max_by(by_weight)
     }
 

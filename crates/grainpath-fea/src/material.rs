@@ -20,7 +20,7 @@ pub struct Orthotropic {
     pub g_mpa: [f64; 3],
 }
 
-/// Elastic constants of a material that would release energy under load.
+/// The error for elastic constants with which a material would release energy under load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the elastic constants are not those of a stable material")]
 pub struct Unstable;
@@ -49,8 +49,8 @@ impl Orthotropic {
         if !all.clone().all(|m| *m > 0.0 && m.is_finite()) || !invert3(&mut s) {
             return Err(Unstable);
         }
-        // Sylvester's criterion: all leading minors positive. Poisson's ratios that are each
-        // plausible may still be impossible together.
+        // Sylvester's criterion: all leading minors are positive. Poisson's ratios may violate it
+        // together although each of them is plausible.
         let minors = [s[0][0], s[0][0] * s[1][1] - s[0][1] * s[1][0]];
         if !(minors[0] > 0.0 && minors[1] > 0.0 && determinant3(&s) > 0.0) {
             return Err(Unstable);
@@ -70,7 +70,7 @@ impl Orthotropic {
     /// [`Unstable`] when the constants do not make a positive definite matrix.
     pub fn plane_stress(&self, angle_rad: f64) -> Result<[[f64; 3]; 3], Unstable> {
         let c = self.stiffness()?;
-        // Static condensation: the strain across the layer is whatever makes the stress zz vanish.
+        // Static condensation: the strain zz across the layer is eliminated by the condition that the stress zz is zero.
         let condensed = |i: usize, j: usize| c[i][j] - c[i][2] * c[2][j] / c[2][2];
         let (c11, c12, c22, c66) = (condensed(0, 0), condensed(0, 1), condensed(1, 1), c[3][3]);
         Ok(rotated_plane(&[[c11, c12, 0.0], [c12, c22, 0.0], [0.0, 0.0, c66]], angle_rad))
@@ -81,7 +81,7 @@ impl Orthotropic {
 /// engineering strains.
 pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     let (s, k) = sin_cos(angle_rad);
-    // Stresses in x, y from those in the material's axes.
+    // The matrix `T`: stresses in the axes x, y from stresses in the material's axes.
     let t = [[k * k, s * s, -2.0 * s * k], [s * s, k * k, 2.0 * s * k], [s * k, -s * k, k * k - s * s]];
     let mut out = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -96,12 +96,12 @@ pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     out
 }
 
-/// A strain xx, yy, xy along and across an axis at this angle; shear is engineering strain.
+/// The strain xx, yy, xy in axes turned by this angle in the layer; shear is engineering strain.
 pub fn plane_strain_along(strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
     turned_strain(strain, sin_cos(angle_rad))
 }
 
-/// A strain xx, yy, zz, xy, yz, zx in axes turned about z by this angle; shear is engineering strain.
+/// The strain xx, yy, zz, xy, yz, zx in axes turned about z by this angle; shear is engineering strain.
 pub fn strain_along([xx, yy, zz, xy, yz, zx]: [f64; 6], angle_rad: f64) -> [f64; 6] {
     let (s, c) = sin_cos(angle_rad);
     let [along, across, shear] = turned_strain([xx, yy, xy], (s, c));
@@ -120,7 +120,8 @@ fn turned_strain([xx, yy, xy]: [f64; 3], (s, c): (f64, f64)) -> [f64; 3] {
 /// strains.
 pub fn rotated_about_z(c: &Stiffness, angle_rad: f64) -> Stiffness {
     let (s, k) = sin_cos(angle_rad);
-    // Stresses in x, y, z from those in the material's axes; order xx, yy, zz, xy, yz, zx.
+    // The matrix `T`: stresses in the axes x, y, z from stresses in the material's axes, in the
+    // order xx, yy, zz, xy, yz, zx.
     let t = [
         [k * k, s * s, 0.0, -2.0 * s * k, 0.0, 0.0],
         [s * s, k * k, 0.0, 2.0 * s * k, 0.0, 0.0],

@@ -12,7 +12,7 @@ use grainpath_core::DVec3;
 /// A load or a reaction as one force and one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resultant {
-    /// The load or fixture: "load 1".
+    /// Name of the load or fixture, such as "load 1".
     pub name: String,
     /// Area of the selected faces, mm2; 0 for loads on the volume.
     pub area_mm2: f64,
@@ -87,8 +87,8 @@ impl CaseBalance {
                 .fold((DVec3::ZERO, 0.0), |(sum, size), r| (sum + vectors(r), size + vectors(r).length()));
             if size > 0.0 { sum.length() / size } else { 0.0 }
         };
-        // Moments are compared with forces times their arms as well, because all moments about this
-        // point may be near zero.
+        // Moments are also compared with the sum of forces times lever arms, because all moments
+        // about this point may be near zero.
         let arm = all().map(|r| r.centroid_mm.distance(point)).fold(0.0, f64::max);
         let (moment, size) = all().fold((DVec3::ZERO, 0.0), |(sum, size), r| {
             let about = r.moment_about_nmm(point);

@@ -1,4 +1,4 @@
-//! Symmetric positive definite systems with few entries a row: Cholesky factors column by column.
+//! Solves symmetric positive definite systems with few entries a row, by Cholesky factors stored by columns.
 //!
 //! Method: the unknowns are ordered so that the factor stays sparse, by the caller (nested dissection of a mesh) or by
 //! approximate minimum degree (`amestoy1996` in docs/references.bib). The elimination tree gives the pattern of the factor
@@ -33,8 +33,8 @@ pub enum SparseError {
     Interrupted(#[from] grainpath_core::diagnostics::Interrupted),
 }
 
-/// A symmetric matrix, its lower half by columns: `rows[starts[j]..starts[j + 1]]` rise from the
-/// diagonal `j`.
+/// A symmetric matrix; its lower triangle is stored by columns. The rows of column `j`,
+/// `rows[starts[j]..starts[j + 1]]`, are ascending from the diagonal.
 #[derive(Debug, Clone, Default)]
 pub struct Symmetric {
     /// `(n + 1)`
@@ -74,8 +74,8 @@ pub struct Cholesky {
     order: Vec<u32>,
     /// The place at which each unknown is eliminated, `(n)`.
     place: Vec<u32>,
-    /// The elimination tree: the first place below the diagonal of each column that has an entry, `(n)`; [`NO_PARENT`]
-    /// for roots.
+    /// The elimination tree: for each column the row of its first entry below the diagonal, `(n)`; [`NO_PARENT`] for
+    /// roots.
     parents: Vec<u32>,
     /// Columns of the factor, `(n + 1)`.
     starts: Vec<usize>,
@@ -88,13 +88,13 @@ const NO_PARENT: u32 = u32::MAX;
 
 impl Cholesky {
     /// Factors a positive definite matrix. `order`, where given, is the order of elimination. The
-    /// factor's size is known before memory is taken, and a size above `max_mib` is refused.
+    /// size of the factor is known before memory is allocated; a size above `max_mib` is an error.
     ///
     /// # Errors
     /// [`SparseError`] when the factor would be too large or the matrix is not positive definite.
     pub fn new(a: &Symmetric, order: Option<&[usize]>, max_mib: f64) -> Result<Self, SparseError> {
         let n = a.n();
-        // Places are numbers of 32 bits; a matrix with more rows does not fit into any memory limit.
+        // Row numbers have 32 bits; a matrix with more rows does not fit into any memory limit.
         if n >= NO_PARENT as usize {
             return Err(SparseError::Memory { needed_mib: f64::INFINITY, limit_mib: max_mib });
         }
@@ -137,11 +137,11 @@ impl Cholesky {
                 x[above.rows[entry] as usize] = above.values[entry];
             }
             let mut pivot = std::mem::take(&mut x[k]);
-            // Columns come before their ancestors in the tree, so `x[j]` is final when its turn comes.
+            // A column comes before its ancestors in the tree, so `x[j]` is final when column `j` is processed.
             for &j in walk.reach(above, &self.parents, k) {
                 let (start, end) = (self.starts[j as usize], next[j as usize]);
                 let value = std::mem::take(&mut x[j as usize]) * self.values[start].recip();
-                // Entries below row `k` are not there yet: `end` is where this row's entry goes.
+                // Entries below row `k` are not computed yet. `end` is the position of the entry in row `k`.
                 for (&i, &entry) in self.rows[start + 1..end].iter().zip(&self.values[start + 1..end]) {
                     x[i as usize] -= entry * value;
                 }
@@ -149,7 +149,7 @@ impl Cholesky {
                 self.values[end] = value;
                 next[j as usize] += 1;
             }
-            // A pivot that is no number is refused as well.
+            // A pivot that is NaN is an error as well.
             if pivot.is_nan() || pivot <= 0.0 {
                 return Err(SparseError::Singular);
             }
@@ -163,14 +163,14 @@ impl Cholesky {
         self.values.len() * BYTES_PER_ENTRY
     }
 
-    /// Solves for one right side in place.
+    /// Solves for one right-hand side in place.
     pub fn solve(&self, x: &mut [f64]) {
         let column = |j: usize| {
             let range = self.starts[j] + 1..self.starts[j + 1];
             (self.values[self.starts[j]].recip(), &self.rows[range.clone()], &self.values[range])
         };
         let mut y: Vec<f64> = self.order.iter().map(|&i| x[i as usize]).collect();
-        // Forward with the columns of `L`, then back with them as the rows of its transpose.
+        // Forward substitution uses the columns of `L`, back substitution the same columns as rows of its transpose.
         for j in 0..y.len() {
             let (inverse, rows, values) = column(j);
             let value = y[j] * inverse;
@@ -196,7 +196,7 @@ fn minimum_degree(a: &Symmetric) -> Vec<u32> {
     // The library takes signed numbers.
     let starts: Vec<i64> = a.starts.iter().map(|&start| start as i64).collect();
     let rows: Vec<i64> = a.rows.iter().map(|&row| row as i64).collect();
-    // Any order gives a right factor: where the library refuses the pattern, the unknowns keep theirs.
+    // Any order gives a correct factor. If the library rejects the pattern, the unknowns keep their own order.
     amd::order(a.n() as i64, &starts, &rows, &amd::Control::default()).map_or_else(
         |_| (0..a.n() as u32).collect(),
         |(order, _, _)| order.into_iter().map(|i| i as u32).collect(),
@@ -222,7 +222,7 @@ impl Above {
         let mut counts = vec![0; n];
         (0..n).flat_map(&entries).for_each(|(_, column, _)| counts[column as usize] += 1);
         let starts = running_sums(&counts);
-        // Entries are put at the next free place of their column, in the order of the matrix.
+        // Each entry is put at the next free position of its column, in the order of the matrix.
         let mut next = starts.clone();
         let (mut rows, mut values) = (vec![0; a.rows.len()], vec![0.0; a.rows.len()]);
         for (row, column, value) in (0..n).flat_map(&entries) {
@@ -250,7 +250,7 @@ impl Above {
         for k in 0..n {
             seen[k] = k as u32;
             for entry in self.column(k) {
-                // An entry fills the row in all ancestors of its column, up to one that is filled already.
+                // An entry fills its row in all ancestors of its column, up to the first that is filled already.
                 let mut i = self.rows[entry] as usize;
                 while seen[i] != k as u32 {
                     seen[i] = k as u32;
@@ -284,7 +284,7 @@ impl Above {
 
 /// Finds the entries of a row of the factor.
 struct TreeWalk {
-    /// The row in which each column was found last.
+    /// For each column, the last row in which it was found.
     seen: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -308,7 +308,7 @@ impl TreeWalk {
                 length += 1;
                 i = parents[i as usize];
             }
-            // The path was found from the leaf up and stands before the paths of earlier entries, which may be its ancestors.
+            // The path was found from the leaf up. It goes before earlier paths, which may contain its ancestors.
             self.stack.copy_within(..length, top - length);
             top -= length;
         }
@@ -316,7 +316,7 @@ impl TreeWalk {
     }
 }
 
-/// Where each of several runs begins, and where the last one ends.
+/// Start of each of several consecutive runs of these lengths, and the end of the last one.
 fn running_sums(counts: &[usize]) -> Vec<usize> {
     let sums = counts.iter().scan(0, |sum, count| {
         *sum += count;

@@ -1,4 +1,4 @@
-//! How long a program takes: speed profiles of moves with limits at the corners between them, as firmware plans them.
+//! Estimates how long a program takes, from speed profiles with limits at corners, as firmware plans them.
 //!
 //! Every move is a trapezoid: it accelerates, cruises and brakes. Look-ahead joins the trapezoids at corner speeds
 //! ([`Corner`]): a backward pass finds how fast each move may begin so that the moves after it can still brake, a forward
@@ -20,7 +20,7 @@ pub enum Corner {
     Jerk([f64; 4]),
     /// Junction deviation, mm (Marlin 2).
     Deviation(f64),
-    /// Speed at a right angle, mm/s (Klipper).
+    /// Square corner velocity: the speed allowed at a right angle, mm/s (Klipper).
     SquareCorner(f64),
 }
 
@@ -33,12 +33,12 @@ pub struct Limits {
     pub acceleration_mm_s2: f64,
     /// Acceleration of travels, mm/s2.
     pub travel_acceleration_mm_s2: f64,
-    /// Acceleration of moves of the filament alone, mm/s2.
+    /// Acceleration of moves that turn only the filament drive, mm/s2.
     pub retract_acceleration_mm_s2: f64,
     /// Limit at corners.
     pub corner: Corner,
-    /// Share of every run of moves that must be cruised, from 0 (included) to 1 (excluded); 0 for firmware without such
-    /// a rule. Klipper's `minimum_cruise_ratio`.
+    /// Least share of every run of moves that is driven at constant speed, from 0 (included) to 1 (excluded); 0 for
+    /// firmware without such a rule. Klipper's `minimum_cruise_ratio`.
     pub min_cruise_ratio: f64,
     /// Length of the straight pieces into which firmware divides G2 and G3, mm.
     pub arc_segment_mm: f64,
@@ -88,7 +88,7 @@ struct Block {
 }
 
 impl Block {
-    /// Whether the head moves, not the filament alone.
+    /// Whether the print head moves; false for moves of the filament alone.
     fn moves_head(&self) -> bool {
         self.unit[..3].iter().any(|u| u.abs() > 1e-9)
     }
@@ -111,13 +111,14 @@ pub struct TimeEstimator {
     queue: VecDeque<Block>,
     /// Speed at the beginning of the first block of the queue.
     entry: f64,
-    /// The same of the profile with the virtual acceleration.
+    /// The same speed in the profile with the virtual acceleration.
     smooth_entry: f64,
     done_s: f64,
 }
 
-/// Moves that are planned together. When that many are waiting, the older half is final. Source: Marlin looks
-/// ahead by 16 moves (`marlin-docs`, BLOCK_BUFFER_SIZE); with more moves the estimate changes only where a ramp spans all of them.
+/// Moves that are planned together. With that many waiting, the times of the older half become final. Source: Marlin looks
+/// ahead by 16 moves (`marlin-docs`, BLOCK_BUFFER_SIZE); with more moves the estimate changes only where a ramp spans all of
+/// them.
 const LOOK_AHEAD: usize = 256;
 
 impl TimeEstimator {
@@ -141,15 +142,15 @@ impl TimeEstimator {
     pub fn push(&mut self, m: &Move) {
         let [x, y, z, e] = m.delta_mm;
         let travel = (x * x + y * y + z * z).sqrt();
-        // As in firmware, the speed of a move with travel is that of the nozzle, and E follows; a move of
-        // E alone has E's speed.
+        // As in firmware, the speed of a move with travel is that of the nozzle, and the filament
+        // follows; a move of E alone uses the speed for E.
         let length = if travel > 1e-9 { travel } else { e.abs() };
         if !(length > 1e-9 && length.is_finite() && m.speed_mm_s > 0.0) {
             return;
         }
         let unit = m.delta_mm.map(|d| d / length);
         let mut speed = m.speed_mm_s;
-        // An axis moves with its share of the speed, and none may exceed its own limit.
+        // Each axis moves with its component of the speed, which must not exceed the limit of the axis.
         for (u, max) in unit.iter().zip(self.limits.max_speed_mm_s) {
             if u.abs() > 1e-9 {
                 speed = speed.min(max / u.abs());
@@ -189,8 +190,8 @@ impl TimeEstimator {
     /// Highest speed at which a move may begin from rest or end at rest.
     fn rest_speed(&self, unit: &[f64; 4]) -> f64 {
         match self.limits.corner {
-            // Marlin allows half the jerk from rest: the axis changes between 0 and the speed, not
-            // between two opposite ones.
+            // From rest, Marlin allows half the jerk: the axis changes from 0 to its speed instead
+            // of between two opposite speeds.
             Corner::Jerk(jerk) => within(unit, &jerk, 0.5),
             _ => 0.0,
         }
@@ -251,7 +252,7 @@ impl TimeEstimator {
             // The peak speed of the triangle profile without a speed limit.
             let peak = (0.5 * (v0 * v0 + v1 * v1) + a * b.length).sqrt();
             let top = peak.min(b.speed).max(v0.max(v1));
-            // Both ramps together; what is left of the length is driven at the top speed.
+            // Length of both ramps together; the rest of the length is driven at the top speed.
             let ramps = (top * top - v0 * v0 + top * top - v1 * v1) / (2.0 * a);
             self.done_s += (2.0 * top - v0 - v1) / a + (b.length - ramps).max(0.0) / top;
             self.entry = v1;
@@ -261,8 +262,8 @@ impl TimeEstimator {
         }
     }
 
-    /// Lowers the speed of every move to the peak of its run under the virtual acceleration; the first `n` moves are
-    /// about to be settled.
+    /// Lowers the speed of every move to the peak speed that its run reaches with the virtual acceleration. The
+    /// first `n` moves are about to become final.
     ///
     /// ```text
     /// speed   ____            ____     asked for
@@ -284,7 +285,8 @@ impl TimeEstimator {
             corner[i + 1] = corner[i + 1].min(corner[i] + gain);
             peaks.push((0.5 * (corner[i] + corner[i + 1] + gain)).min(b.speed * b.speed));
         }
-        // A move that accelerates, or brakes, all along belongs to the run that peaks after, or before, it.
+        // A move that accelerates over its whole length belongs to the run whose peak follows it; one that brakes over
+        // its whole length belongs to the run whose peak precedes it.
         let steps = |i: usize| 2.0 * self.queue[i].smooth_acceleration * self.queue[i].length * (1.0 - 1e-9);
         for i in (0..k.saturating_sub(1)).rev() {
             if corner[i + 1] - corner[i] >= steps(i) {
@@ -316,8 +318,8 @@ fn within(change: &[f64; 4], jerk: &[f64; 4], share: f64) -> f64 {
     allowed.fold(f64::INFINITY, f64::min)
 }
 
-/// The speed on the circle through a corner that stays within `d` of it. Source: the junction deviation
-/// of Grbl and Marlin.
+/// The speed on the circle that rounds a corner and stays within `d` of it. Source: the junction
+/// deviation of Grbl and Marlin.
 fn deviation_speed(before: &Block, unit: &[f64; 4], acceleration: f64, d: f64) -> f64 {
     let cos = -(0..3).map(|k| before.unit[k] * unit[k]).sum::<f64>();
     // A straight continuation has no corner; the formula would divide by zero.
@@ -329,10 +331,10 @@ fn deviation_speed(before: &Block, unit: &[f64; 4], acceleration: f64, d: f64) -
     (acceleration * d * sin_half / (1.0 - sin_half)).sqrt()
 }
 
-/// The speed of a circle through the corner that touches both moves no farther away than their middles. `reach` is the
-/// smaller of length times acceleration of the two moves, mm²/s².
+/// The speed on the circle that rounds a corner and touches both moves at their middles or nearer to the corner.
+/// `reach` is the smaller of length times acceleration of the two moves, mm²/s².
 ///
-/// A circle of radius R touches moves that meet at the angle t at a distance of R / tan(t / 2) from the corner.
+/// A circle of radius R touches two moves with the angle t between them at R / tan(t / 2) from the corner.
 fn half_move_speed(before: &Block, unit: &[f64; 4], reach: f64) -> f64 {
     let cos = -(0..3).map(|k| before.unit[k] * unit[k]).sum::<f64>();
     let (sin_half, cos_half) = ((0.5 * (1.0 - cos)).max(0.0).sqrt(), (0.5 * (1.0 + cos)).max(0.0).sqrt());
@@ -344,8 +346,8 @@ fn half_move_speed(before: &Block, unit: &[f64; 4], reach: f64) -> f64 {
 
 /// The straight pieces into which firmware divides an arc of this length; at least one.
 pub(crate) fn arc_pieces(length_mm: f64, arc_segment_mm: f64) -> usize {
-    // No arc has more pieces: bounds the work on hostile programs.
-    // Source: derived. A turn of 1 m radius in pieces of 0.3 mm has as many.
+    // Largest number of pieces of an arc. It bounds the work on hostile programs. Source: derived.
+    // A full circle of 1 m radius in pieces of 0.3 mm has about as many.
     const MAX_PIECES: f64 = 20_000.0;
     (length_mm / arc_segment_mm.max(1e-3)).clamp(1.0, MAX_PIECES) as usize
 }

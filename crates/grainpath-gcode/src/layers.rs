@@ -1,4 +1,4 @@
-//! Beads, and the layer that each belongs to: by the marks that slicers write, or by height.
+//! Groups beads into layers: by the layer marks that slicers write, or by height.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +16,12 @@ pub struct Bead {
     pub volume_mm3: f32,
     /// Requested speed, mm/s.
     pub speed_mm_s: f32,
-    /// Role; outer wall where the program does not state one.
+    /// Role of the bead; outer wall if the program does not state a role.
     pub role: Role,
     /// Whether a path begins with this bead.
     pub starts: bool,
-    /// How far its lower and its upper end lie above those of its layer, mm; 0 but for staggered walls of our own
-    /// programs.
+    /// How far its lower and its upper edge lie above those of its layer, mm. They differ from 0 only for
+    /// staggered walls in our own programs.
     pub raise_mm: [f32; 2],
 }
 
@@ -36,13 +36,13 @@ impl Bead {
         DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
     }
 
-    /// Its own height in a layer of this height, mm.
+    /// The height of this bead in a layer of the given height, mm.
     pub fn height_mm(&self, layer_mm: f64) -> f64 {
         let [bottom, top] = self.raise_mm.map(f64::from);
         layer_mm + top - bottom
     }
 
-    /// Full width of the stadium in a layer of this height, mm.
+    /// Full width of the bead's stadium-shaped section in a layer of the given height, mm.
     pub fn width_mm(&self, layer_mm: f64) -> f64 {
         let height_mm = self.height_mm(layer_mm).max(1e-3);
         let length = self.start().distance(self.end()).max(1e-9);
@@ -83,7 +83,7 @@ pub(crate) enum LayerMark {
 }
 
 impl LayerMark {
-    /// The mark that this comment is, if it is one.
+    /// The layer mark that this comment is; `None` for any other comment.
     pub(crate) fn from_comment(comment: &str) -> Option<Self> {
         let number_after = |head: &str| {
             let rest = comment.get(..head.len()).filter(|h| h.eq_ignore_ascii_case(head));
@@ -102,22 +102,23 @@ impl LayerMark {
     }
 }
 
-/// A height in tenths of a micrometre.
+/// A height rounded to tenths of a micrometre, to serve as a key.
 fn key(z_mm: f64) -> i64 {
     (z_mm * 1e4).round() as i64
 }
 
-/// What is printed after a mark, by height.
+/// Everything that is printed after one mark, grouped by height.
 #[derive(Default)]
 struct Marked {
-    /// The layer's parts: one a height.
+    /// The parts of the layer, one for each height.
     parts: Vec<(i64, BeadLayer)>,
     /// Length printed at each height, mm.
     printed_mm: BTreeMap<i64, f64>,
 }
 
 impl Marked {
-    /// The height at which most is printed; where no height has half of the length, as in a spiral, the highest.
+    /// The height with the greatest printed length; the highest one if no height has half of the whole length, as in a
+    /// spiral.
     fn height(&self) -> Option<i64> {
         let whole: f64 = self.printed_mm.values().sum();
         let most = self.printed_mm.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))?;
@@ -130,14 +131,14 @@ impl Marked {
 pub(crate) struct LayerCollector {
     /// The kind of mark that counts: the first that was found.
     kind: Option<LayerMark>,
-    /// What comes before the first mark (a priming line) is the first.
+    /// The first entry is what is printed before the first mark, such as a priming line.
     marked: Vec<Marked>,
     /// Whether nothing was printed before the first mark.
     starts_marked: bool,
 }
 
 impl LayerCollector {
-    /// Notes a mark.
+    /// Begins a new layer at a mark, if it is of the kind that counts.
     pub(crate) fn mark(&mut self, kind: LayerMark) {
         self.starts_marked |= self.kind.is_none() && self.marked.is_empty();
         if *self.kind.get_or_insert(kind) == kind {
@@ -158,10 +159,10 @@ impl LayerCollector {
         *self.current().printed_mm.entry(key(z_mm)).or_default() += length_mm;
     }
 
-    /// What is printed at a height of the current layer.
+    /// The part of the current layer at a height.
     pub(crate) fn layer_at(&mut self, z_mm: f64) -> &mut BeadLayer {
         let parts = &mut self.current().parts;
-        // Heights change seldom, and a spiral never comes back to one.
+        // Only the last part is compared: heights change seldom, and a spiral never returns to an earlier one.
         if parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
             parts.push((key(z_mm), BeadLayer::default()));
         }
@@ -169,7 +170,7 @@ impl LayerCollector {
         &mut parts[last].1
     }
 
-    /// Moves what is printed before the first mark into the first layer; the height of that layer stays.
+    /// Moves everything printed before the first mark into the first layer, whose height stays the same.
     fn join_priming(&mut self) {
         if self.starts_marked {
             return;

@@ -1,5 +1,5 @@
-//! Properties of printer, material and speeds that the writer needs. They are plain numbers; the planner
-//! decides where they come from.
+//! Properties of printer and material and the speeds, as the writer needs them. They are plain numbers;
+//! the planner decides where they come from.
 
 use grainpath_core::{Role, SpeedClass};
 
@@ -26,7 +26,7 @@ pub struct Machine {
     pub nozzle_mm: f64,
     /// Diameter of the filament, mm.
     pub filament_mm: f64,
-    /// Room for a print: x, y, z, mm.
+    /// Build volume: x, y, z, mm.
     pub bed_mm: [f64; 3],
     /// Whether x = y = 0 is the middle of the bed; else its front left corner.
     pub origin_at_centre: bool,
@@ -41,7 +41,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Lowest and highest corner that a nozzle can reach, in x and y.
+    /// Lowest and highest point in x and y that a nozzle can reach.
     pub fn bed_bounds_mm(&self) -> ([f64; 2], [f64; 2]) {
         let [x, y, _] = self.bed_mm;
         if self.origin_at_centre { ([-0.5 * x, -0.5 * y], [0.5 * x, 0.5 * y]) } else { ([0.0; 2], [x, y]) }
@@ -104,9 +104,9 @@ impl Speeds {
 pub struct Cooling {
     /// Fan speed in layers that take long, 0 to 1.
     pub fan_min: f64,
-    /// Fan speed in short layers.
+    /// Fan speed in layers that take a short time, 0 to 1.
     pub fan_max: f64,
-    /// Fan speed over air.
+    /// Fan speed while beads are laid over air, 0 to 1.
     pub fan_bridge: f64,
     /// Lowest fan speed while support is printed.
     pub fan_support: f64,
@@ -114,9 +114,9 @@ pub struct Cooling {
     pub fan_off_layers: usize,
     /// Layers that take less time are slowed down, s.
     pub min_layer_time_s: f64,
-    /// Layers that take less time get more than the lowest fan speed, s.
+    /// In layers that take less time than this, s, the fan runs faster than its lowest speed.
     pub fan_below_layer_time_s: f64,
-    /// Speed below which layers are not slowed down, mm/s.
+    /// Layers are not slowed down below this speed, mm/s.
     pub min_speed_mm_s: f64,
 }
 
@@ -152,7 +152,7 @@ pub struct Material {
     pub flow: f64,
     /// Pressure or linear advance, in the firmware's unit.
     pub pressure_advance: Option<f64>,
-    /// Highest volume flow that the nozzle melts, mm3/s.
+    /// Highest volume flow that the hot end can melt, mm3/s.
     pub max_volumetric_mm3_s: f64,
 }
 

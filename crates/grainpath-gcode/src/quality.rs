@@ -2,15 +2,15 @@
 //!
 //! # Method
 //! Each bead is a capsule: a straight piece with round ends. A scan line crosses each capsule in one
-//! interval and the section in some intervals. Covered and uncovered lengths on the line are exact, and
-//! the sum over evenly spaced lines approximates the area. Lines are oblique, so that no infill runs
-//! along them.
+//! interval, and the section of the part in one or more intervals. Covered and uncovered lengths on the
+//! line are exact, and the sum over evenly spaced lines approximates the area. Lines are oblique, so
+//! that no infill runs along them.
 //!
-//! The overlap is the volume of the beads over the layer's height, less the covered area. The sides of a
-//! bead are round: a bead of width `w` covers `w` in plan, but its volume fills only `w - h (1 - pi/4)` of
-//! the layer's height `h`. In dense fill neighbours cover each other by this difference and the overlap of
-//! an exact fill is 0. A bead without neighbours has no such excess, so for sparse fill the difference is
-//! below zero. Then nothing is laid twice on the whole, and the overlap is stated as 0.
+//! The overlap is the volume of the beads divided by the layer's height, minus the covered area. The sides
+//! of a bead are round: a bead of width `w` covers `w` in plan, but its volume fills only `w - h (1 - pi/4)`
+//! of the layer's height `h`. In dense fill neighbours cover each other by this difference and the overlap
+//! of an exact fill is 0. A bead without neighbours has no such excess, so for sparse fill the difference is
+//! below zero. The overlap is then stated as 0, because on the whole nothing is laid twice.
 //!
 //! # Units, cost and limits
 //! Lengths in mm; results are shares of the part's area. The cost is that of sorting the crossings, about
@@ -30,7 +30,7 @@ use crate::simulate::Program;
 pub struct Quality {
     /// Share of the part that no bead covers.
     pub gap: f64,
-    /// Volume of the beads over the layer's height, beyond the area that they cover; at least 0.
+    /// Volume of the beads divided by the layer's height, minus the area that they cover; at least 0.
     pub overlap: f64,
     /// Area of beads outside the part.
     pub spill: f64,
@@ -44,8 +44,8 @@ pub struct Quality {
     pub layers: usize,
 }
 
-/// Direction of the scan lines, rad (31.7 degrees). Source: derived. No common raster angle is near: lines along beads
-/// would see all of a gap or nothing of it.
+/// Direction of the scan lines, rad (31.7 degrees). Source: derived. No common raster angle is near it: a line along
+/// the beads would see either a whole gap or none of it.
 const ASLANT_RAD: f64 = 0.5533;
 /// Approximate number of crossings that are computed in a layer. The error of the area falls with the
 /// line spacing; more crossings cost time in proportion.
@@ -79,12 +79,12 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
         q.gap += (a.part - a.inside) / part;
         q.spill += (a.union - a.inside) / part;
         q.overlap += (a.beads - a.union) / part;
-        // The share of a tip smaller than 1 mm2 is dominated by the width of a bead.
+        // In a tip of at most 1 mm2 the width of a single bead dominates the share, so the worst gap leaves it out.
         if a.part > 1.0 {
             q.worst_layer_gap = q.worst_layer_gap.max(1.0 - a.inside / a.part);
         }
     }
-    // Sparse fill lays less than it covers (see the module's text); gap and spill can be below zero by rounding.
+    // Sparse fill has a negative overlap (see the module's text); rounding can make gap and spill slightly negative.
     [q.gap, q.overlap, q.spill] =
         [q.gap, q.overlap, q.spill].map(|share| if share > 0.0 { share } else { 0.0 });
     q
@@ -99,7 +99,7 @@ struct Areas {
     inside: f64,
 }
 
-/// The volume that a bead has in a layer of this height, if it goes on above and below as it is, mm3.
+/// The volume of a bead, scaled from the bead's own height to the height of the layer, mm3.
 fn in_layer(bead: &Bead, layer_mm: f64) -> f64 {
     let volume = f64::from(bead.volume_mm3);
     if bead.raise_mm == [0.0; 2] { volume } else { volume * layer_mm / bead.height_mm(layer_mm).max(1e-3) }
@@ -121,7 +121,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         .collect();
     // The number of crossings is the total height of the beads over the spacing of lines.
     let tall: f64 = beads.iter().map(|(a, b, r)| (a.y - b.y).abs() + 2.0 * r).sum();
-    // At most 0.3 mm, so that thin gaps are met; at least 0.01 mm, below which f32 positions blur.
+    // At most 0.3 mm, so that lines meet thin gaps; at least 0.01 mm, because f32 positions are too coarse below that.
     let step = (tall / CROSSINGS).clamp(0.01, 0.3);
     let mut areas = Areas {
         part: section.area_mm2(),
@@ -157,7 +157,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
         for row in row_range(lo.y, hi.y) {
             let y = low + (row as f64 + 0.5) * step;
-            // Half-open, so that a line leaves every contour that it enters.
+            // The interval is half-open, so that a line that enters a contour also leaves it.
             if lo.y <= y && y < hi.y {
                 borders[row].push((lo.x + (y - lo.y) / (hi.y - lo.y) * (hi.x - lo.x)) as f32);
             }
@@ -172,7 +172,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         areas.inside += inside * step;
         part += border.chunks_exact(2).map(|p| f64::from(p[1] - p[0])).sum::<f64>() * step;
     }
-    // The scan lines' own error in the area of the part must not appear as a gap or spill.
+    // The area of the part as the scan lines see it has an error, which must not appear as a gap or spill.
     if part > 0.0 {
         let exact = areas.part / part;
         areas.inside *= exact;
@@ -209,7 +209,7 @@ fn capsule(a: DVec2, b: DVec2, r: f64, y: f64) -> Option<(f64, f64)> {
     (lo < hi).then_some((lo, hi))
 }
 
-/// Length of the union of sorted intervals, and the part of it that lies between pairs of borders.
+/// Length of the union of sorted intervals, and the part of it that lies within pairs of borders.
 fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
     let (mut union, mut inside) = (0.0, 0.0);
     let mut pairs = borders.chunks_exact(2).peekable();
@@ -247,7 +247,7 @@ fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
 /// Widths at 1, 50 and 99 % of the printed length.
 fn widths(layers: &[&BeadLayer]) -> [f64; 3] {
     let widths_and_lengths = |l: &&BeadLayer| -> Vec<(f64, f64)> {
-        // Very short beads are the ends of paths, whose width is rounding.
+        // Very short beads are the ends of paths; their width is mostly rounding error.
         let long = |b: &&Bead| b.role.is_part() && b.start().distance(b.end()) > 0.05;
         l.beads.iter().filter(long).map(|b| (b.width_mm(l.height_mm), b.start().distance(b.end()))).collect()
     };

@@ -12,7 +12,8 @@ const MAX_WORDS: usize = 16;
 pub struct Line<'a> {
     /// Number of the line, from 1.
     pub number: usize,
-    /// Letter and number times ten of the command: `('G', 10)` for G1, `('G', 292)` for G29.2; `None` for a line without.
+    /// The command as a letter and ten times the number: `('G', 10)` for G1, `('G', 292)` for G29.2; `None` if there is
+    /// none.
     pub command: Option<(u8, u32)>,
     words: [(u8, f64); MAX_WORDS],
     n_words: usize,
@@ -91,8 +92,8 @@ fn parse(line: &[u8], number: usize) -> Line<'_> {
         text,
         broken: false,
     };
-    // Klipper's extended commands begin with a word of two letters or more; their parameters have a
-    // syntax of their own.
+    // Klipper's extended commands begin with a word of two or more letters; the syntax of their
+    // parameters differs from G-code.
     let extended = text.len() > 1 && text[..2].iter().all(|b| b.is_ascii_alphabetic() || *b == b'_');
     if !extended {
         words(text, &mut out);
@@ -106,7 +107,7 @@ fn words(mut rest: &[u8], out: &mut Line<'_>) {
         let Some((&first, after)) = rest.split_first() else { return };
         match first {
             b'(' => {
-                // A comment in parentheses. Without an end it takes the rest of the line.
+                // A comment in parentheses. If the closing one is missing, it takes the rest of the line.
                 rest = after.iter().position(|&b| b == b')').map_or(&[], |end| &after[end + 1..]);
             }
             // `*` begins a checksum; `%` frames programs of CNC machines.
@@ -119,7 +120,7 @@ fn words(mut rest: &[u8], out: &mut Line<'_>) {
                 rest = &after[used..];
                 let letter = letter.to_ascii_uppercase();
                 let Some(value) = value else {
-                    // A letter alone is a flag (`G28 X`); before a text in quotes it names the text.
+                    // A letter without a number is a flag (`G28 X`). Before a quoted text it is the name of that text.
                     push(out, letter, 0.0);
                     continue;
                 };
@@ -158,16 +159,16 @@ fn push(out: &mut Line<'_>, letter: u8, value: f64) {
     }
 }
 
-/// The number after a letter, with the spaces before it, and the number of bytes that both take.
+/// Reads the number after a letter. Returns it with the number of bytes read, leading spaces included.
 fn number(bytes: &[u8]) -> (Option<f64>, usize) {
-    /// Digits before the point that a coordinate can have. A number with more digits is damage; as f64 it
-    /// would lose digits. Source: derived. The largest whole number that fits 64 bits has 19.
+    /// Largest number of digits before the point of a coordinate. A number with more digits counts as damaged;
+    /// as f64 it would lose digits. Source: derived. The largest whole number that fits 64 bits has 19.
     const MAX_WHOLE_DIGITS: usize = 18;
     let space = bytes.iter().take_while(|&&b| b == b' ').count();
     let Some((value, n)) = leading_number(&bytes[space..], Exponent::NotAllowed) else { return (None, 0) };
     let n_whole =
         bytes[space..space + n].iter().skip_while(|b| !b.is_ascii_digit()).take_while(|b| b.is_ascii_digit());
-    // The digits that are left over mark the line as damaged.
+    // Only part of the digits is consumed, so the remaining ones mark the line as damaged.
     if n_whole.count() > MAX_WHOLE_DIGITS {
         (None, space + MAX_WHOLE_DIGITS)
     } else {

@@ -1,19 +1,19 @@
 //! A G-code interpreter: replays a program and collects beads, filament and time.
 //!
 //! The interpreter keeps the position, the feed and the modes (absolute or relative, mm or inch, linear or volumetric E)
-//! of the machine and turns every move into beads or travels. Any bytes are survived; lines that cannot be understood are
-//! counted and the first five are warned of.
+//! of the machine and turns every move into beads or travels. Any bytes are accepted. Lines that cannot be understood are
+//! counted, and the first five cause a warning each.
 //!
 //! *Layers.* Slicers mark where a layer begins: `;LAYER_CHANGE` (PrusaSlicer, SuperSlicer, OrcaSlicer), `; CHANGE_LAYER`
-//! (Bambu Studio), `;LAYER:n` (Cura, ideaMaker), `; layer n` (Simplify3D). The first kind found counts. Without marks,
-//! and where marked layers do not rise (objects printed one after the other), beads are grouped by their height. By height
-//! alone a spiral vase would have thousands of layers.
+//! (Bambu Studio), `;LAYER:n` (Cura, ideaMaker), `; layer n` (Simplify3D). The first kind found counts. Beads are grouped
+//! by their height if there are no marks, or if marked layers do not rise (objects printed one after the other). Marks are
+//! preferred, because by height alone a spiral vase would have thousands of layers.
 //!
 //! *Time.* Moves go through the [`TimeEstimator`], arcs in the pieces into which the firmware divides them.
 //!
-//! Units: mm, mm³, s, in machine coordinates. Memory: 32 bytes a bead. Limits: tools other than the fibre's are not told
-//! apart; conditions and macros of firmware (Klipper's templates, RepRapFirmware's meta G-code) are not run; temperatures
-//! do not take time.
+//! Units: mm, mm³, s, in machine coordinates. Memory: 32 bytes a bead. Limits: all tools except the fibre tool count as
+//! one; conditions and macros of firmware (Klipper's templates, RepRapFirmware's meta G-code) are not run; the time for
+//! heating is not counted.
 
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::{DVec2, Role, Warning, WarningId};
@@ -55,8 +55,9 @@ pub struct Program {
     pub warnings: Vec<Warning>,
 }
 
-/// Diameters that a filament can have, mm. Other numbers are damage or another unit. Source: derived. Filament is
-/// sold with 1.75 and 2.85 mm; a hundredth of a millimetre and ten are three times off and more.
+/// Range of possible filament diameters, mm. Numbers outside it come from damage or another unit. Source: derived.
+/// Filament is sold with 1.75 and 2.85 mm; the limits of 0.01 and 10 mm differ from these by a factor of three and
+/// more.
 const FILAMENTS_MM: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 
 fn section_mm2(diameter_mm: f64) -> f64 {
@@ -78,7 +79,7 @@ pub enum SimulateError {
 /// Replays a program. `filament_mm` is the filament's diameter; `limits` are the printer's, for the time.
 ///
 /// # Errors
-/// [`SimulateError`] when there is nothing to replay. A program that prints nothing is no error; it has no layers.
+/// [`SimulateError`] when there is nothing to replay. A program that prints nothing is valid; it has no layers.
 ///
 /// ```
 /// use grainpath_gcode::{Limits, simulate};
@@ -117,7 +118,7 @@ struct Machine {
     scale: f64,
     role: Role,
     filament_mm2: f64,
-    /// Whether E counts mm3 and not mm of filament (M200).
+    /// Whether E is in mm3 instead of mm of filament (M200).
     volumetric: bool,
     volumetric_mm2: f64,
     /// Cross-section of the fibre tool's filament, where the program states it.
@@ -127,7 +128,7 @@ struct Machine {
     travels: Vec<[[f32; 2]; 2]>,
     /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
-    /// How far beads stand above their layer, mm: below and above.
+    /// How far the lower and the upper edges of beads are raised above those of their layer, mm.
     raise_mm: [f32; 2],
     time: TimeEstimator,
     program: Program,
@@ -173,8 +174,8 @@ impl Machine {
         self.program.commands += 1;
         match (letter, code) {
             (b'G', 0 | 10 | 20 | 30) => self.motion(line, code / 10),
-            // G4: S counts seconds, P milliseconds. A pause of more than an hour is a printer waiting for
-            // its user.
+            // G4: S is in seconds, P in milliseconds. A pause of more than an hour means that the printer
+            // waits for its user.
             (b'G', 40) => {
                 let s = line.word(b'S').unwrap_or(0.0) + line.word(b'P').unwrap_or(0.0) * 1e-3;
                 self.time.dwell(s.min(3600.0));
@@ -222,8 +223,8 @@ impl Machine {
         }
     }
 
-    /// M200 as Marlin reads it: a diameter makes E count mm3, and D0 or S0 ends that. Volumes do not
-    /// depend on which tool is meant.
+    /// M200 as Marlin reads it: with a diameter, E is in mm3; D0 or S0 ends that. Which tool is
+    /// meant makes no difference to volumes.
     fn volume(&mut self, line: &Line<'_>) {
         let asked = line.word(b'S').map(|s| s != 0.0);
         self.volumetric = match line.word(b'D').map(|d| d * self.scale) {
@@ -237,7 +238,7 @@ impl Machine {
         };
     }
 
-    /// Factor on numbers of E. In inch mode E counts inches or cubic inches.
+    /// Factor on E values. In inch mode E is in inches or cubic inches.
     fn e_scale(&self) -> f64 {
         if self.volumetric { self.scale.powi(3) } else { self.scale }
     }
@@ -253,7 +254,7 @@ impl Machine {
             return;
         }
         let after = |key: &str| {
-            // `get` and not slicing: a comment may end inside a character.
+            // `get` instead of slicing, because a comment may end within a multi-byte character.
             let head = text.get(..key.len())?;
             head.eq_ignore_ascii_case(key).then(|| text[key.len()..].trim())
         };
@@ -277,13 +278,13 @@ impl Machine {
             }
             _ => {}
         }
-        // A mark of our own writer too: beads that stand above their layer.
+        // Another mark of our own writer: beads that are raised above their layer.
         if let Some((bottom, top)) = after("RAISED:").and_then(|mm| mm.split_once(' ')) {
-            // A hostile program may state any number, and a bead cannot stand higher than a few layers.
+            // A hostile program may state any number, but a bead cannot be raised by more than a few layers.
             let raise = |mm: &str| mm.trim().parse().ok().filter(|mm: &f32| mm.abs() < 100.0).unwrap_or(0.0);
             self.raise_mm = [raise(bottom), raise(top)];
         }
-        // The fibre's filament may be thinner than the matrix's, and volumes follow from it.
+        // The filament of the fibre tool may be thinner than that of the matrix, and volumes depend on the diameter.
         if let Some(d) = after("fibre_filament_mm =").and_then(|d| d.parse::<f64>().ok())
             && FILAMENTS_MM.contains(&d)
         {
@@ -337,7 +338,7 @@ impl Machine {
     }
 
     fn advance(&mut self, start: DVec2, points: &[DVec2], length: f64, z: f64, dz: f64, de: f64) {
-        // Retraction during a travel (wipe) has a negative E and prints nothing.
+        // A retraction during a travel (wipe) has a negative E, so it prints nothing.
         let prints = de > 0.0 && length > 0.0;
         let single = |p: DVec2| [p.x as f32, p.y as f32];
         // Filament length (mm) and volume (mm3) per unit of E.
@@ -347,7 +348,7 @@ impl Machine {
             let fibre = self.fibre_mm2.filter(|_| self.role == Role::Fibre);
             (1.0, fibre.unwrap_or(self.filament_mm2))
         };
-        // E alone, backwards: a retraction. With firmware retraction (G10) nothing is counted.
+        // A move of E alone, backwards, is a retraction. Firmware retraction (G10) is not counted.
         if length == 0.0 && dz == 0.0 {
             self.program.retractions += usize::from(de < 0.0);
         } else if !prints {
@@ -356,14 +357,14 @@ impl Machine {
         }
         let mut p = start;
         for &q in points {
-            // Along an arc, E and z are shared out by length.
+            // Along an arc, E and z grow in proportion to the length.
             let share = if length > 0.0 { p.distance(q) / length } else { 1.0 };
             if prints && q != p {
                 let volume = de * share * mm3;
                 self.program.filament_mm += de * share * mm;
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
-                // The height of a layer is that of the beads that stand at it.
+                // Beads with a raised upper edge do not count for the height of their layer.
                 if self.raise_mm[1] == 0.0 {
                     self.layers.count(z, p.distance(q));
                 }
@@ -389,7 +390,7 @@ impl Machine {
         }
     }
 
-    /// Counts the time of a move, in the pieces that the firmware makes of it.
+    /// Counts the time of a move, divided into the same pieces as in the firmware.
     fn spend(&mut self, start: DVec2, points: &[DVec2], dz: f64, de: f64) {
         let de = if self.volumetric { de / self.volumetric_mm2 } else { de };
         let share = 1.0 / points.len() as f64;
@@ -446,7 +447,7 @@ impl Arc {
         if clockwise && sweep_rad >= -1e-12 {
             sweep_rad -= turn;
         }
-        // Equal ends mean a full circle, not an empty arc (NIST RS274/NGC, section 3.5.3).
+        // If start and end are equal, the arc is a full circle instead of an empty arc (NIST RS274/NGC, section 3.5.3).
         if !clockwise && sweep_rad <= 1e-12 {
             sweep_rad += turn;
         }
@@ -457,7 +458,7 @@ impl Arc {
         self.sweep_rad.abs() * self.radius_mm
     }
 
-    /// The ends of `n` equal pieces; the last is the arc's end as it was given.
+    /// The end points of `n` equal pieces; the last one is the given end of the arc.
     fn points(&self, n: usize) -> Vec<DVec2> {
         let point = |i: usize| {
             let (s, c) = sin_cos(self.start_rad + self.sweep_rad * i as f64 / n as f64);

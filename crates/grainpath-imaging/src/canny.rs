@@ -12,7 +12,7 @@
 //! Pictures are `(height, width)`, row-major, brightness 0 to 1; gradients are brightness per pixel. The
 //! cost is linear in the pixels. Border pixels are never edges. A blank picture has no edges, because
 //! candidates below 1e-5 are ignored. No library is used, because images may have any depth and because
-//! curves need the position of the edge between pixels.
+//! curves need edge positions finer than a pixel.
 
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub struct CannySettings {
     pub low: Option<f64>,
 }
 
-/// The edge pixels of a picture, with what is needed to place edges between pixels.
+/// The edge pixels of a picture, with the data needed to locate edges more finely than a pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edges {
     /// Pixels in a row.
@@ -146,7 +146,7 @@ fn crests(smooth: &Grey, slopes: &Grey) -> Grey {
 
 fn thresholds(crests: &Grey, settings: &CannySettings) -> [f32; 2] {
     let mut values: Vec<f32> = crests.data.iter().copied().filter(|v| *v > 0.0).collect();
-    // The 99th percentile instead of the maximum: a single bright scratch must not set the scale.
+    // The 99th percentile is used instead of the maximum, because a single bright scratch must not set the scale.
     let steepest = quantile(&mut values, 0.99);
     // Without a setting the strongest 40 % of candidates begin edges.
     let high = settings.high.map_or_else(|| quantile(&mut values, 0.6), |h| h as f32 * steepest);
@@ -161,7 +161,7 @@ fn thresholds(crests: &Grey, settings: &CannySettings) -> [f32; 2] {
 fn hysteresis(crests: &Grey, [low, high]: [f32; 2]) -> Vec<bool> {
     let (w, h) = (crests.width, crests.height);
     let mut mask = vec![false; w * h];
-    // An explicit stack: an edge may be millions of pixels long.
+    // A stack is kept instead of recursion, because an edge may be millions of pixels long.
     let mut stack = Vec::new();
     for k in 0..w * h {
         if crests.data[k] >= high && !mask[k] {

@@ -1,10 +1,10 @@
 //! Signed distance from the border of a region on a grid: positive inside.
 //!
 //! # Method
-//! Vector distance transform by sweeps (`danielsson1980` in docs/references.bib), with edges instead of points: each pixel
-//! adopts the nearest edge of a neighbour if that is nearer than its own and measures itself to that
-//! edge. Four sweeps carry an edge everywhere. The sign comes from counting the crossings of each row
-//! with the border.
+//! Vector distance transform by sweeps (`danielsson1980` in docs/references.bib), with edges instead of points:
+//! each pixel compares its own nearest edge with that of a neighbour, and keeps the one to which its distance is
+//! smaller. Four sweeps carry an edge to all pixels. The sign comes from counting the crossings of each row with
+//! the border.
 //!
 //! # Units, cost and limits
 //! Distances are in mm, row-major, `(ny, nx)`. The cost is linear in the pixels, plus the pixels along
@@ -35,7 +35,7 @@ impl Raster {
     /// A grid over a box, with two pixels more on every side.
     pub fn over(bounds: Bounds2, pixel_mm: DVec2) -> Self {
         let n = bounds.size() / pixel_mm;
-        // The factor is the ratio of sides, which is the square root of the ratio of areas.
+        // The factor applies to the sides of a pixel, so it is the square root of the ratio of areas.
         let pixel_mm = pixel_mm * ((n.x + 4.0) * (n.y + 4.0) / MAX_PIXELS).sqrt().max(1.0);
         let n = (bounds.size() / pixel_mm).ceil();
         let (nx, ny) = (n.x as usize + 5, n.y as usize + 5);
@@ -46,7 +46,7 @@ impl Raster {
         self.origin + DVec2::new(i as f64, j as f64) * self.pixel_mm
     }
 
-    /// A contour in pixels (see [`Grid::contours`](crate::scan::Grid::contours)) as mm.
+    /// Converts a point of a contour from pixels (see [`Grid::contours`](crate::scan::Grid::contours)) to mm.
     pub fn to_mm(&self, p: DVec2) -> DVec2 {
         self.origin + (p - 0.5) * self.pixel_mm
     }
@@ -136,8 +136,8 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
                 passed += 1;
             }
             let d = &mut best[j * nx + i];
-            // A region without edges leaves all pixels at infinity; a finite number keeps later mixing
-            // free of NaN.
+            // In a region without edges all pixels would stay at infinity. A finite number keeps later
+            // interpolation free of NaN.
             *d = if d.is_finite() { d.sqrt() } else { f32::MAX.sqrt() };
             if passed % 2 == 0 {
                 *d = -*d;

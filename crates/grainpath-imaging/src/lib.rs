@@ -1,8 +1,8 @@
-//! Pictures as numbers: photographs of boards to rectified images, directions and curves; scans to contours.
+//! Image processing: photographs of boards become rectified images, directions and curves; scans become contours.
 //!
-//! This crate knows no job file, printer or toolpath. Lengths are in mm unless a name ends in `_px`,
-//! angles in radians. Grey values are `f32`, row by row; photographs have their first row at the top,
-//! rectified images and scan slices at the bottom.
+//! This crate does not depend on job files, printers or toolpaths. Lengths are in mm unless a name
+//! ends in `_px`, angles in radians. Grey values are `f32`, row by row; photographs have their first
+//! row at the top, rectified images and scan slices at the bottom.
 
 pub mod canny;
 pub mod distance;

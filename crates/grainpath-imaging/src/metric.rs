@@ -4,7 +4,7 @@ use grainpath_core::DVec2;
 
 use crate::raster::Grey;
 
-/// A picture in millimetres: rows from the bottom.
+/// A picture with a scale in millimetres, whose rows start at the bottom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MetricImage {
     /// The picture; row 0 lies lowest.
@@ -16,12 +16,12 @@ pub struct MetricImage {
 }
 
 impl MetricImage {
-    /// The point in millimetres of a point in pixels, (0.5, 0.5) being the centre of the first.
+    /// Converts a point from pixels, where (0.5, 0.5) is the centre of the first pixel, to millimetres.
     pub fn place(&self, x: f64, y: f64) -> DVec2 {
         self.min_mm + self.px_mm * DVec2::new(x, y)
     }
 
-    /// The point in pixels of a point in millimetres.
+    /// Converts a point from millimetres to pixels.
     pub fn pixel(&self, p: DVec2) -> DVec2 {
         (p - self.min_mm) / self.px_mm
     }

@@ -2,9 +2,9 @@
 //!
 //! # Method
 //! A Gaussian is two passes, along rows and along columns, with taps up to three standard deviations. The
-//! median of 3 x 3 pixels comes from sorted columns, each of which serves three windows; larger windows,
-//! up to 15 x 15, are searched as a whole. Halving averages four pixels. All filters repeat the outermost
-//! pixel beyond the border.
+//! median of 3 x 3 pixels comes from sorted columns, each of which serves three windows; for larger
+//! windows, up to 15 x 15, all pixels of the window are searched. Halving averages four pixels. All
+//! filters repeat the outermost pixel beyond the border.
 //!
 //! # Units, cost and limits
 //! Pictures are `(height, width)`, row-major `f32`, 0 black to 1 white. Points are in pixels, with (0.5,
@@ -56,7 +56,7 @@ impl Grey {
             (i, (v - i as f64) as f32)
         };
         let ((i, u), (j, v)) = (place(x, self.width), place(y, self.height));
-        // A picture one pixel wide or high has no neighbour to interpolate with.
+        // A picture one pixel wide or high has no neighbour to interpolate with, so the pixel itself is used.
         let right = usize::from(self.width > 1);
         let up = if self.height > 1 { self.width } else { 0 };
         let k = j * self.width + i;
@@ -65,7 +65,7 @@ impl Grey {
         low + v * (high - low)
     }
 
-    /// Half the size, each pixel the mean of four.
+    /// The picture at half the size; each pixel is the mean of four.
     pub fn halved(&self) -> Self {
         half(&self.data, [self.width, self.height], 0.25, |[a, b, c, d]| (a + b) + (c + d))
     }
@@ -86,7 +86,7 @@ impl Grey {
         between.extend(
             row(j).iter().zip(row((j + 1).min(self.height - 1))).map(|(low, high)| mix(*low, *high, t)),
         );
-        // One value more, so that the last pixel has a right neighbour.
+        // The row gets one more value at its end, so that the last pixel has a right neighbour.
         between.push(between[self.width - 1]);
         out.clear();
         out.extend(columns.iter().map(|&(i, u)| mix(between[i as usize], between[i as usize + 1], u)));
@@ -95,7 +95,7 @@ impl Grey {
     /// Smoothed by a Gaussian of this standard deviation in pixels. Beyond the border the outermost pixel
     /// repeats.
     pub fn blurred(&self, sigma_px: f64) -> Self {
-        // Such a Gaussian has weight 1 at its centre within single precision.
+        // A Gaussian this narrow has weight 1 at its centre within single precision, so it changes nothing.
         if sigma_px < 0.05 || self.data.is_empty() {
             return self.clone();
         }
@@ -187,9 +187,9 @@ impl Grey {
         out
     }
 
-    /// Estimates the distance in brightness between two quantiles from about ten thousand pixels.
+    /// Estimates the difference in brightness between two quantiles from about ten thousand pixels.
     pub fn spread(&self, low: f64, high: f64) -> f32 {
-        // A stride that divides the width would see the same columns in every row.
+        // A step width that divides the width of the picture would visit the same columns in every row.
         let mut stride = (self.data.len() / 16_384).max(1);
         while stride > 1 && self.width.is_multiple_of(stride) {
             stride += 1;
@@ -213,8 +213,8 @@ pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(k, f32::total_cmp).1
 }
 
-/// For each of `n` pixels, the pixel of a picture `factor` times smaller that lies before it, and the
-/// fraction of the way to the next.
+/// For each of `n` pixels, the pixel before it in a picture `factor` times smaller, and the fraction
+/// of the way from there to the next pixel.
 pub(crate) fn enlarging(n: usize, factor: f64, n_small: usize) -> Vec<(u32, f32)> {
     let place = |v: usize| {
         let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n_small as f64 - 1.0);
@@ -288,7 +288,7 @@ fn add_pair(out: &mut [f32], a: &[f32], b: &[f32], t: f32) {
 
 /// Weights of a Gaussian from its centre outwards. They sum to one over both sides.
 pub(crate) fn gaussian_taps(sigma_px: f64) -> Vec<f32> {
-    // Three standard deviations hold 99.7 % of the weight; the rest is restored by the division.
+    // Three standard deviations hold 99.7 % of the weight; dividing by the sum restores the rest.
     let r = (3.0 * sigma_px).ceil().max(1.0) as usize;
     let weight = |k: usize| exp(-0.5 * (k as f64 / sigma_px) * (k as f64 / sigma_px));
     let sum: f64 = (0..=r).map(|k| if k == 0 { 1.0 } else { 2.0 * weight(k) }).sum();

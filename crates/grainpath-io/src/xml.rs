@@ -1,8 +1,8 @@
-//! Access to XML attributes, for the formats that are XML.
+//! Access to XML attributes, for all file formats based on XML.
 
 use quick_xml::events::BytesStart;
 
-/// The value of an attribute, found by its name without the namespace prefix. Entities are resolved where they are known.
+/// The value of an attribute, found by its name without the namespace prefix. Known entities are resolved.
 pub(crate) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
     let mut all = element.attributes();
     let found =

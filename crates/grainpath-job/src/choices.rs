@@ -1,8 +1,8 @@
 //! Settings that are chosen from a list of words: one enum for each list.
 //!
-//! A word exists once, in the table below, with the sentence that explains it. The parser, the JSON Schema and the
-//! reference page come from that table. Stages match on the enums, so the compiler finds every place that a new word
-//! concerns.
+//! Each word is written once, in the table below, with the sentence that explains it. The parser, the JSON Schema and the
+//! reference page are made from that table. The planner's stages match on the enums, so the compiler finds every place where
+//! a new word must be handled.
 //!
 //! ```
 //! use grainpath_job::choices::{Choice, Pattern};
@@ -16,12 +16,12 @@
 use grainpath_core::slices::SampleType;
 use grainpath_core::units::LengthUnit;
 
-/// A word of a choice and what it means.
+/// A word of a choice, and its meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
     /// The word in a job file.
     pub name: &'static str,
-    /// Meaning, as the end of a sentence; empty where the word explains itself.
+    /// Meaning, written as the end of a sentence; empty if the word explains itself.
     pub help: &'static str,
 }
 
@@ -53,8 +53,8 @@ macro_rules! choices {
             $(#[$about])*
             #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
             pub enum $name {
-                // The sentence of the help is the documentation of the variant too, so the two cannot
-                // differ. `a[y][x]` in it is no link.
+                // The help sentence is also the documentation of the variant, so the two cannot differ. `a[y][x]` in it is
+                // not a link.
                 $( #[allow(rustdoc::broken_intra_doc_links)] #[doc = concat!("`", $word, "`: ", $help)] $variant, )*
             }
 
@@ -85,7 +85,7 @@ choices! {
     }
     /// Axes along which a scan is mirrored (`flip`).
     enum Flip {
-        // The empty word is the default: no axis.
+        // The empty word is the default and means no axis.
         None = "", "";
         X = "x", "";
         Y = "y", "";
@@ -306,9 +306,9 @@ choices! {
 }
 
 impl Pattern {
-    /// Whether the pattern needs directions from a guide. `continuous` can do without.
+    /// Whether the pattern needs directions from a guide. `continuous` also works without a guide.
     pub const fn follows_field(self) -> bool {
-        // All patterns are listed, so that a new one makes the compiler ask here.
+        // All patterns are listed, so that the compiler reports this place when a pattern is added.
         match self {
             Self::Stripes | Self::Streamlines | Self::SeedLines | Self::Continuous => true,
             Self::Rectilinear
@@ -321,10 +321,10 @@ impl Pattern {
         }
     }
 
-    /// Whether a line of its sparse infill may be several beads wide (`fill.lines`).
+    /// Whether a line of this pattern's sparse infill may be several beads wide (`fill.lines`).
     pub const fn takes_several_beads(self) -> bool {
         match self {
-            // The first is kept as published; the second is one path that fills its region.
+            // `seed-lines` stays as published; `continuous` is one path that fills its region.
             Self::SeedLines | Self::Continuous => false,
             Self::Rectilinear
             | Self::Grid
@@ -355,7 +355,7 @@ impl Flip {
     }
 }
 
-// Units need no sentence of help.
+// Names of units need no explanation.
 const fn plain_word(name: &'static str) -> Word {
     Word { name, help: "" }
 }
@@ -380,7 +380,7 @@ pub struct FileUnit(
     pub Option<LengthUnit>,
 );
 
-// Written by hand: the macro makes enums, and these values wrap a type of another crate.
+// Written by hand, because the macro makes enums and these values wrap a type of another crate.
 impl Choice for FileUnit {
     const ALL: &'static [Self] = &[
         Self(None),
@@ -424,9 +424,9 @@ impl Choice for SampleType {
 /// Grey value at which the part begins in a scan (`shape.ct.threshold`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Threshold {
-    /// From the histogram by Otsu's method (1979).
+    /// The threshold is found from the histogram by Otsu's method (1979).
     Otsu,
-    /// Halfway between the grey values of two materials; `None` finds the two commonest ones.
+    /// Halfway between the grey values of two materials; for `None` they are the two most frequent grey values.
     Iso50(Option<[f64; 2]>),
     /// The part is this grey value and everything brighter.
     Value(f64),

@@ -9,8 +9,8 @@ use crate::wall_count::WallCount;
 /// together.
 pub(crate) fn check(s: &Settings) -> Result<(), String> {
     let p = &s.process;
-    // A bead is wider than high: its section is a rectangle with round ends, which needs a width of at
-    // least the height.
+    // The cross-section of a bead is a rectangle with round ends, so its width must be at least its
+    // height.
     if p.bead_width_mm < p.layer_height_mm || p.bead_width_mm < p.first_layer_height_mm {
         return Err(format!(
             "process.bead_width_mm ({}) should not be less than the layer height ({})",
@@ -27,19 +27,19 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
         return Err("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
-    // Sections with several conditions have functions of their own; the first error ends the check.
+    // A section with several conditions has its own function; the first error ends the check.
     check_outline(s)?;
     check_photos(s)?;
     check_fibre(s)?;
     let bounds = strengths(&s.material);
-    // Tests run with low, nominal and high strength; exchanged values would reverse their meaning.
+    // Strength tests run with the low, nominal and high value, so these must be in rising order.
     if let Some((key, Some([a, b, c]))) =
         bounds.iter().find(|(_, v)| v.is_some_and(|[low, mid, high]| low > mid || mid > high))
     {
         return Err(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
     }
     if !s.ct.path.is_empty() {
-        // The height of layers comes from the mesh's surface, which a scan does not have.
+        // Adaptive layer heights follow from the surface of a mesh, and a scan has no mesh.
         for (set, what) in [
             (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
             (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
@@ -50,7 +50,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
             }
         }
     }
-    // `continuous` can do without directions; the other patterns have none of their own.
+    // `continuous` works without directions; the other patterns here need them from a guide.
     let needs_guide = s.fill.pattern.follows_field() && s.fill.pattern != Pattern::Continuous;
     if needs_guide && s.guide.kind == GuideKind::None {
         return Err(format!(
@@ -62,7 +62,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
         return Err("guide.kind = \"field\" needs a file of directions: guide.field = \"FILE\"".into());
     }
     check_deck(s)?;
-    // Layers take the angles in turn, and a turn over nothing does not exist.
+    // Layers use the angles in turn, so an empty list is not possible.
     let lists =
         [("angles_deg", Some(&s.fill.angles_deg)), ("skin_angles_deg", s.fill.skin_angles_deg.as_ref())];
     for (key, angles) in lists {
@@ -83,7 +83,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
     check_regions(s)
 }
 
-/// Checks what a deck of loads needs.
+/// Checks the settings that a deck of loads needs.
 fn check_deck(s: &Settings) -> Result<(), String> {
     let (g, of_mesh) = (&s.guide, s.ct.path.is_empty() && s.photo.files.is_empty());
     let problem = match g.deck.is_empty() {
@@ -99,7 +99,7 @@ fn check_deck(s: &Settings) -> Result<(), String> {
     Err(problem.into())
 }
 
-/// Checks the settings that hold in each region as those of a job.
+/// Checks the settings of each region with the rules for a whole job.
 fn check_regions(s: &Settings) -> Result<(), String> {
     if !s.regions.is_empty() && s.fibre.enabled {
         return Err("[[region]] is not for fibre.enabled = true; fibre.boxes_mm and fibre.layers say where fibre lies".into());
@@ -115,7 +115,7 @@ fn check_regions(s: &Settings) -> Result<(), String> {
     s.regions.iter().enumerate().try_for_each(one)
 }
 
-/// Checks beads side by side in the lines of sparse infill.
+/// Checks the settings for sparse infill whose lines are several beads wide.
 fn check_lines(s: &Settings) -> Result<(), String> {
     let f = &s.fill;
     let problem = if f.lines == 1 {
@@ -134,11 +134,11 @@ fn check_lines(s: &Settings) -> Result<(), String> {
     Err(format!("fill.lines = {} {problem}", f.lines))
 }
 
-/// What settings that follow the stress lack without one.
+/// Error text for a setting that follows the stress while the job has none.
 const NEEDS_STRESS: &str =
     "by = \"stress\" needs a stress: [guide] kind = \"stress\" with fixtures and loads, or with guide.import";
 
-/// Checks what a number of walls by the stress needs.
+/// Checks the settings that are needed if the number of walls follows the stress.
 fn check_walls(s: &Settings) -> Result<(), String> {
     let problem = match s.process.walls {
         WallCount::Even(_) => return Ok(()),
@@ -151,13 +151,13 @@ fn check_walls(s: &Settings) -> Result<(), String> {
     Err(format!("process.walls {problem}"))
 }
 
-/// Checks what walls that stand half a layer higher than others need.
+/// Checks the settings that walls raised by half a layer need.
 fn check_staggered(s: &Settings) -> Result<(), String> {
     let p = &s.process;
     if !p.stagger_walls {
         return Ok(());
     }
-    // The first bead of a raised wall.
+    // The first bead of a raised wall is 1.5 layers high.
     let layer_mm = if p.adaptive_layers { p.adaptive_min_mm } else { p.layer_height_mm };
     let highest_mm = 1.5 * layer_mm;
     let problem = if s.fibre.enabled {
@@ -181,7 +181,7 @@ fn check_staggered(s: &Settings) -> Result<(), String> {
     Err(format!("process.stagger_walls {problem}"))
 }
 
-/// Checks what a graded density needs.
+/// Checks the settings that a graded density needs.
 fn check_graded(s: &Settings) -> Result<(), String> {
     let Some(graded) = s.fill.density.graded() else { return Ok(()) };
     let of_mesh = s.ct.path.is_empty() && s.photo.files.is_empty();
@@ -232,7 +232,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
                 .into(),
         );
     }
-    // Without it the first piece of fibre would run through the whole print.
+    // Without a cut the first piece of fibre would run through the whole print.
     if p.fibre_cut_gcode.trim().is_empty() {
         return Err(
             "fibre.enabled = true needs printer.fibre_cut_gcode, the program that cuts the fibre".into()
@@ -250,7 +250,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
     if let Some(b) = f.boxes_mm.iter().find(|[low, high]| (0..3).any(|k| low[k] >= high[k])) {
         return Err(format!("fibre.boxes_mm should be [lowest corner, highest corner], has {b:?}"));
     }
-    // The same rule as for other beads.
+    // As for other beads, the width must be at least the layer height.
     let width = f.bead_width_mm.unwrap_or(s.process.bead_width_mm);
     if width < s.process.layer_height_mm || width < s.process.first_layer_height_mm {
         return Err(format!("fibre.bead_width_mm ({width}) should not be less than the layer height"));
@@ -258,7 +258,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
     if f.start == FibreStart::Calm && s.guide.kind != GuideKind::Stress {
         return Err("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
     }
-    // Fibre is laid in the infill, so there must be some.
+    // Fibre is laid in the infill, so the part must have infill.
     if s.fill.density.even().is_some_and(|d| d.fraction() == 0.0) {
         return Err("fibre.enabled = true needs fill.density above 0".into());
     }
@@ -286,7 +286,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
     if image && volume {
         return Err("guide.image and guide.volume: exactly one gives the grain".into());
     }
-    // The grain may come from the part's own photographs, from others, or from a scan.
+    // The grain may come from the photographs of `shape.photo`, from other photographs, or from a scan.
     if s.guide.kind == GuideKind::Grain && !photo && !image {
         if !volume && s.ct.path.is_empty() {
             return Err(
@@ -304,7 +304,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
         ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
         ("guide.image", &s.image.files, &s.image.corners_px, &s.image.heights_mm),
     ] {
-        // Four corners for all files suit a fixed camera; otherwise each file needs its own.
+        // With a fixed camera four corners hold for all files; otherwise each file needs its own four.
         if ![0, 4, 4 * files.len()].contains(&corners.len()) {
             return Err(format!(
                 "{section}.corners_px should have 4 corners, or 4 for each of the {} files; it has {}",

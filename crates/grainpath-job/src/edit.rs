@@ -1,8 +1,8 @@
-//! Changing single values of a job's text, so that comments and the order of lines stay.
+//! Changes single values in the text of a job and keeps the comments and the order of lines.
 
 use std::ops::Range;
 
-/// The lines of a table without its header, counted from 0; `None` where the text has no such header.
+/// The line numbers of a table without its header, counted from 0; `None` if the text has no such header.
 fn lines_of_table<L: AsRef<str>>(lines: &[L], table: &str) -> Option<Range<usize>> {
     let header = format!("[{table}]");
     let is_header = |l: &L| l.as_ref().split('#').next().unwrap_or_default().trim() == header;
@@ -16,7 +16,7 @@ fn states(line: &str, key: &str) -> bool {
     line.split('=').next().is_some_and(|name| name.trim() == key)
 }
 
-/// The value of a key of a table, as the text has it, where it states one.
+/// The value of a key of a table, as written in the text; `None` if the text does not state the key.
 ///
 /// ```
 /// use grainpath_job::edit::value_of;
@@ -30,7 +30,7 @@ pub fn value_of<'t>(text: &'t str, table: &str, key: &str) -> Option<&'t str> {
     Some(value.split('#').next().unwrap_or_default().trim())
 }
 
-/// The text without the line that states a key of a table, where there is one.
+/// The text without the line that states a key of a table; unchanged if there is no such line.
 ///
 /// ```
 /// use grainpath_job::edit::without_value;
@@ -48,8 +48,8 @@ pub fn without_value(text: &str, table: &str, key: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The text with another value, as TOML writes it, of a key of a table: in the line that states one, or in a new line below
-/// the table's header. `None` where the text has no such header.
+/// The text with a new value, in TOML, for a key of a table. It replaces the line that states the key, or adds a line below
+/// the table's header. `None` if the text has no such header.
 ///
 /// ```
 /// use grainpath_job::edit::with_value;

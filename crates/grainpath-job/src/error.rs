@@ -10,8 +10,8 @@ use crate::value::ValueError;
 pub struct Location {
     /// Name of the file; `--set` for an argument.
     pub file: String,
-    /// Line in the file, from 1. `None` for an argument of the command line, and where a problem concerns
-    /// the whole file.
+    /// Line in the file, from 1. `None` for an argument of the command line, or if a problem concerns the whole
+    /// file.
     pub line: Option<usize>,
 }
 
@@ -36,7 +36,7 @@ impl fmt::Display for Location {
     }
 }
 
-/// An error in a job. Its text says where it is, what is wrong, and what would be right.
+/// An error in a job. Its text says where the error is, what is wrong, and what would be correct.
 ///
 /// ```
 /// use grainpath_job::{JobError, parse_job};
@@ -74,13 +74,13 @@ pub enum JobError {
     ProfileFile { location: Location, message: String },
     #[error("--set: {argument:?} should be section.key=value")]
     SetArgument { argument: String },
-    /// Settings that are right one by one but do not fit together.
+    /// Settings that are each valid but do not fit together.
     #[error("{location}: {problem}")]
     Combination { location: Location, problem: String },
 }
 
 impl JobError {
-    /// The place of the error; `None` for an argument of `--set` that is none.
+    /// The place of the error; `None` for a malformed `--set` argument.
     pub fn location(&self) -> Option<&Location> {
         match self {
             Self::Syntax { location, .. }
@@ -100,6 +100,6 @@ impl JobError {
 
 /// Names of all shipped profiles of a kind, for the message.
 fn profile_names(kind: &str) -> String {
-    // Only profiles of the same section are listed; a printer's name would be no help for a material.
+    // Only profiles of the same section are listed; printer names do not help a user who needs a material.
     profiles_of(kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,4 @@
-//! Density of infill: one number, or graded between two.
+//! Density of infill: one number, or a range in which it is graded.
 //!
 //! ```
 //! use grainpath_job::choices::DensityBy;
@@ -18,8 +18,8 @@ use super::choices::{Choice, DensityBy};
 use super::loads::{Reader, needed, table_schema};
 use super::value::{Problem, SettingValue, ValueError};
 
-/// The least density that infill is graded down to. Source: derived. Single lines of 0.45 mm are 20 mm apart then, farther than
-/// skins are bridged.
+/// The least density that infill is graded down to. Source: derived. At this density single lines of 0.45 mm are about 20 mm
+/// apart, which is more than a skin can bridge.
 pub const LEAST_GRADED: f64 = 0.02;
 
 /// Density of infill, as typed.
@@ -27,7 +27,7 @@ pub const LEAST_GRADED: f64 = 0.02;
 pub enum FillDensity {
     /// The same everywhere.
     Even(Density),
-    /// From place to place another one.
+    /// The density varies from place to place.
     Graded(GradedDensity),
 }
 
@@ -38,11 +38,11 @@ pub struct GradedDensity {
     pub min: f64,
     /// The greatest density.
     pub max: f64,
-    /// What it follows.
+    /// The quantity that the density follows.
     pub by: DensityBy,
     /// File of densities, for [`DensityBy::File`]; empty otherwise.
     pub file: String,
-    /// Name of the array or column in it; empty for the only one, or one called density.
+    /// Name of the array or column in the file. Empty: the only one, or the one called density.
     pub array: String,
 }
 
@@ -53,7 +53,7 @@ impl From<Density> for FillDensity {
 }
 
 impl FillDensity {
-    /// The density, where it is the same everywhere.
+    /// The density if it is the same everywhere; otherwise `None`.
     pub fn even(&self) -> Option<Density> {
         match self {
             Self::Even(density) => Some(*density),
@@ -61,7 +61,7 @@ impl FillDensity {
         }
     }
 
-    /// How it is graded, where it is.
+    /// The grading, if the density is graded; otherwise `None`.
     pub fn graded(&self) -> Option<&GradedDensity> {
         match self {
             Self::Even(_) => None,
@@ -69,7 +69,7 @@ impl FillDensity {
         }
     }
 
-    /// The file that it follows, and the name of the array or column in it where one is named.
+    /// The file that the density follows, and the name of the array or column in it, if one is given.
     pub fn file(&self) -> Option<(&str, Option<&str>)> {
         let graded = self.graded().filter(|g| g.by == DensityBy::File)?;
         Some((&graded.file, Some(graded.array.as_str()).filter(|name| !name.is_empty())))
@@ -81,7 +81,7 @@ impl FillDensity {
     }
 }
 
-/// What a density may be, for errors.
+/// The allowed forms of a density, for error messages.
 const EXPECTED: &str = "a number, or { min = 0.1, max = 1.0, by = \"stress\" }";
 
 impl SettingValue for FillDensity {

@@ -27,9 +27,9 @@ pub struct AngleRange {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerAngles(Vec<AngleRange>);
 
-/// What a list of angles may be, for errors.
+/// The allowed forms of a list of angles, for error messages.
 const EXPECTED: &str = "a list of angles, or { layers = { \"1-10\" = [0], \"11-\" = [45, -45] } }";
-/// What the name of a range may be, for errors.
+/// The allowed names of a range, for error messages.
 const RANGE: &str = "layers as \"1-10\", \"5\" or \"11-\"";
 
 impl LayerAngles {
@@ -38,7 +38,7 @@ impl LayerAngles {
         Self(vec![AngleRange { first_layer: 1, angles_deg }])
     }
 
-    /// The ranges from the first layer upwards; each ends where the next one begins, and the last one never.
+    /// The ranges from the first layer upwards. Each ends where the next one begins; the last one has no end.
     pub fn ranges(&self) -> &[AngleRange] {
         &self.0
     }

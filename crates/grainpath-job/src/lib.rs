@@ -1,18 +1,18 @@
 //! Settings, loads and profiles of a job, as typed by its author.
 //!
-//! A job file is TOML. Each setting is declared once, as a row in `settings.rs` with its key, type, default, unit,
-//! range and help text; the parser, `--set`, the JSON Schema and `docs/settings.md` come from those rows. A setting
-//! with a list of words is an enum of [`choices`], so that no stage ever compares texts.
+//! A job file is TOML. Each setting is declared once, as a row in `settings.rs` with its key, type, default, unit, range and
+//! help text; the parser, `--set`, the JSON Schema and `docs/settings.md` come from those rows. A setting with a list of
+//! words is an enum of [`choices`], so the planner's stages never compare texts.
 //!
-//! [`parse_job`] reads a job in this order, each step stronger than the one before: defaults, the profiles of printer,
-//! material and process, the file, and the `--set` arguments. It then checks what must hold between settings. After
-//! that no later stage checks a setting again. Errors name the file and the line, which come from the
-//! spans of the TOML parser.
+//! [`parse_job`] reads a job in this order, where each step overrides the one before: defaults, the profiles of
+//! printer, material and process, the file, and the `--set` arguments. It then checks the settings against each other.
+//! No later stage has to check a setting again. Errors name the file and the line, which come from the spans of the
+//! TOML parser.
 //!
 //! Old files stay readable: `format` is the version of the file format, and [`RENAMED`] lists keys that have a new
 //! name. A renamed key is read with a warning that names the new one.
 //!
-//! This crate knows no geometry: which part of the mesh a place selects is found by the planner.
+//! This crate has no geometry; the planner finds which part of the mesh a place selects.
 //!
 //! ```
 //! use grainpath_job::choices::GuideKind;

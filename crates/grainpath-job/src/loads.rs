@@ -1,7 +1,7 @@
 //! Fixtures, loads and load cases: the tables of `[guide]`, as typed.
 //!
-//! Coordinates are those of the part after scaling and rotation, mm, with the plate at z = 0. Which surface or nodes a
-//! place selects is for the planner to find out.
+//! Coordinates are those of the part after scaling and rotation, mm, with the plate at z = 0. The planner finds the surface
+//! or nodes that a place selects.
 //!
 //! ```
 //! use grainpath_job::loads::{Push, Place};
@@ -63,7 +63,7 @@ pub enum Push {
     Bearing(DVec3),
     /// Torque in N mm about the axis of the place.
     Torque(f64),
-    /// Tension in N of a bolt that clamps the part between its place and another one.
+    /// Preload in N of a bolt that clamps the part between this place and a second one.
     Preload(f64),
     /// A force in N that acts at a point elsewhere, mm.
     Remote {
@@ -90,7 +90,7 @@ pub enum Push {
 pub struct Load {
     /// The place; `None` for an acceleration.
     pub on: Option<Place>,
-    /// The place below the other end of a bolt; `None` for other loads.
+    /// The place under the other end of a bolt; `None` for loads that are not a preload.
     pub to: Option<Place>,
     /// Kind and size.
     pub push: Push,
@@ -101,7 +101,7 @@ pub struct Load {
 pub struct Case {
     /// Name in reports.
     pub name: String,
-    /// Weight of the case where directions are one sum of the cases, and where several mixes of them are equally good.
+    /// Weight of the case in a sum of the cases; it also decides between mixes of the cases that are equally good.
     pub weight: f64,
     /// Loads of the case.
     pub loads: Vec<Load>,
@@ -178,7 +178,7 @@ fn place(value: &Value) -> Result<Place, ValueError> {
     let known = ["face", "box_mm", "turned_box", "plane", "cylinder", "sphere", "facets"];
     let Reader(on) = Reader::new(value, "a table in { }", &known)?;
     let mut entries = on.iter();
-    // Exactly one kind: two would leave open which of them counts.
+    // Exactly one kind is allowed, since two would be ambiguous.
     let (Some((kind, value)), None) = (entries.next(), entries.next()) else {
         return Err(Problem::SeveralKinds { keys }.into());
     };
@@ -189,7 +189,7 @@ fn place(value: &Value) -> Result<Place, ValueError> {
         "plane" => read_plane(value).map(Place::Shape),
         "cylinder" => read_cylinder(value).map(Place::Shape),
         "sphere" => read_sphere(value).map(Place::Shape),
-        // The list of known keys above leaves only `facets` for this arm.
+        // All other known keys are handled above, so this key is `facets`.
         _ => Vec::<usize>::from_toml(value).map(Place::Facets),
     };
     read.map_err(|e| e.in_key(kind))
@@ -248,10 +248,10 @@ fn turn_deg(axes: &DMat3) -> [f64; 3] {
     let turn = if axes.x_axis.z.abs() < 1.0 - 1e-12 {
         [atan2(axes.y_axis.z, axes.z_axis.z), y, atan2(axes.x_axis.y, axes.x_axis.x)]
     } else {
-        // At a right angle about y the other two turn about one axis; all of it is given to x.
+        // If the rotation about y is a right angle, those about x and z have the same axis; all of it is given to x.
         [atan2(-axes.z_axis.y, axes.y_axis.y), y, 0.0]
     };
-    // A hundred millionth of a degree, so that 30 is printed as 30.
+    // Rounds to 1e-8 degrees, so that 30 is printed as 30.
     turn.map(|rad| (rad.to_degrees() * 1e8).round() / 1e8)
 }
 
@@ -311,7 +311,7 @@ fn place_text(place: &Place) -> String {
         Place::Shape(Selection::Sphere { centre, radius_mm }) => {
             format!("{{ sphere = {{ centre_mm = {}, radius_mm = {radius_mm} }} }}", v(centre))
         }
-        // Places of this kind come from other stages and have no spelling in a job file; the text is for
+        // Places of this kind come from other stages and cannot be written in a job file; this text is for
         // reports.
         Place::Shape(
             Selection::Triangles(t) | Selection::Near { triangles: t, .. } | Selection::Points(t),
@@ -371,7 +371,7 @@ impl SettingValue for Fixture {
     const KIND: &'static str = "object";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let t = Reader::new(value, "a table: on = ..., fix = \"xyz\"", &["on", "fix", "displacement_mm"])?;
-        // Without `fix` a fixture would hold nothing, which is never intended.
+        // A fixture without `fix` would hold nothing, which is surely a mistake.
         let fix = needed(t.0.get("fix"), "fix = \"xyz\", some of x, y and z, or \"normal\"")?;
         let word = fix.as_str().unwrap_or_default();
         let normal = word == "normal";
@@ -460,8 +460,8 @@ impl SettingValue for Load {
             (_, None) => None,
         };
         let on = match push {
-            // Gravity acts on the whole part; with a place it would mean something else than what is
-            // computed.
+            // Gravity acts on the whole part. A place would suggest that it acts there alone, so it is
+            // refused.
             Push::Acceleration(_) | Push::Centrifugal { .. } if !t.0.contains_key("on") => None,
             Push::Acceleration(_) | Push::Centrifugal { .. } => {
                 return Err(Problem::PlaceOfAcceleration.into());
@@ -518,7 +518,7 @@ impl SettingValue for Load {
             "centrifugal": table_schema(&turning, &["point_mm", "axis", "speed_rpm"]),
             "acceleration_mm_s2": vector,
         });
-        // The keys are optional one by one; `oneOf` demands exactly one of them, as the reader does.
+        // Each key by itself is optional; `oneOf` demands exactly one of them, as the parser does.
         let mut schema = table_schema(&keys, &[]);
         let one = |key: &str| json!({ "required": [key] });
         let all: Vec<serde_json::Value> = LOAD_KINDS.split(", ").map(one).collect();

@@ -1,6 +1,6 @@
 //! Modifier volumes of projects of other slicers as regions.
 //!
-//! What PrusaSlicer, OrcaSlicer and Bambu Studio call these settings, and what they mean here:
+//! The names of these settings in PrusaSlicer, OrcaSlicer and Bambu Studio, and the settings of a region that they become:
 //!
 //! | PrusaSlicer | OrcaSlicer, Bambu Studio | region |
 //! |---|---|---|
@@ -30,11 +30,11 @@ use crate::layer_angles::LayerAngles;
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::Settings;
 
-/// Keys that say where a volume comes from and how it was placed, which the triangles hold already.
+/// Keys that state the origin of a volume and its placement. They are ignored, since the triangles are already placed.
 const BOOKKEEPING: [&str; 3] = ["matrix", "mesh_stat", "source_"];
 
-/// The region that a modifier volume is, if it has a setting that a region can have; and the settings that none can
-/// have. `name` stands for its mesh.
+/// The region that a modifier volume becomes, or `None` if it has no setting that a region can have; and its settings that a
+/// region cannot have. `name` stands for its mesh.
 pub fn region_of_modifier(name: &str, settings: &[(String, String)]) -> (Option<JobRegion>, Vec<String>) {
     let mut region = JobRegion {
         on: RegionPlace::Mesh(name.to_owned()),
@@ -49,7 +49,7 @@ pub fn region_of_modifier(name: &str, settings: &[(String, String)]) -> (Option<
     };
     let (mut read, mut unread) = (0, Vec::new());
     for (key, value) in settings {
-        // The extruder 0 is that of the whole object.
+        // Extruder 0 means the extruder of the whole object, so the setting has no effect.
         if BOOKKEEPING.iter().any(|head| key.starts_with(head)) || (key == "extruder" && value == "0") {
             continue;
         }
@@ -62,13 +62,13 @@ pub fn region_of_modifier(name: &str, settings: &[(String, String)]) -> (Option<
     ((read > 0).then_some(region), unread)
 }
 
-/// Takes over a setting; `None` where there is no word for it, or for its value.
+/// Takes over a setting; `None` if the setting or its value has no counterpart here.
 fn set(region: &mut JobRegion, key: &str, value: &str) -> Option<()> {
     let number = || value.trim_end_matches('%').trim().parse::<f64>().ok().filter(|v| v.is_finite());
     let count = || value.parse::<usize>().ok().filter(|n| *n <= 1000);
     match key {
         "fill_density" | "sparse_infill_density" => {
-            // With a percent sign it counts hundredths; old files have the share itself.
+            // A number with a percent sign is in percent; old files state a fraction.
             let share = number()? * if value.ends_with('%') { 0.01 } else { 1.0 };
             region.density = Some(Density::new((0.0..=1.0).contains(&share).then_some(share)?));
         }
@@ -88,10 +88,10 @@ fn set(region: &mut JobRegion, key: &str, value: &str) -> Option<()> {
     Some(())
 }
 
-/// The pattern that the others call so.
+/// The pattern that has this name in the other slicers.
 fn pattern(word: &str) -> Option<Pattern> {
     Some(match word {
-        // OrcaSlicer calls it zig-zag, Bambu Studio writes one word.
+        // OrcaSlicer writes zig-zag, Bambu Studio zigzag.
         "rectilinear" | "zig-zag" | "zigzag" => Pattern::Rectilinear,
         "alignedrectilinear" => Pattern::Aligned,
         "grid" => Pattern::Grid,
@@ -99,18 +99,18 @@ fn pattern(word: &str) -> Option<Pattern> {
         "concentric" => Pattern::Concentric,
         "honeycomb" => Pattern::Honeycomb,
         "gyroid" => Pattern::Gyroid,
-        // Cubic, lightning, Hilbert curves and others have no like here; the job's own pattern stays.
+        // Cubic, lightning, Hilbert curves and others have no counterpart here; the job's own pattern stays.
         _ => return None,
     })
 }
 
 impl Settings {
-    /// The settings with one region more, which comes last.
+    /// The settings with this region added as the last one.
     ///
     /// # Errors
-    /// Where the settings of the job do not fit together in the region, or go without regions.
+    /// If the settings of the job and the region do not fit together, or if the job allows no regions.
     pub fn with_region(&self, region: JobRegion) -> Result<Self, String> {
-        // A setting that is sound for the part may need what a region lacks, and some jobs take no regions at all.
+        // A valid setting of the part may need something that a region lacks, and some jobs allow no regions.
         let mut all = self.clone();
         all.regions.push(region);
         crate::combinations::check(&all).map(|()| all)

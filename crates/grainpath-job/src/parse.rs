@@ -18,8 +18,8 @@ pub const FORMAT: i64 = 1;
 
 /// Reads a job.
 ///
-/// `name` is the name of the file in errors and warnings. `sets` are arguments of the form
-/// `section.key=value`, which overrule the file. `load` reads a profile that the job names by its path.
+/// `name` is the name of the file in errors and warnings. `sets` are arguments of the form `section.key=value`,
+/// which replace settings of the file. `load` reads a profile that the job names by its path.
 ///
 /// # Errors
 /// [`JobError`] with file and line: TOML syntax, unknown keys (with the nearest known one), values that are not allowed,
@@ -48,7 +48,7 @@ pub fn parse_job(
     for (kind, default) in KINDS {
         apply_profile(&mut settings, kind, default, &job, &sets, load)?;
     }
-    // Kept for comparison: the job may replace some strengths of the profile and leave others.
+    // The profile's values are kept to find out later which strengths the job replaces.
     let profile_card = settings.material.clone();
     apply_file(&mut settings, &job)?;
     for set in sets.iter().filter(|s| !is_profile(&s.section, &s.key)) {
@@ -93,7 +93,7 @@ impl Argument {
         let wrong = || JobError::SetArgument { argument: argument.to_owned() };
         let (path, value) = argument.split_once('=').ok_or_else(wrong)?;
         let path = path.trim();
-        // Section names may hold a dot (`shape.ct`), keys do not.
+        // Section names may contain a dot (`shape.ct`); keys do not.
         let (section, key) = match path.rsplit_once('.') {
             Some((inner, key)) if Settings::SECTIONS.contains(&inner) => (inner, key),
             _ => path.split_once('.').ok_or_else(wrong)?,
@@ -149,7 +149,7 @@ fn profile_text(
     if let Some(p) = profile(kind, chosen) {
         return Ok((p.text.to_owned(), format!("profile {chosen}")));
     }
-    // A path is recognised by its form, so that a missing file is reported as a file and not as an
+    // A path is recognised by its form. So a missing file is reported as a missing file, not as an
     // unknown profile.
     if chosen.ends_with(".toml") || chosen.contains('/') {
         let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
@@ -179,7 +179,7 @@ fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError>
             let location = job.location(&[section], &[]);
             return Err(JobError::NotASection { location, name: section.clone() });
         };
-        // `[shape.ct]` is a table inside `shape` in TOML and a section of its own here.
+        // In TOML `[shape.ct]` is a table inside `shape`; here it is treated as a separate section.
         let is_inner = |key: &str| Settings::SECTIONS.contains(&format!("{section}.{key}").as_str());
         let mut own = Table::new();
         for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
@@ -196,7 +196,7 @@ fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError>
     Ok(())
 }
 
-/// Applies the keys of a table, which stands below `keys` in its file.
+/// Applies the keys of a table. `keys` is the path of the table in its file, for messages.
 fn apply_table(
     settings: &mut Settings,
     section: &str,
@@ -207,7 +207,7 @@ fn apply_table(
     for (key, value) in rows {
         let keys: Vec<&str> = keys.iter().copied().chain([key.as_str()]).collect();
         let location = |steps: &[Step]| source.location(&keys, steps);
-        // With both names present it is not clear which value is meant.
+        // If the table contains both names, it is not clear which value is meant.
         if let Some(new) = new_key(section, key).filter(|new| rows.contains_key(*new)) {
             let (old, new) = (format!("{section}.{key}"), format!("{section}.{new}"));
             return Err(JobError::BothNames { location: location(&[]), old, new });
@@ -225,7 +225,7 @@ fn apply(
     value: &Value,
     location: &dyn Fn(&[Step]) -> Location,
 ) -> Result<(), JobError> {
-    // A scan and a file of directions may be written as their paths alone.
+    // For a scan or a file of directions, its path alone may replace the section.
     let (section, key) = match (section, key) {
         ("shape", "ct") => ("shape.ct", "path"),
         ("guide", "field") => ("guide.field", "path"),
@@ -266,7 +266,7 @@ fn unknown_key(section: &str, key: &str, location: Location) -> JobError {
     let params = Settings::params();
     let in_section: Vec<&'static str> =
         params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
-    // A key without a known section is better explained as an unknown section.
+    // If the section is unknown as well, the error names the section.
     if in_section.is_empty() {
         let nearest = nearest(section, Settings::SECTIONS);
         return JobError::UnknownSection { location, section: section.to_owned(), nearest };
@@ -284,24 +284,24 @@ fn fibre_material(
     let location = job.location(&["fibre", "material"], &[]);
     let (text, name) = profile_text("material", &settings.fibre.material, load, location)?;
     let source = Source::parse(&text, &name)?;
-    // A material of its own: the keys of the matrix must not leak into the fibre.
+    // The fibre's material starts from the defaults, so that it does not inherit keys of the matrix.
     let mut own = Settings::default();
     apply_table(&mut own, "material", &source.table, &source, &[])?;
     settings.warnings.append(&mut own.warnings);
     Ok(own.material)
 }
 
-/// A density on the command line replaces the mass of the job file. A mass of 0 means none.
+/// A density on the command line replaces the mass of the job file. A mass of 0 counts as unset.
 fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
     let last = |key: &str| sets.iter().rposition(|s| s.section == "fill" && s.key == key);
     let mass_g = settings.fill.mass_g.filter(|m| *m > 0.0);
     settings.fill.mass_g = mass_g;
-    // The one given last on the command line wins; the job file alone prefers the mass.
+    // Of both on the command line, the last one applies. Of both in the job file, the mass applies.
     if let (Some(mass_g), Some(density)) = (mass_g, last("density"))
         && last("mass_g").is_none_or(|mass| mass < density)
     {
         settings.fill.mass_g = None;
-        // A graded density says where material goes, and the mass how much of it.
+        // A graded density states where material goes, and the mass how much of it there is; both apply.
         let Some(density) = settings.fill.density.even().map(Density::fraction) else {
             settings.fill.mass_g = Some(mass_g);
             return;
@@ -311,8 +311,8 @@ fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
     }
 }
 
-/// Names the origin of each strength where a job gives some itself and leaves others to the profile. The
-/// names go into the source of the strengths, which reports print, and into a warning.
+/// States the origin of each strength if some are from the job and others from the profile. The origins
+/// are written into the source of the strengths, which reports print, and into a warning.
 fn name_origins_of_strengths(
     settings: &mut Settings,
     profile_card: &MaterialSection,
@@ -325,7 +325,7 @@ fn name_origins_of_strengths(
     let own: Vec<&str> = all.iter().filter(|(key, _)| by_job(key)).map(|(key, _)| *key).collect();
     let rest: Vec<&str> =
         all.iter().filter(|(key, v)| v.is_some() && !by_job(key)).map(|(key, _)| *key).collect();
-    // All from one source: its own description is right.
+    // If all strengths have one origin, the source as stated is right.
     if own.is_empty() || rest.is_empty() {
         return;
     }

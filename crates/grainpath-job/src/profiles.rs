@@ -1,6 +1,6 @@
 //! Profiles that are shipped with the program, as data.
 
-/// A profile: TOML with keys of one section.
+/// A profile: preset values for the keys of one section, as TOML.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
     /// Section of the keys: `printer`, `material` or `process`.
@@ -14,12 +14,12 @@ pub struct Profile {
 impl Profile {
     /// Purpose of the profile, from its first line.
     pub fn about(&self) -> &'static str {
-        // The first comment line of each file is its description, so that it is written in one place.
+        // The first comment line of a profile is its only description.
         self.text.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])
     }
 }
 
-/// Sections that have profiles, each with the profile that is used when a job names none.
+/// Sections that have profiles, each with its default profile.
 pub(super) const KINDS: [(&str, &str); 3] =
     [("printer", "generic-0.4"), ("material", "pla"), ("process", "standard")];
 
@@ -61,7 +61,7 @@ pub fn profile(kind: &str, name: &str) -> Option<&'static Profile> {
     profiles_of(kind).find(|p| p.name == name)
 }
 
-/// The profile of a kind that holds for jobs that name none.
+/// The default profile of a kind, for jobs that do not name one.
 pub fn default_profile(kind: &str) -> Option<&'static Profile> {
     KINDS.iter().find(|(k, _)| *k == kind).and_then(|(_, name)| profile(kind, name))
 }

@@ -1,8 +1,8 @@
 //! Regions of the part with settings of their own: the tables `[[region]]` of a job, as typed.
 //!
-//! A region states where it lies and the few settings that differ there. `Settings::in_region` gives the settings of the
-//! whole job as they hold in the region, so every check and every stage that takes settings works for a region too. Which
-//! area of a layer a region covers is for the planner to find out.
+//! A region states where it lies and the few settings that differ there. `Settings::in_region` returns the complete
+//! settings that apply in the region, so every check and every stage that takes settings works for a region too. The
+//! planner finds the area of each layer that a region covers.
 //!
 //! ```
 //! use grainpath_job::parse_job;
@@ -36,9 +36,9 @@ pub enum RegionPlace {
     },
     /// Whole layers: first and last of each range, counted from 1.
     Layers(Vec<[usize; 2]>),
-    /// The inside of a mesh, in the coordinates of the part's own file; the path of its file.
+    /// The inside of a mesh, given by the path of its file; its coordinates are those of the part's file.
     Mesh(String),
-    /// All that is within a depth below a face of the part.
+    /// The material within a given depth below a face of the part.
     Face {
         /// The name that `grainpath inspect --faces` gives it.
         face: FaceName,
@@ -47,7 +47,7 @@ pub enum RegionPlace {
     },
 }
 
-/// A region of the part and the settings that differ there; `None` leaves the job's own.
+/// A region of the part and the settings that differ there; with `None` the job's own setting applies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JobRegion {
     /// Where it lies.
@@ -70,14 +70,14 @@ pub struct JobRegion {
     pub guide: bool,
 }
 
-/// The keys of a place.
+/// The keys that give a place, for messages.
 const PLACES: &str = "box_mm, layers, mesh, face";
 
 fn read_place(value: &Value) -> Result<RegionPlace, ValueError> {
     let t = Reader::new(value, "a table in { }", &["box_mm", "layers", "mesh", "face", "depth_mm"])?;
     let depth_mm = t.get::<f64>("depth_mm", (1e-3, MAX_NUMBER))?;
     let mut given = t.0.iter().filter(|(key, _)| key.as_str() != "depth_mm");
-    // Exactly one place: two would leave open whether both or either of them counts.
+    // Exactly one place is allowed: with two it would be unclear whether the region is their union or their intersection.
     let (Some((kind, value)), None) = (given.next(), given.next()) else {
         return Err(Problem::SeveralKinds { keys: PLACES }.into());
     };

@@ -5,14 +5,14 @@
 pub enum Renamed {
     /// A key of a section.
     Key {
-        /// The section that holds it, as in `shape.ct`.
+        /// The section of the key, for example `shape.ct`.
         section: &'static str,
         /// The name in old files.
         old: &'static str,
         /// The name from now on.
         new: &'static str,
     },
-    /// A word of a choice.
+    /// One of the words that a setting allows.
     Word {
         /// The section of the setting.
         section: &'static str,
@@ -36,11 +36,11 @@ pub enum Renamed {
 /// assert_eq!(settings.warnings[0].text, "guide.memory_mb is now called guide.memory_mib");
 /// ```
 pub const RENAMED: &[Renamed] = &[
-    // The setting always counted units of 1024 x 1024 bytes.
+    // The value always meant units of 1024 x 1024 bytes; only the name was wrong.
     Renamed::Key { section: "guide", old: "memory_mb", new: "memory_mib" },
 ];
 
-/// The present name of a key, where it was renamed.
+/// The new name of a key; `None` for a key that was not renamed.
 pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|r| match r {
         Renamed::Key { section: s, old, new } if (*s, *old) == (section, key) => Some(*new),
@@ -48,7 +48,7 @@ pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
     })
 }
 
-/// The present form of a word, where it was renamed.
+/// The new form of a word; `None` for a word that was not renamed.
 pub(super) fn new_word(section: &str, key: &str, word: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|r| match r {
         Renamed::Word { section: s, key: k, old, new } if (*s, *k, *old) == (section, key, word) => {

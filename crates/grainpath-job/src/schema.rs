@@ -20,7 +20,7 @@ pub fn json_schema() -> Value {
     let mut sections = Map::new();
     for section in Settings::SECTIONS {
         let mut keys = Map::new();
-        // `profile` is read before all other keys and has no row of its own.
+        // `profile` is read before all other keys; as it is not a row, it is added here.
         if ["printer", "material", "process"].contains(&section) {
             let about =
                 "Name of a shipped profile, or a path ending in .toml; its keys are the section's defaults.";
@@ -33,14 +33,14 @@ pub fn json_schema() -> Value {
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
         match section.split_once('.') {
             None => drop(sections.insert(section.into(), table)),
-            // A nested table. A scan and a file of directions may be written as their paths alone.
+            // A nested table. For a scan or a file of directions, its path alone may replace the table.
             Some((outer, inner @ ("ct" | "field"))) => {
                 sections[outer]["properties"][inner] = json!({ "oneOf": [table, { "type": "string" }] });
             }
             Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }
     }
-    let about = "Places with settings of their own; where they overlap, the later one counts.";
+    let about = "Places with settings of their own; where two overlap, the settings of the later one apply.";
     let regions = json!({ "type": "array", "items": JobRegion::schema(), "description": about });
     sections.insert("region".into(), regions);
     let format = json!({
@@ -68,11 +68,11 @@ fn schema_of(p: &Param) -> Value {
         limit_numbers(&mut row, low, high);
     }
     if !p.words.is_empty() {
-        // `enum` serves validators, `oneOf` editors that show the meaning of a word.
+        // Validators use `enum`; editors use `oneOf` to show the meaning of a word.
         row["enum"] = p.words.iter().map(|w| json!(w.name)).collect();
         row["oneOf"] = p.words.iter().map(|w| json!({ "const": w.name, "description": w.help })).collect();
     }
-    // The default stands in the row as TOML; parsing it gives the value with its type.
+    // The row states the default as TOML text; parsing it gives a value of the right type.
     let default = format!("v = {}", p.default).parse::<toml::Table>().ok().and_then(|mut t| t.remove("v"));
     if let Some(value) = default.and_then(|v| serde_json::to_value(v).ok()) {
         row["default"] = value;
@@ -107,7 +107,7 @@ pub fn markdown() -> String {
         "# Settings\n\n",
         "Written by `grainpath schema --markdown`; a test keeps it up to date. ",
         "A job file has these sections. Every key may be left out. ",
-        "A numeric setting without a default is unset by the word `\"none\"`.\n\n",
+        "A numeric setting without a default can be unset with the word `\"none\"`.\n\n",
         "The file may begin with `format = 1`, the version of the format.\n",
     ));
     for section in Settings::SECTIONS {
@@ -120,7 +120,7 @@ pub fn markdown() -> String {
                 Check::Any => p.words.iter().map(|w| w.name).collect::<Vec<_>>().join(", "),
                 Check::Range(low, high) => format!("{low} to {high}"),
             };
-            // A line break or a bar would break the table.
+            // A line break or a vertical bar in a default would break the table.
             let default = p.default.replace('\n', "\\n").replace('|', "\\|");
             let default = if default.is_empty() { String::new() } else { format!("`{default}`") };
             let mut help = p.help.to_owned();
@@ -137,14 +137,14 @@ pub fn markdown() -> String {
 /// The tables `[[region]]` on the reference page.
 const REGIONS: &str = concat!(
     "\n## [[region]]\n\n",
-    "A place with settings of its own, any number of times; where two overlap, the later one counts. ",
-    "What a region leaves out is as in the rest of the part.\n\n",
+    "A place with settings of its own. A job may have any number of them; where two overlap, the settings of the later one apply. ",
+    "Settings that a region leaves out are those of the rest of the part.\n\n",
     "| key | what it does |\n|---|---|\n",
     "| `on` | Where it lies, exactly one of: `{ box_mm = [[x, y, z], [x, y, z]] }`, two corners, with the part on the bed; ",
     "`{ layers = [[1, 10]] }`, first and last layer counted from 1; `{ mesh = \"rib.stl\" }`, the inside of a mesh in the ",
-    "coordinates of the part's file; `{ face = \"f:9c1e\", depth_mm = 3 }`, what is within a depth below a face that ",
+    "coordinates of the part's file; `{ face = \"f:9c1e\", depth_mm = 3 }`, the material within a depth below a face that ",
     "`grainpath inspect --faces` names. |\n",
-    "| `fill` | `{ pattern, density, angles_deg, lines }`, as in [fill]. With `fill.mass_g` a region that states no density gets the one that is found. |\n",
+    "| `fill` | `{ pattern, density, angles_deg, lines }`, as in [fill]. With `fill.mass_g`, a region without a density of its own gets the density that is found for the mass. |\n",
     "| `process` | `{ walls, top_layers, bottom_layers }`, as in [process]. |\n",
     "| `guide` | `false`: infill does not follow the guide there. |\n",
 );

@@ -1,7 +1,7 @@
 //! Every setting, declared once as a row.
 //!
-//! A row holds key, type, default, unit, range and help text. From the rows come the structs below, the parser, the
-//! JSON Schema and the reference page. The type of a row that offers a choice is an enum of [`crate::choices`].
+//! A row holds key, type, default, unit, range and help text. The structs below, the parser, the JSON Schema and the
+//! reference page are made from the rows. A row with a choice of words has an enum of [`crate::choices`] as its type.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ use crate::choices::{
 };
 use Check::{Any, Range};
 
-/// Declares sections: their structs with defaults, their rows, and how a single key is set.
+/// Declares the sections: a struct with the defaults, the rows, and the function that sets a single key.
 macro_rules! sections {
     ($( $(#[$about:meta])* $section:ident $name:literal {
         $( $key:ident : $type:ty = $default:expr, $unit:literal, $check:expr, $help:literal; )*
@@ -81,8 +81,8 @@ sections! {
     ShapeSection "shape" {
         mesh: String = String::new(), "", Any, "Mesh to print: an STL, OBJ, PLY, OFF or 3MF file.";
         outline: String = String::new(), "", Any, "Drawing of a flat part, printed instead of a mesh: an SVG or ASCII DXF file.";
-        // 0 stands for a thickness that is not given; `combinations` refuses it where one is needed.
-        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the part of an outline.";
+        // 0 means that no thickness is given; `combinations` refuses it where one is needed.
+        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of a part that is printed from an outline.";
         outline_rule: OutlineRule = OutlineRule::File, "", Any, "What counts as material in a drawing.";
         unit: FileUnit = FileUnit(None), "", Any, "Unit of the mesh or drawing.";
         scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on all lengths of the file.";
@@ -97,7 +97,7 @@ sections! {
     PhotoSection "shape.photo" {
         files: Vec<String> = Vec::new(), "", Any, "Photographs of the board (PNG, JPEG, TIFF or BMP), lowest layer first. One is enough.";
         corners: BoardCorners = BoardCorners::Image, "", Any, "How the board is found in a photograph.";
-        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board in the image: upper left, upper right, lower right, lower left, measured from the image's upper left corner. Four for all files, or four for each file. Replaces `corners`.";
+        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board in the image: upper left, upper right, lower right, lower left, measured from the image's upper left corner. Give four points for all files together, or four for each file. Replaces `corners`.";
         size_mm: [f64; 2] = [0.0; 2], "mm", Range(0.0, 1e4), "Width and height of the board between its corners.";
         thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the board.";
         heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "Height in the board that each file shows, in rising order. Unset: a single file shows the bottom, several files are spread evenly over the thickness.";
@@ -116,14 +116,14 @@ sections! {
         materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for threshold = \"iso50\"; unset: the commonest value on either side of Otsu's threshold.";
         smooth: Denoise = Denoise::None, "", Any, "Noise filter of the slices.";
         smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation of the blur for smooth = \"gaussian\".";
-        // About the area of one bead 0.45 mm wide and as long: smaller islands cannot be printed.
+        // About the area of a bead 0.45 mm wide and 0.45 mm long: smaller islands cannot be printed.
         min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Islands of a section that are smaller than this are removed and counted.";
         min_piece_mm3: f64 = 0.0, "mm3", Range(0.0, 1e9), "Loose pieces of the part with less volume than this are removed and counted; 0 keeps all.";
         min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Holes of a section that are smaller than this are filled and counted.";
-        interpolate: Interpolate = Interpolate::Auto, "", Any, "How layers between two slices are made.";
+        interpolate: Interpolate = Interpolate::Auto, "", Any, "How the contours of layers between two slices are found.";
         overlap: f64 = 0.2, "", Range(0.0, 1.0), "Two contours of neighbouring slices are matched if they overlap by at least this fraction of their area.";
         contours: Contours = Contours::Iso, "", Any, "How contours are found in a slice.";
-        // The thresholds count in steps from air to material, so they hold for scans of any grey scale.
+        // The thresholds are fractions of the step from air to material, so they suit scans of any grey scale.
         canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Lower threshold of the Canny filter, as a fraction of the step from air to material: edges are followed down to this gradient per pixel.";
         canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Upper threshold of the Canny filter, as a fraction of the same step: edges start above this gradient per pixel.";
         canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Standard deviation of the blur before the Canny filter.";
@@ -145,7 +145,7 @@ sections! {
         acceleration_mm_s2: f64 = 1500.0, "mm/s2", Range(1.0, 100000.0), "Acceleration while printing.";
         travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travel moves.";
         retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of moves of the extruder alone.";
-        // Three models of corner speed are in use; the ones that are set replace jerk.
+        // Firmware limits the speed at corners by one of three models; the other two, where set, replace jerk.
         jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Speed change allowed at corners without slowing down, for x, y, z and the extruder.";
         square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's square_corner_velocity: speed at a right angle. Replaces jerk where it is set.";
         junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation. Replaces jerk where it is set.";
@@ -190,8 +190,8 @@ sections! {
         nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13. Axis 1 is along the bead, 2 across it in the layer, 3 across layers.";
         g_mpa: [f64; 3] = [919.0, 844.0, 844.0], "MPa", Range(1e-3, 1e7), "Shear moduli 12, 23 and 13.";
         elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Source of the elastic constants.";
-        // Strengths have no default: a wrong one would be believed. The test refuses materials without
-        // them.
+        // Strengths have no default, because a wrong one would be taken for a measured value. The test
+        // refuses materials without them.
         xt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength along the beads: low, nominal, high.";
         yt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across the beads in the layer: low, nominal, high.";
         zt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across layers: low, nominal, high.";
@@ -222,8 +222,8 @@ sections! {
         gap_fill: bool = true, "", Any, "Lay one bead of variable width in gaps between walls, and between walls and infill.";
         top_layers: usize = 5, "", Range(0.0, 10000.0), "Number of dense layers below top surfaces.";
         bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Number of dense layers above bottom surfaces.";
-        // One microstep of common belt drives (80 steps per mm): finer points cost time and cannot be
-        // printed.
+        // One microstep of common belt drives (80 steps per mm). Finer points take time to compute,
+        // but cannot be printed.
         simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified within this distance; small contours within a thousandth of their size.";
         outer_wall_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of outer walls.";
         inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of inner walls.";
@@ -252,15 +252,15 @@ sections! {
     GuideSection "guide" {
         kind: GuideKind = GuideKind::None, "", Any, "What gives infill its direction.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of all infill for kind = \"angle\", counter-clockwise from +X.";
-        follow: Follow = Follow::MaxAbs, "", Any, "Which principal stress beads follow.";
+        follow: Follow = Follow::MaxAbs, "", Any, "The principal stress that the beads follow.";
         analysis: Analysis = Analysis::Auto, "", Any, "Model of the stress analysis.";
         element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest edge of a finite element; unset: chosen from the size of the part.";
         elasticity: Elasticity = Elasticity::Isotropic, "", Any, "Elastic model of the stress analysis.";
         elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", counter-clockwise from +X.";
-        // Unset and not a number, because the right default depends on pattern and fibre.
-        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.5, or 0.25 for one continuous path along the stress without fibre.";
-        tangent: bool = true, "", Any, "Align directions with free borders, along which one principal stress always runs.";
-        frame: LoadFrame = LoadFrame::Placed, "", Any, "Coordinates of fixtures and loads.";
+        // The default is unset, because the right value depends on pattern and fibre.
+        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.25 for the pattern `continuous` along the stress without fibre, otherwise 0.5.";
+        tangent: bool = true, "", Any, "Align directions with free borders of the part: one principal stress is always parallel to a free border.";
+        frame: LoadFrame = LoadFrame::Placed, "", Any, "Coordinates in which fixtures and loads are given.";
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
         load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole), torque_nmm (about the axis of the place), or preload_n with a second place `to` (a bolt that clamps what lies between); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
@@ -271,12 +271,12 @@ sections! {
         import: String = String::new(), "", Any, "File of a stress result to use instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD or CSV, in the coordinates of the mesh file.";
         import_array: Option<String> = None, "", Any, "Name of the stress array in the imported file; unset: found by the usual names.";
         import_order: Option<ComponentOrder> = None, "", Any, "Order of the stress components in the imported file; unset: by their names, else vtk.";
-        import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress, or of the pressures and moduli of the deck, whose forces are this times the square of its unit of length; unset: MPa.";
+        import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress, or of the pressures and moduli of the deck; unset: MPa. Forces of the deck are in this unit times the square of its unit of length.";
         import_length_unit: Option<LengthUnit> = None, "", Any, "Unit of the imported positions, or of those of the deck; unset: mm.";
-        // Half of the memory of a computer with 8 GiB. A larger job is refused with the size that it
-        // needs.
+        // Half of the memory of a computer with 8 GiB. A job that needs more is refused, and the
+        // error states how much.
         memory_mib: usize = 4096, "MiB", Range(16.0, 1e6), "Memory limit of the stress analysis and of the strength test. A job that would exceed it is refused before solving.";
-        mode: GrainMode = GrainMode::Field, "", Any, "What of the grain infill follows.";
+        mode: GrainMode = GrainMode::Field, "", Any, "The feature of the grain that the infill follows.";
         pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel size of the rectified photograph; unset: the photograph's own resolution.";
         blur_mm: Option<f64> = None, "mm", Range(0.0, 20.0), "Standard deviation of the blur before edges are detected; unset: 0.12 mm and at least 1.3 pixels.";
         median_px: usize = 1, "px", Range(0.0, 7.0), "Radius of the median filter that removes specks.";
@@ -286,10 +286,10 @@ sections! {
         bridge_mm: f64 = 1.5, "mm", Range(0.0, 100.0), "Ends of curves that face each other across at most this gap are joined.";
         min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Curves shorter than this are dropped.";
         integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Radius of the neighbourhood over which the grain's direction is averaged.";
-        bend: Bend = Bend::Holes, "", Any, "Borders of the part that bend the grain.";
+        bend: Bend = Bend::Holes, "", Any, "Borders of the part that the grain bends around.";
         darkness: f64 = 0.0, "", Range(0.0, 1.0), "How strongly line spacing follows the darkness of the picture or the grey value of the scan, below full density. 0: even spacing; 1: up to twice as close as the mean.";
     }
-    /// Photographs whose grain fills a part of another shape; unset: the photographs of shape.photo.
+    /// Photographs whose grain guides the infill of a part of another shape; unset: the photographs of shape.photo.
     ImageSection "guide.image" {
         files: Vec<String> = Vec::new(), "", Any, "Photographs, lowest first.";
         corners: BoardCorners = BoardCorners::Image, "", Any, "How the board is found in a photograph, as in shape.photo.";
@@ -302,7 +302,7 @@ sections! {
         heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "Height that each file shows, as in shape.photo.";
         shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "Shift of the grain for each millimetre of height, as in shape.photo.";
     }
-    /// A scan whose texture fills a part of another shape; unset: the scan of shape.ct.
+    /// A scan whose texture guides the infill of a part of another shape; unset: the scan of shape.ct.
     VolumeSection "guide.volume" {
         path: String = String::new(), "", Any, "The scan, as in shape.ct.";
         pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; unset: as the file states.";
@@ -312,9 +312,9 @@ sections! {
         flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored; empty: none.";
         scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on the size of the scan.";
         origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Position on the part of the lower left corner of the scan's lowest slice; unset: scan and part have the same centre, and the scan stands on the bed.";
-        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation about that corner, counter-clockwise.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation about the lower left corner of the scan, counter-clockwise.";
     }
-    /// A file of directions for kind = "field"; its path alone may stand for the section.
+    /// A file of directions for kind = "field"; a job may give its path alone in place of the section.
     FieldSection "guide.field" {
         path: String = String::new(), "", Any, "Your own directions: a CSV table with a header (x, y, perhaps z, and an angle or a vector), .npy, .npz, a picture whose grey from 0 to the maximum is 0 to 180 degrees, a finite-element file with vectors, or a folder or matrix of vector_slicer.";
         frame: FieldFrame = FieldFrame::Part, "", Any, "Coordinates of the positions.";
@@ -328,15 +328,15 @@ sections! {
     /// Infill.
     FillSection "fill" {
         pattern: Pattern = Pattern::Grid, "", Any, "Infill pattern.";
-        density: FillDensity = FillDensity::Even(Density::new(0.2)), "", Range(0.0, 1.0), "Volume of beads over volume of the infill region; 1 is dense. Or graded between two such numbers, as `{ min = 0.1, max = 1.0, by = \"stress\" }`, or `by = \"file\"` with `file` and perhaps `array`.";
+        density: FillDensity = FillDensity::Even(Density::new(0.2)), "", Range(0.0, 1.0), "Volume of beads over volume of the infill region; 1 is dense. Graded density lies between two such numbers and is written as `{ min = 0.1, max = 1.0, by = \"stress\" }`, or `by = \"file\"` with `file` and perhaps `array`.";
         angles_deg: LayerAngles = LayerAngles::all(vec![45.0, -45.0]), "deg", Range(-3600.0, 3600.0), "Raster angles, used in turn from layer to layer; or lists for ranges of layers, counted from 1, as `{ layers = { \"1-10\" = [0], \"11-\" = [45, -45] } }`. `aligned` and patterns that cross within a layer use the first angle of a list only.";
         skin_angles_deg: Option<LayerAngles> = None, "deg", Range(-3600.0, 3600.0), "Raster angles of top and bottom skins over sparse infill, written as angles_deg; skins are then straight lines whatever infill follows. Unset: as angles_deg, or the guide.";
         lines: usize = 1, "", Range(1.0, 8.0), "Number of beads that lie side by side in each line of sparse infill. Lines are that many times as far apart, so that the density stays.";
-        mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the density that gives it is found, to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
-        widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; `continuous` with fibre always has one.";
-        ends: BeadEnds = BeadEnds::Joined, "", Any, "Ends of the beads of `stripes` and `seed-lines` at the border.";
+        mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the infill density that gives this mass is found to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
+        widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; with fibre, `continuous` always has constant width.";
+        ends: BeadEnds = BeadEnds::Joined, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
         spiral: bool = false, "", Any, "Open closed rings of infill into each other, so that rings around one another are laid as one spiral.";
-        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width (two beads).";
+        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width. The width is that of two beads.";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far infill reaches into the innermost wall, as a fraction of the bead spacing.";
     }
@@ -359,11 +359,11 @@ sections! {
         interface_layers: usize = 0, "", Range(0.0, 100.0), "Number of dense layers below each contact. They make the surface smoother and the support harder to remove.";
         interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of the dense layers below a contact.";
         load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "Load of one contact on its branch, safety factor included. Branches are thick enough not to buckle under it (Euler).";
-        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for that check and for the next.";
-        side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm; tips that still do are warned of.";
+        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the checks with load_per_contact_n and side_load_n.";
+        side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm. A warning names tips that still move by more.";
         max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Largest length over diameter of a branch.";
         brace: bool = true, "", Any, "Brace slender trunks against a neighbour with struts.";
-        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks with a larger length over diameter than this are braced, at this spacing.";
+        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks with a larger length over diameter than this are braced, with struts this number of diameters apart.";
         max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "Largest horizontal distance over which two branches are merged.";
         margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may reach beyond the part in plan view to get around it.";
         from_plate_only: bool = false, "", Any, "Start support on the bed only, never on the part. Overhangs that cannot be reached are reported.";
@@ -372,7 +372,7 @@ sections! {
         block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Support blockers: boxes in which no surface is supported.";
         enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are always supported, counted from 0 in the order of the file.";
         block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are never supported, counted in the same way.";
-        solid: SupportSurface = SupportSurface::Distance, "", Any, "How branches become one surface.";
+        solid: SupportSurface = SupportSurface::Distance, "", Any, "How the branches are united into one surface.";
         walls: usize = 1, "", Range(1.0, 100.0), "Number of walls of a branch.";
         density: f64 = 0.0, "", Range(0.0, 1.0), "Density of infill in branches; columns and boxes have at least 0.15.";
         dense_layers: usize = 2, "", Range(0.0, 1000.0), "Number of dense layers above the bed, which make feet adhere.";
@@ -385,7 +385,7 @@ sections! {
         enabled: bool = false, "", Any, "Lay the pattern of section fill with continuous fibre; the rest of the part is matrix.";
         material: String = "continuous-carbon".into(), "", Any, "Material of beads with fibre: a material profile, or a path ending in .toml. Section material is the matrix.";
         layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; unset: all layers.";
-        every: usize = 1, "", Range(1.0, 1e6), "Lay fibre in every n-th of these layers.";
+        every: usize = 1, "", Range(1.0, 1e6), "Lay fibre in every n-th of the layers given by `layers`.";
         rings: usize = 0, "", Range(0.0, 1000.0), "Number of rings of fibre along outlines and around holes, laid before the pattern fills the rest.";
         matrix_layers: [usize; 2] = [0, 0], "", Range(0.0, 1e6), "Number of layers at the bottom and at the top of the part that have no fibre.";
         boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, with the part on the bed) in which infill is fibre; unset: everywhere.";
@@ -396,7 +396,7 @@ sections! {
         turns: FibreTurns = FibreTurns::Round, "", Any, "What happens where a path turns more sharply than min_radius_mm.";
         min_length_mm: f64 = 50.0, "mm", Range(0.0, 1e5), "Paths shorter than this are laid without fibre.";
         anchor_mm: f64 = 5.0, "mm", Range(0.0, 1000.0), "Length at the beginning of a path that is laid slowly, so that the fibre adheres.";
-        anchor_speed_mm_s: f64 = 3.0, "mm/s", Range(0.1, 500.0), "Speed over that length.";
+        anchor_speed_mm_s: f64 = 3.0, "mm/s", Range(0.1, 500.0), "Speed over the length anchor_mm.";
         speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of beads with fibre.";
         start: FibreStart = FibreStart::Straight, "", Any, "Where a closed path begins and ends.";
     }
@@ -405,7 +405,7 @@ sections! {
         enabled: bool = false, "", Any, "Run the strength test with every run, on guide.fixture and guide.load. It does not depend on guide.kind.";
         cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Size of a cell of the test; unset: half a bead width for plates and a bead width for solids, more for large parts.";
         check: bool = true, "", Any, "Repeat the test with cells of twice the size and report the change of the result.";
-        corners: bool = true, "", Any, "Repeat the test with the low, nominal and high strengths of the material, and with strong beads in weak bonds and the reverse.";
+        corners: bool = true, "", Any, "Repeat the test with the low, nominal and high strengths of the material, and with strong beads and weak bonds, and the reverse.";
         fidelity: Fidelity = Fidelity::Auto, "", Any, "Model of the test.";
     }
     /// Output files, relative to the job file or to --out.
@@ -417,14 +417,14 @@ sections! {
         stress: String = String::new(), "", Any, "Stress and principal directions (VTU); empty: none.";
         lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families (.svg or .vtp); empty: none.";
         surface: String = String::new(), "", Any, "Surface of the part (.stl or .3mf), closed and manifold, lofted from its layers; empty: none.";
-        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Cell size of that surface.";
+        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Cell size of the surface in `surface`.";
         layers_cli: String = String::new(), "", Any, "Sections of the part as a Common Layer Interface file; empty: none.";
         layers_svg: String = String::new(), "", Any, "Sections of the part as SVG, one group for each layer; empty: none.";
         plan: String = String::new(), "", Any, "All paths with their widths (JSON); empty: none.";
     }
 }
 
-/// The settings of a job. They are checked, and no stage checks them again.
+/// The settings of a job, checked when the job is read; later stages rely on that check.
 ///
 /// ```
 /// use grainpath_core::Density;
@@ -461,14 +461,15 @@ pub struct Settings {
     pub output: OutputSection,
     /// Regions with settings of their own, in the order of the file.
     pub regions: Vec<JobRegion>,
-    /// Warnings about what was assumed or overruled while the job was read. A run passes them on with its
-    /// own.
+    /// Warnings about assumed or overruled settings from reading the job. A run reports them together
+    /// with its own warnings.
     pub warnings: Vec<Warning>,
 }
 
 impl Settings {
-    /// Length over which directions are smoothed, mm. A continuous path cannot end where directions diverge, so its
-    /// directions are smoothed less. Fibre is smoothed more again, because it must not turn sharply.
+    /// Length over which directions are smoothed, mm. For one continuous path along the stress the default is
+    /// shorter, because the path cannot end where directions diverge. With fibre the default is the usual length
+    /// again, because fibre must not turn sharply.
     pub fn smoothing_mm(&self) -> f64 {
         let one_path = self.guide.kind == GuideKind::Stress
             && self.fill.pattern == Pattern::Continuous
@@ -481,8 +482,8 @@ impl Settings {
         !self.image.files.is_empty()
     }
 
-    /// The photographs whose grain the job follows: those of the guide, or those of the shape where the guide names none.
-    /// Empty where grain is no guide.
+    /// The photographs whose grain the infill follows: those of the guide, or those of the shape where the guide names
+    /// none. Empty where the guide is not grain.
     pub fn grain_photos(&self) -> &[String] {
         match (self.guide.kind == GuideKind::Grain, self.guide_has_photos()) {
             (false, _) => &[],
@@ -491,7 +492,7 @@ impl Settings {
         }
     }
 
-    /// The settings of the job as they hold in a region. They have no regions of their own.
+    /// The settings of the job as they apply in a region. The list of regions in them is empty.
     #[must_use]
     pub fn in_region(&self, region: &JobRegion) -> Self {
         let mut s = Self { regions: Vec::new(), warnings: Vec::new(), ..self.clone() };
@@ -499,14 +500,15 @@ impl Settings {
         fill.pattern = region.pattern.unwrap_or(fill.pattern);
         if let Some(density) = region.density {
             fill.density = density.into();
-            // The mass is met by the density of the rest of the part.
+            // The rest of the part gets the density that gives the mass.
             fill.mass_g = None;
         }
         if let Some(angles) = &region.angles_deg {
             fill.angles_deg = angles.clone();
         }
         fill.lines = region.lines.unwrap_or(fill.lines);
-        // What dense infill has no room for is left out where the job, and not the region, asks for it.
+        // Dense infill has neither several beads in a line nor separate skins. The job's settings
+        // for these are dropped; a region's own number of lines is kept.
         if fill.density.is_dense() && fill.mass_g.is_none() {
             fill.lines = region.lines.unwrap_or(1);
             fill.skin_angles_deg = None;
@@ -587,7 +589,7 @@ impl Settings {
     pub fn rows(&self) -> Vec<Row> {
         let all = [
             self.shape.rows(),
-            // Sections that are not in use would only lengthen the report.
+            // Sections that are not in use are left out to keep the report short.
             if self.photo.files.is_empty() { Vec::new() } else { self.photo.rows() },
             if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),
@@ -626,7 +628,7 @@ pub struct Row {
     pub key: String,
     /// The value of this job, as TOML has it; empty where it is unset.
     pub value: String,
-    /// The value where the job gives none.
+    /// The default, for jobs that do not give a value.
     pub default: String,
     /// Unit; empty for none.
     pub unit: &'static str,

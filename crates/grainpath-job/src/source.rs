@@ -1,4 +1,4 @@
-//! A TOML file as values, with the line of each value.
+//! Parses a TOML file and finds the line of each of its values.
 
 use std::ops::Range;
 
@@ -32,8 +32,8 @@ impl<'a> Source<'a> {
         Ok(Self { name, text, spans, table })
     }
 
-    /// The line of a value that is reached by `keys` and then by `steps` into it. Where the file does not
-    /// hold all of the way, the line of the innermost part that it holds.
+    /// The line of the value that the path of `keys` and then `steps` leads to. If the file lacks the end of
+    /// this path, the line of the last part of the path that it has.
     pub(crate) fn location(&self, keys: &[&str], steps: &[Step]) -> Location {
         let keys = keys.iter().map(|k| Step::Key((*k).to_owned()));
         let mut steps = keys.chain(steps.iter().cloned());
@@ -48,7 +48,7 @@ impl<'a> Source<'a> {
                 (Step::Index(i), None, Some(DeValue::Array(a))) => a.get(*i).map(|v| (v.span(), v.get_ref())),
                 (Step::Key(_) | Step::Index(_), _, _) => None,
             };
-            // A problem may concern a missing key, which has no line; the table around it has one.
+            // A missing key has no line; its error then gives the line of the table that should hold it.
             let Some((span, inner)) = next else { break };
             found = Some(span);
             table = inner.as_table();

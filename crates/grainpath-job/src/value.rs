@@ -60,7 +60,7 @@ pub struct Param {
     pub schema: serde_json::Value,
 }
 
-/// A step from a setting into its value.
+/// One step of the path from a setting to a part of its value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Step {
     /// An entry of a list, from 0.
@@ -71,7 +71,7 @@ pub enum Step {
 
 /// A number as people write it: with an exponent where it is large.
 fn short(v: f64) -> String {
-    // From a thousand million on, digits are hard to count.
+    // Numbers from 1e9 on have an exponent, because their digits are hard to count.
     if v.abs() >= 1e9 { format!("{v:e}") } else { v.to_string() }
 }
 
@@ -113,22 +113,22 @@ fn names(words: &[Word]) -> String {
 /// from 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueError {
-    /// The path from the setting to the wrong part; empty for the value itself.
+    /// The path from the setting to the wrong part; empty if the whole value is wrong.
     pub path: Vec<Step>,
     /// The reason.
     pub problem: Problem,
 }
 
 impl ValueError {
-    /// The same error, seen from one level further out.
+    /// The same error with `step` put in front of its path.
     #[must_use]
     pub fn inside(mut self, step: Step) -> Self {
-        // Errors are made innermost and passed outwards, so each level is put in front.
+        // An error arises at the innermost value and is passed outwards, so each outer step goes in front.
         self.path.insert(0, step);
         self
     }
 
-    /// The same error, seen from the table that holds the value as `key`.
+    /// The same error with `key` put in front of its path, for a value that stands in a table.
     #[must_use]
     pub fn in_key(self, key: &str) -> Self {
         self.inside(Step::Key(key.to_owned()))
@@ -145,7 +145,7 @@ impl fmt::Display for ValueError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for step in &self.path {
             match step {
-                // People count from 1.
+                // Messages count entries from 1.
                 Step::Index(i) => write!(f, "[{}]", i + 1)?,
                 Step::Key(key) => write!(f, ".{key}")?,
             }
@@ -175,7 +175,7 @@ pub(crate) trait SettingValue: Sized {
     }
     /// JSON Schema of the type.
     fn schema() -> serde_json::Value {
-        // A type that accepts several kinds separates them by `|`, for which JSON Schema wants a list.
+        // `KIND` separates several kinds by `|`; JSON Schema wants them as a list.
         let kinds: Vec<&str> = Self::KIND.split('|').collect();
         if kinds.len() > 1 { json!({ "type": kinds }) } else { json!({ "type": Self::KIND }) }
     }
@@ -188,8 +188,8 @@ fn wrong_kind(expected: &'static str, found: &Value) -> ValueError {
 impl SettingValue for f64 {
     const KIND: &'static str = "number";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        // TOML tells 1 from 1.0; for a user both are numbers. NaN and infinity are legal TOML and no
-        // setting.
+        // TOML distinguishes 1 from 1.0, but users write either for a number. TOML also allows NaN and
+        // infinity, which no setting accepts.
         let number = value.as_float().or_else(|| value.as_integer().map(|i| i as Self));
         number.filter(|n| n.is_finite()).ok_or_else(|| wrong_kind("a number", value))
     }
@@ -204,7 +204,7 @@ impl SettingValue for f64 {
 impl SettingValue for Density {
     const KIND: &'static str = "number";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        // `Density::new` takes whatever is above 1 for dense, and 30 is meant as a percentage.
+        // Values above 1 are refused here: `Density::new` reads 30 as fully dense, but its user meant 30 %.
         let number = f64::from_toml(value)?;
         let problem = Problem::Range { low: 0.0, high: 1.0, found: number };
         if (0.0..=1.0).contains(&number) { Ok(Self::new(number)) } else { Err(problem.into()) }
@@ -220,7 +220,7 @@ impl SettingValue for Density {
 impl SettingValue for usize {
     const KIND: &'static str = "integer";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        // A negative count has no meaning anywhere.
+        // Every setting of this type is a count, so a negative number is refused.
         let whole = value.as_integer().and_then(|i| Self::try_from(i).ok());
         whole.ok_or_else(|| wrong_kind("a whole number from 0", value))
     }
@@ -329,7 +329,7 @@ impl SettingValue for Pair {
         }
     }
     fn to_text(&self) -> String {
-        // Printed as the user wrote it in most cases: one number for both.
+        // Two equal numbers are printed as one, which is how users mostly write them.
         if self.0[0] == self.0[1] { self.0[0].to_text() } else { self.0.to_text() }
     }
     fn numbers(&self) -> Vec<f64> {
@@ -403,8 +403,8 @@ impl<T: SettingValue> SettingValue for Option<T> {
     }
     fn schema() -> serde_json::Value {
         let mut schema = T::schema();
-        // A choice lists its words in the schema already; other types accept the text "none" besides
-        // their own kind.
+        // The schema of a type that is not a choice accepts the text "none" besides values of the
+        // type itself.
         if can_be_unset::<T>() && T::WORDS.is_empty() {
             let kinds: Vec<&str> = T::KIND.split('|').chain(["string"]).collect();
             schema["type"] = json!(kinds);
@@ -466,7 +466,7 @@ impl<T: SettingValue, const N: usize> SettingValue for [T; N] {
 pub(super) fn read<T: SettingValue>(value: &Value, check: Check) -> Result<T, ValueError> {
     let read = T::from_toml(value)?;
     if let Check::Range(low, high) = check
-        // The first number outside is reported; a list may hold several.
+        // If several numbers of a list are out of range, the error reports the first.
         && let Some(found) = read.numbers().into_iter().find(|n| !(low..=high).contains(n))
     {
         return Err(Problem::Range { low, high, found }.into());

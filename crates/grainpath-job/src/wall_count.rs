@@ -15,15 +15,15 @@ use super::choices::{Choice, DensityBy};
 use super::loads::{Reader, needed, table_schema};
 use super::value::{Problem, SettingValue, ValueError};
 
-/// Most walls. Source: derived. A thousand beads fill a part 0.8 m thick.
+/// The greatest number of walls that is accepted. Source: derived. A thousand walls on each side fill a part 0.8 m thick.
 const MOST: usize = 1000;
 
-/// Number of walls, as typed.
+/// Number of walls, as the user sets it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WallCount {
     /// The same everywhere.
     Even(usize),
-    /// As many as the stress asks for, from `min` to `max`.
+    /// From `min` to `max` walls, more where the stress is higher.
     ByStress {
         /// The least number, which is laid everywhere.
         min: usize,
@@ -50,7 +50,7 @@ impl WallCount {
     }
 }
 
-/// What a number of walls may be, for errors.
+/// The accepted forms of a number of walls, as error messages list them.
 const EXPECTED: &str = "a whole number from 0, or { min = 2, max = 6, by = \"stress\" }";
 
 impl SettingValue for WallCount {

@@ -29,7 +29,7 @@ pub struct Board {
     pub ring_mm: f64,
     /// Amplitude of the waves in the growth lines, mm.
     pub wave_mm: f64,
-    /// Standard deviation of the camera's noise, share of white.
+    /// Standard deviation of the camera's noise, as a share of white.
     pub noise: f64,
     /// Loss of light from one end to the other, 0 to 1.
     pub uneven_light: f64,
@@ -56,7 +56,7 @@ impl Default for Board {
 const STEP_MM: f64 = 1e-3;
 
 impl Board {
-    /// The point of the straight board that the waves carried to `p`.
+    /// The point of a board without waves that the waves move to `p`.
     fn unwaved(&self, p: DVec2) -> DVec2 {
         let wave = |x: f64, y: f64, seed: u32| 2.0 * noise(x, y, self.seed.wrapping_add(seed)) - 1.0;
         // Wavelengths of a few centimetres, none a multiple of another, so that no pattern repeats on the
@@ -77,8 +77,8 @@ impl Board {
         for knot in &self.knots {
             let d = p - knot.centre_mm;
             let (r2, radius2) = (d.length_squared(), knot.radius_mm * knot.radius_mm);
-            // Rings of a knot are drawn a little wider than those of the board (0.9 of a contour for each
-            // mm).
+            // Rings of a knot are spaced a little wider than growth lines of the board: the function rises by
+            // 0.9 mm for each mm.
             if r2 < radius2 {
                 return knot.centre_mm.y + 0.9 * (knot.radius_mm - r2.sqrt());
             }
@@ -89,7 +89,7 @@ impl Board {
         height
     }
 
-    /// The knot that holds a point.
+    /// The knot that contains a point, if there is one.
     fn knot_at(&self, p: DVec2) -> Option<&Knot> {
         let p = self.unwaved(p);
         self.knots.iter().find(|k| p.distance_squared(k.centre_mm) < k.radius_mm * k.radius_mm)
@@ -97,14 +97,14 @@ impl Board {
 
     /// True direction of the grain, radians in `[0, pi)`. `None` within `clear_mm` of places where
     /// the direction is undefined: the rim and the centre of a knot, and the stagnation points before and
-    /// after it, where the flow parts.
+    /// after the knot, where the flow parts.
     pub fn axis_rad(&self, p: DVec2, clear_mm: f64) -> Option<f64> {
         let q = self.unwaved(p);
         for knot in &self.knots {
             let d = q - knot.centre_mm;
             let at_rim = (d.length() - knot.radius_mm).abs() < clear_mm;
-            // Near a stagnation point and near a knot's centre the direction turns fastest, so these are
-            // cleared twice as far.
+            // Near a stagnation point and near a knot's centre the direction turns fastest, so twice
+            // the distance is kept from both.
             let parts = DVec2::new(d.x.abs() - knot.radius_mm, d.y).length() < 2.0 * clear_mm;
             if at_rim || parts || d.length() < 2.0 * clear_mm {
                 return None;
@@ -112,12 +112,12 @@ impl Board {
         }
         let slope = |d: DVec2| self.growth(p + d) - self.growth(p - d);
         let g = DVec2::new(slope(DVec2::new(STEP_MM, 0.0)), slope(DVec2::new(0.0, STEP_MM)));
-        // The grain is tangent to the contour, a quarter turn from the gradient; modulo pi, since an axis
-        // has no sense.
+        // The grain is tangent to the contour, a quarter turn from the gradient; modulo pi, since
+        // opposite directions are the same grain.
         Some(atan2(g.x, -g.y).rem_euclid(PI))
     }
 
-    /// Brightness of the wood at a point, 0 to 1, without light and camera.
+    /// Brightness of the wood itself at a point, 0 to 1, before the effects of light and camera.
     pub fn brightness(&self, p: DVec2) -> f64 {
         let growth = self.growth(p);
         // Early wood is light and darkens slowly; late wood ends abruptly. The sawtooth gives each
@@ -134,11 +134,11 @@ impl Board {
         (0.78 - inside - 0.34 * depth * ring + 0.10 * fibre).clamp(0.02, 0.98)
     }
 
-    /// Brightness with the light and the camera's noise, for the pixel `(x, y)`.
+    /// Brightness of the pixel `(x, y)` in the photograph, with uneven light and the camera's noise.
     fn seen(&self, value: f64, p: DVec2, x: usize, y: usize) -> f32 {
         let u = p / self.size_mm;
         let light = 1.0 - self.uneven_light * (0.7 * u.x + 0.3 * u.y * u.y);
-        // Light scales the brightness, noise is added after it: the order of a real camera.
+        // As in a real camera, the light first scales the brightness and the noise is then added.
         (value * light + self.noise * gauss(x as u32, y as u32, self.seed)).clamp(0.0, 1.0) as f32
     }
 
@@ -179,7 +179,7 @@ impl Board {
     }
 }
 
-/// Colours of wood for brightnesses: red, green and blue, row by row.
+/// Wood colours for the pixels of a grey picture: red, green and blue, row by row.
 pub fn wood_rgb(grey: &Grey) -> Vec<u8> {
     // Blue falls faster than red as wood darkens, so late wood is brown and not grey. The curves are
     // chosen for looks.
@@ -191,8 +191,8 @@ pub fn wood_rgb(grey: &Grey) -> Vec<u8> {
 }
 
 // Source: the finaliser of MurmurHash3, whose multipliers these are; the start value is 2^32 divided by
-// the golden ratio. A hash of the place, and not a running generator, gives each pixel its value in any
-// order of rows.
+// the golden ratio. A hash of the position gives each pixel the same value in whatever order the
+// rows are computed; a random generator would not.
 fn hash(x: i64, y: i64, seed: u32) -> u32 {
     let mut h = seed ^ 0x9e37_79b9;
     for v in [x as u32, y as u32] {
@@ -207,7 +207,7 @@ fn hash(x: i64, y: i64, seed: u32) -> u32 {
 fn noise(x: f64, y: f64, seed: u32) -> f64 {
     let (i, j) = (x.floor(), y.floor());
     // Source: `perlin2002`, the quintic whose first and second derivatives vanish at lattice points.
-    // Growth lines follow the gradient of this noise, which would otherwise break there.
+    // Growth lines depend on the gradient of this noise, which would otherwise jump at these points.
     let ease = |t: f64| t * t * t * (t * (6.0 * t - 15.0) + 10.0);
     let (u, v) = (ease(x - i), ease(y - j));
     let value = |di: i64, dj: i64| f64::from(hash(i as i64 + di, j as i64 + dj, seed)) / f64::from(u32::MAX);

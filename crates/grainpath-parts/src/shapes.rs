@@ -1,4 +1,4 @@
-//! Outlines and prisms of which parts are made.
+//! Arcs and prisms that the parts are built from.
 
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, Polygon, TriMesh};
@@ -11,8 +11,8 @@ pub(crate) fn arc(
     n_quarters: i32,
     per_quarter: i32,
 ) -> Vec<DVec2> {
-    // A part of a circle includes its last point; a whole circle leaves it out, because it is the first
-    // again.
+    // An arc includes its end point. A whole circle leaves it out, because its end point is its first
+    // point.
     let whole = i32::from(n_quarters < 4);
     (0..n_quarters * per_quarter + whole)
         .map(|i| {

@@ -1,4 +1,4 @@
-//! Pieces to print and read, made by our own code: one row each in [`SPECIMENS`].
+//! Pieces that are printed to find settings or to try supports: one row each in [`SPECIMENS`].
 
 use grainpath_core::math::{direction, sin_cos};
 use grainpath_core::{DVec2, DVec3, TriMesh};
@@ -17,12 +17,12 @@ pub struct Specimen {
 pub const SPECIMENS: [Specimen; 4] = [
     Specimen {
         name: "critical-angle",
-        about: "branches that lean by 0 to 90 degrees and one by one from 30 to 49, numbered: shows which print without support",
+        about: "numbered branches that lean by 0 to 90 degrees, every degree from 30 to 49: shows which print without support",
         mesh: critical_angle,
     },
     Specimen {
         name: "critical-angle-short",
-        about: "one row of short branches that lean by 25 to 70 degrees in steps of 5: the same, roughly and quickly",
+        about: "one row of short branches that lean by 25 to 70 degrees in steps of 5: a coarser and quicker `critical-angle`",
         mesh: critical_angle_short,
     },
     Specimen {
@@ -37,23 +37,23 @@ pub const SPECIMENS: [Specimen; 4] = [
     },
 ];
 
-/// Angles of the first row of the calibration piece and of its rows in steps of one degree. Source:
-/// Table 1 of `Shen2016` in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
+/// Lean angles of the first row of the calibration piece. Source: Table 1 of `Shen2016` in `docs/references.bib`,
+/// which prints 0 to 90 degrees in steps of 10, and 30 to 49 degrees in steps of 1.
 const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
-// Source: the same table of `Shen2016`.
+// Lean angles of the other rows. Source: the same table of `Shen2016`.
 const FINE_DEG: std::ops::RangeInclusive<u32> = 30..=49;
-/// Angles of the short piece: the range in which the piece of `Shen2016` is printed in ones, widened,
-/// in steps of five. A material whose limit lies outside needs the whole piece. Source: derived from that range.
+/// Lean angles of the short piece: the range of [`FINE_DEG`], widened, in steps of 5 degrees. A material whose
+/// critical angle lies outside needs the full piece. Source: derived from that range.
 const SHORT_DEG: [u32; 10] = [25, 30, 35, 40, 45, 50, 55, 60, 65, 70];
-/// Length of a branch of the whole and of the short piece, mm. Short branches sag less, so the short
-/// piece can show a limit that is too high. Source: chosen; the shape of an example of ours.
+/// Length of a branch of the full piece, mm. Source: chosen; the shape of an example of ours.
 const LENGTH_MM: f64 = 15.0;
-/// Source: chosen; the shape of an example of ours.
+/// Length of a branch of the short piece, mm. Short branches sag less, so the short piece can show a critical
+/// angle that is too high. Source: chosen; the shape of an example of ours.
 const SHORT_LENGTH_MM: f64 = 8.0;
 /// Radius of a branch, mm. A diameter of 3 mm takes about seven beads of 0.4 mm, so a branch has
 /// walls and a middle as real overhangs do. Source: chosen; the shape of an example of ours.
 const RADIUS_MM: f64 = 1.5;
-/// Distance of neighbouring branches, mm; it must exceed the width of two digits.
+/// Distance between neighbouring branches, mm; it must exceed the width of two digits.
 /// Source: chosen; the shape of an example of ours.
 const PITCH_MM: f64 = 9.0;
 /// Height of the posts that lift the branches off the plate, mm. Branches at 90 degrees would lie on
@@ -76,21 +76,21 @@ pub fn critical_angle_short() -> TriMesh {
     leaning_branches(&[&SHORT_DEG], SHORT_LENGTH_MM)
 }
 
-/// Rows of at most ten branches on a plate, each with its angle in degrees before it.
+/// Rows of at most ten branches on a plate. Each branch has its angle in degrees before it.
 fn leaning_branches(rows: &[&[u32]], length_mm: f64) -> TriMesh {
     let mut mesh = TriMesh::default();
-    // Rows are one branch, a number and a gap deep, so a branch at 90 degrees ends before the next row's
-    // number.
+    // A row is as deep as a branch, a number and a gap together, so that a branch at 90 degrees ends before
+    // the next row's number.
     let depth = length_mm + 14.0;
     let size = DVec2::new(10.0 * PITCH_MM + 4.0, rows.len() as f64 * depth);
-    // Six layers of 0.2 mm: a plate that peels off whole and bends little.
+    // The plate has six layers of 0.2 mm, so that it peels off in one piece and bends little.
     cuboid(&mut mesh, DVec3::ZERO, size.extend(1.2));
     for (j, row) in rows.iter().enumerate() {
         for (i, &angle) in row.iter().enumerate() {
             let x = 2.0 + PITCH_MM * (i as f64 + 0.5);
             let y = j as f64 * depth + 9.0;
-            // Posts start inside the plate and reach past the knee, so that the bodies overlap by a
-            // volume. Bodies that only touch would slice into two contours.
+            // Posts start inside the plate and end above the knee, from which the branch leans, so that the bodies
+            // overlap. Bodies that only touch would slice into two contours.
             let post = DVec3::new(x, y, 0.6);
             let knee = DVec3::new(x, y, POST_MM);
             let (s, c) = sin_cos(f64::from(angle).to_radians());
@@ -172,8 +172,8 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
         ];
         for (bit, (x0, y0, x1, y1)) in strokes.into_iter().enumerate() {
             if DIGITS[usize::from(digit - b'0')] >> (6 - bit) & 1 == 1 {
-                // Each stroke starts a little lower than the one before. Strokes of one digit overlap,
-                // and shared faces would make the union depend on rounding.
+                // Each stroke starts a little lower than the one before. Strokes of one digit overlap;
+                // if their faces lay in one plane, the union would depend on rounding.
                 let low = DVec3::new(x + x0 - 0.5 * t, y + y0 - 0.5 * t, at.z - 0.02 * bit as f64);
                 cuboid(mesh, low, DVec3::new(x + x1 + 0.5 * t, y + y1 + 0.5 * t, at.z + rise));
             }
@@ -182,8 +182,8 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
 }
 
 /// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of
-/// `Shen2016`. The plate beside the ball puts the lowest point of the file on z = 0, since a part is set
-/// down on its lowest point.
+/// `Shen2016`. The plate stands beside the ball and is the lowest point of the file. Without it the ball would be
+/// set down on the bed.
 pub fn hanging_ball() -> TriMesh {
     let mut mesh = TriMesh::default();
     cuboid(&mut mesh, DVec3::new(-30.0, -2.0, 0.0), DVec3::new(-26.0, 2.0, 0.6));
@@ -191,8 +191,8 @@ pub fn hanging_ball() -> TriMesh {
     mesh
 }
 
-// Rings from pole to pole, each of `SIDES` vertices: with 32 and 64 the chord error is 0.012 mm on a
-// radius of 10 mm.
+// Makes a sphere of `RINGS` rings from pole to pole, each of `SIDES` vertices. With 32 and 64 the chord
+// error is 0.012 mm on a radius of 10 mm.
 fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
     // Source: chosen; chords are off the surface by less than 0.1 mm.
     const RINGS: u32 = 32;
@@ -208,7 +208,7 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
         }
     }
     mesh.vertices.push(centre + DVec3::Z * radius);
-    // The modulus closes each ring: its last quad joins the first vertex.
+    // The modulus closes each ring: its last quad ends at its first vertex.
     let at = |i: u32, j: u32| first + 1 + (i - 1) * SIDES + j % SIDES;
     let top = first + 1 + (RINGS - 1) * SIDES;
     for j in 0..SIDES {
@@ -236,7 +236,7 @@ pub fn dental_tray() -> TriMesh {
     let n = section.len() as u32;
     for i in 0..=STEPS {
         let t = 2.0 * f64::from(i) / f64::from(STEPS) - 1.0;
-        // The section stays perpendicular to the arch, or its walls would thin where the arch is steep.
+        // The section is perpendicular to the arch, because its walls would otherwise thin where the arch is steep.
         let along = (arch(t + 1e-3) - arch(t - 1e-3)).normalize();
         let across = DVec2::new(along.y, -along.x);
         for (x, z) in section {

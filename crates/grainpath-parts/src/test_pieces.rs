@@ -7,12 +7,12 @@ use grainpath_core::{DVec2, TriMesh};
 
 use crate::shapes::{arc, prism};
 
-/// Loading of a piece.
+/// How a piece is held and loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Loading {
-    /// The grips hold this length at each end, mm, and pull.
+    /// Grips hold the length `grip_mm` at each end and pull.
     Tension { grip_mm: f64 },
-    /// Two rollers stand this far apart, mm; a nose presses on the middle.
+    /// Two rollers carry the bar at the distance `span_mm`; a nose presses on its middle.
     Bending { span_mm: f64 },
 }
 
@@ -96,11 +96,11 @@ pub static TEST_PIECES: [TestPiece; 8] = [
             "strength on the gross section",
         ],
     },
-    // A case of our own: a hole of one diameter in every layer whose place moves with the height. The
-    // number is the tangent of 20 degrees.
+    // A case of our own: the hole has the same diameter in every layer, and its centre moves with the height.
+    // The last argument is the tangent of 20 degrees.
     TestPiece {
         name: "s1-box",
-        about: "box with an oblique hole as of a knot, 100 x 30 x 10 mm, hole 8 mm leaning by 20 degrees",
+        about: "box with an oblique hole like that of a knot, 100 x 30 x 10 mm, hole 8 mm leaning by 20 degrees",
         shape: || plain(100.0, 30.0, 10.0, Some(4.0), 0.363_970_234_266_202_4),
         loading: Loading::Tension { grip_mm: 20.0 },
         sizes: &[
@@ -112,7 +112,7 @@ pub static TEST_PIECES: [TestPiece; 8] = [
             "grips 60 apart",
         ],
     },
-    // Source: `PrincipalStressLines`, the tensile bar; the bar itself is type 1A above.
+    // Source: `PrincipalStressLines`, the tensile bar; without its hole it is type 1A above.
     TestPiece {
         name: "s2-tension",
         about: "GB/T 1040 tensile bar with a central hole of 3 mm, 170 x 20 x 4 mm",
@@ -178,8 +178,8 @@ impl TestPiece {
         let flat = (self.shape)();
         let mut mesh = TriMesh::default();
         prism(&flat.outline, &flat.holes, 0.0, flat.thickness_mm, &mut mesh);
-        // Only vertices on the rim of a hole move, about mid height, so the hole's middle stays in the
-        // middle of the bar. Comparison is exact because the prism copies the outline's coordinates.
+        // Only vertices on the rim of a hole are moved. They do not move at mid height, so the hole stays
+        // centred in the bar. Comparison is exact because the prism copies the outline's coordinates.
         if flat.lean != 0.0 {
             for v in &mut mesh.vertices {
                 if flat.holes.iter().flatten().any(|h| *h == v.truncate()) {
@@ -195,8 +195,8 @@ impl TestPiece {
         let flat = (self.shape)();
         let (low, high) = bounds(&flat.outline);
         let top = flat.thickness_mm;
-        // Layers of a leaning hole differ, for which `auto` takes the model of a solid; this piece is
-        // tested as a plate, and the job says so.
+        // The layers of a piece with a leaning hole differ, so `auto` would choose the solid model. This piece
+        // is tested as a plate, and the job says so.
         let plane = if flat.lean == 0.0 {
             ""
         } else {
@@ -222,8 +222,8 @@ force_n = [500, 0, 0]
                 high.x,
                 high.y
             ),
-            // A cylinder whose axis lies on the bar is a roller. One roller leaves x free, or the held
-            // ends would carry the bar as an arch.
+            // Each roller is a thin cylinder whose axis lies on the bar. One roller leaves x free: if both held
+            // x, the bar would carry the load as an arch.
             Loading::Bending { span_mm } => {
                 let middle = 0.5 * (low.x + high.x);
                 format!(
@@ -386,7 +386,7 @@ report = \"{file}.html\"
         );
         let _ = writeln!(
             out,
-            "<text x=\"{:.2}\" y=\"{:.3}\">{}: {} mm</text>\n<text x=\"{:.2}\" y=\"{:.3}\">green held, red pushed; along x</text>\n</svg>",
+            "<text x=\"{:.2}\" y=\"{:.3}\">{}: {} mm</text>\n<text x=\"{:.2}\" y=\"{:.3}\">green: held, red: loaded; length along x</text>\n</svg>",
             0.3 * rim,
             h - 0.6 * rim,
             self.name,

@@ -5,13 +5,13 @@ use std::ffi::OsString;
 use pyo3::prelude::*;
 
 /// Runs a command; `args` begins with the program's name. Returns the exit code. Ctrl-C and wrong usage end the
-/// process, as they end the program.
+/// process, as in the program `grainpath`.
 #[pyfunction]
 pub(crate) fn cli(py: Python<'_>, args: Vec<OsString>) -> u8 {
     py.detach(|| grainpath_cli::main_with(args))
 }
 
-/// The commands, each with the names of its arguments: what `docs/python.md` is held against.
+/// The commands, each with the names of its arguments. A test checks that `docs/python.md` has a row for each.
 #[pyfunction]
 pub(crate) fn cli_commands() -> Vec<(String, Vec<String>)> {
     let command = grainpath_cli::command();

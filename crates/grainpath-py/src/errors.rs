@@ -1,4 +1,4 @@
-//! Errors of grainpath as the exceptions of `grainpath.errors`.
+//! Turns errors of grainpath into the exceptions of `grainpath.errors`.
 
 use std::any::Any;
 
@@ -28,7 +28,7 @@ impl Kind {
     }
 }
 
-/// An exception with its message; `file` and `line` are the place, where there is one.
+/// An exception with its message, and with the file and line of the error where they are known.
 pub(crate) fn exception(
     py: Python<'_>,
     kind: Kind,
@@ -43,9 +43,9 @@ pub(crate) fn exception(
     }
 }
 
-/// A failure of reading, planning or writing.
+/// The exception for a failure of reading, planning or writing.
 pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
-    // The exit codes of the command line are told apart by who has to act, as exceptions are.
+    // Exit codes and exceptions both say who has to act, so each exit code has its exception.
     let kind = match failure.code {
         2 => Kind::Job,
         3 => Kind::Input,
@@ -56,14 +56,14 @@ pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
     exception(py, kind, &failure.message, None, None)
 }
 
-/// An error in a job, with its file and line.
+/// The exception for an error in a job, with its file and line.
 pub(crate) fn of_job(py: Python<'_>, error: &JobError) -> PyErr {
     let place = error.location();
     let file = place.map(|p| p.file.as_str());
     exception(py, Kind::Job, &error.to_string(), file, place.and_then(|p| p.line))
 }
 
-/// A panic: an error of grainpath itself.
+/// The exception for a panic, which is an error in grainpath itself.
 pub(crate) fn of_panic(py: Python<'_>, payload: &(dyn Any + Send)) -> PyErr {
     let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A caller's array as a photograph.
+//! Makes a photograph from an array of the caller.
 
 use grainpath_core::image::{Image, ImageFormat, Samples};
 use grainpath_imaging::photo::Photo;
@@ -25,7 +25,7 @@ pub(crate) enum Pixels<'py> {
     F32(PyReadonlyArray3<'py, f32>),
 }
 
-/// The photograph of contiguous samples, rows from the top; `name` is its name in errors.
+/// Makes a photograph from contiguous samples, rows from the top. Errors call it `name`.
 #[pyfunction]
 pub(crate) fn image_from_array(py: Python<'_>, name: String, pixels: Pixels<'_>) -> PyResult<ImageData> {
     let (shape, samples) = match &pixels {

@@ -2,9 +2,9 @@
 //!
 //! This crate is the part of the package `grainpath` that is written in Rust: it converts arrays to the types of the
 //! planner and back. What users call is in `python/grainpath`, which checks arguments and documents them. Reading,
-//! planning and writing are those of the command line, so that both give the same bytes.
+//! planning and writing use the code of the command line, so that both give the same bytes.
 //!
-//! Python objects are touched on the caller's thread alone; `worker` says how long work is watched from there.
+//! Only the caller's thread touches Python objects; `worker` describes how this thread watches long work.
 
 mod cli;
 mod errors;

@@ -1,4 +1,4 @@
-//! Meshes: arrays to the planner's and back.
+//! Converts meshes between arrays and the planner's types.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use crate::errors::{self, Kind};
 use crate::worker::{self, Caller};
 
-/// A mesh as a file holds it: bodies, unit, what was noticed.
+/// A mesh as it was read from a file: bodies, unit and warnings.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct MeshData {
     /// The bodies.
@@ -20,7 +20,7 @@ pub struct MeshData {
 }
 
 impl MeshData {
-    /// One body in mm.
+    /// A mesh with a single body, in mm.
     pub fn from_mesh(mesh: TriMesh) -> Self {
         let bodies = vec![MeshBody { mesh, ..MeshBody::default() }];
         Self {
@@ -44,7 +44,7 @@ impl MeshData {
         PyArray1::from_vec(py, all).reshape([n, 3])
     }
 
-    /// Vertices of each triangle, `(m, 3)`, counted over all bodies.
+    /// Indices of the vertices of each triangle, `(m, 3)`; vertices are counted over all bodies.
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let mut all = Vec::new();
         let mut first = 0u32;
@@ -62,13 +62,13 @@ impl MeshData {
         self.file.bodies.iter().map(summary).collect()
     }
 
-    /// Whether supports were painted on it.
+    /// Whether the file has painted supports.
     fn painted(&self) -> bool {
         let paints = self.file.bodies.iter().map(|b| &b.painted_supports);
         paints.flat_map(|p| [&p.enforcers, &p.blockers]).any(|m| !m.triangles.is_empty())
     }
 
-    /// Millimetres of the file's unit; `None` where it states none.
+    /// The file's unit in mm; `None` if the file states no unit.
     fn unit_mm(&self) -> Option<f64> {
         self.file.unit.map(LengthUnit::mm)
     }
@@ -94,14 +94,14 @@ impl MeshData {
 #[pyfunction]
 pub(crate) fn mesh_from_file(py: Python<'_>, path: PathBuf) -> PyResult<MeshData> {
     worker::run(py, &Caller::default(), move |diagnostics, _| {
-        // Settings matter for drawings alone.
+        // Default settings will do, because only drawings depend on settings.
         let file = grainpath_cli::read_body(&Settings::default(), &path, diagnostics)?.0;
         Ok(MeshData { file })
     })
 }
 
-/// A mesh of vertices `(n, 3)` and triangles `(m, 3)`, which were checked for their shapes and kinds. `bodies` are the
-/// numbers of vertices and triangles of each body, and its name.
+/// Makes a mesh from vertices `(n, 3)` and triangles `(m, 3)`; the Python side has checked the shapes and types of both
+/// arrays. `bodies` gives the name of each body and its numbers of vertices and triangles.
 #[pyfunction]
 pub(crate) fn mesh_from_arrays(
     py: Python<'_>,

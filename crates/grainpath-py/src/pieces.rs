@@ -1,4 +1,4 @@
-//! Supports, specimens, examples, marker sheets, and what files are.
+//! Functions beside planning: growing supports, making specimens, examples and marker sheets, and inspecting files.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::mesh::MeshData;
 use crate::spec::Spec;
 use crate::worker::{self, Caller};
 
-/// Grows supports for a mesh: their surface, which is empty where nothing hangs over, and the report as JSON.
+/// Grows supports for a mesh. Returns their surface, `None` if no overhang needs support, and the report as JSON.
 #[pyfunction]
 pub(crate) fn support(
     py: Python<'_>,
@@ -34,7 +34,7 @@ pub(crate) fn support(
     })
 }
 
-/// What a file is, as JSON.
+/// Inspects a file and describes its kind and content as JSON.
 #[pyfunction]
 pub(crate) fn inspect(
     py: Python<'_>,
@@ -47,7 +47,7 @@ pub(crate) fn inspect(
     })
 }
 
-/// The pieces to print and read: name, what for, and whether a job tests it.
+/// Specimens and test pieces: the name of each, its purpose, and whether it comes with a job that tests it.
 #[pyfunction]
 pub(crate) fn pieces() -> Vec<(&'static str, &'static str, bool)> {
     let plain = SPECIMENS.iter().map(|s| (s.name, s.about, false));
@@ -64,7 +64,8 @@ pub(crate) fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
     Some((MeshData::from_mesh((piece.mesh)()), None))
 }
 
-/// The files of an example, the job first: names and contents; with `pixels` those of the scan. `None` for an unknown name, whose list is the second.
+/// The files of an example as names and contents, the job first; `None` for an unknown name. With `pixels`, the files of
+/// the example `ct` with slices of that many pixels a side. The second value lists the names of all examples.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub(crate) fn example(
@@ -79,7 +80,7 @@ pub(crate) fn example(
     Ok((files, presets::PRESETS.to_vec()))
 }
 
-/// A sheet of corner markers around a rectangle, mm: SVG or PDF.
+/// A sheet with corner markers round a rectangle of this size, mm, as SVG or PDF.
 #[pyfunction]
 pub(crate) fn marker_sheet(width_mm: f64, height_mm: f64, pdf: bool) -> Vec<u8> {
     let size = DVec2::new(width_mm, height_mm);

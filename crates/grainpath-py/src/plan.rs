@@ -1,4 +1,4 @@
-//! Plans: from settings and arrays to paths, the program, and the report.
+//! Plans jobs: turns settings and arrays into paths, the program and the report.
 
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
@@ -31,29 +31,29 @@ use crate::stress::StressData;
 use crate::volume::{ArrayShape, Slabs, info_of};
 use crate::worker::{self, Caller, Request};
 
-/// Name of a shape that is no file, in errors and in the report.
+/// Name that errors and the report give to a shape that does not come from a file.
 pub(crate) const ARRAY: &str = "an array";
 
-/// A planned job and what was made of it.
+/// A planned job, as Python holds it.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct PlanData {
-    /// Shared with the threads that write and measure it.
+    /// The plan, shared with the threads that write and measure it.
     plan: Arc<Kept>,
-    /// Number of threads that was asked for, which later calls use too.
+    /// The number of threads that the caller asked for; later calls use it too.
     threads: Option<usize>,
 }
 
-/// A plan, and what later steps need of its run.
+/// A plan with the data that writing and reporting need.
 struct Kept {
     settings: Settings,
     planned: Planned,
     read_s: f64,
     warnings: Vec<Warning>,
-    /// The program, once it was written.
+    /// The program; `None` until it is written.
     program: Mutex<Option<Arc<Program>>>,
 }
 
-/// The program of a plan, its measures, and the seconds that writing took.
+/// The program of a plan, its totals, and the seconds that writing took.
 struct Program {
     bytes: Vec<u8>,
     written: Written,
@@ -74,7 +74,7 @@ impl Kept {
         Ok(program)
     }
 
-    /// The report of a run that would write the program alone, as JSON.
+    /// The report, as JSON, of a run whose only output file is the program.
     fn report(&self, diagnostics: &Diagnostics) -> Result<String, Failure> {
         let (settings, planned) = (&self.settings, &self.planned);
         self.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
@@ -116,7 +116,8 @@ impl PlanData {
         self.plan.planned.plan.plate_from_part_mm.to_array()
     }
 
-    /// The vertices of a layer, `(n, 3)`: x, y, width; and its paths as packed records, `PATH` of `grainpath.plan`.
+    /// A layer as two arrays: its vertices, `(n, 3)`, each x, y and bead width; and its paths as records `PATH` of
+    /// `grainpath.plan`.
     #[allow(clippy::type_complexity)]
     fn layer<'py>(
         &self,
@@ -148,7 +149,7 @@ impl PlanData {
         Ok((PyArray1::from_vec(py, vertices).reshape([n, 3])?, PyArray1::from_vec(py, paths)))
     }
 
-    /// The part's sections.
+    /// The part's cross-sections, one for each layer.
     fn stack(&self) -> StackData {
         StackData { stack: Arc::new(self.plan.planned.stack.clone()) }
     }
@@ -158,14 +159,14 @@ impl PlanData {
         serde_json::json!(self.plan.warnings).to_string()
     }
 
-    /// The stress of each load case: name and weight, nodes, stress at the nodes and displacement.
+    /// For each load case its name and weight, the nodes, and the stress and displacement at the nodes.
     fn stress(&self) -> Vec<StressData> {
         let guide = self.plan.planned.guide.as_ref();
         let cases = guide.map(|g| g.cases.iter().zip(&g.results)).into_iter().flatten();
         cases.map(|(case, mesh)| StressData::new(case.weight, mesh)).collect()
     }
 
-    /// The surface of the supports; `None` for jobs without, and where nothing hangs over.
+    /// The surface of the supports; `None` if the job has no supports or no overhang needs any.
     fn support(&self, py: Python<'_>) -> PyResult<Option<MeshData>> {
         let plan = Arc::clone(&self.plan);
         let caller = Caller { threads: self.threads, ..Caller::default() };
@@ -203,10 +204,10 @@ impl PlanData {
 /// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
 /// reads slices.
 pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
-/// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
+/// Stress at points: the positions, mm, and the stresses, MPa, both as flat arrays of shape `(n, 3)` and `(n, 6)`.
 pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
-/// Stress at points as a result of finite elements: a copy, so that it may go to another thread without the interpreter.
+/// Makes a finite-element result from stress at points. It is a copy that another thread can use without the interpreter.
 fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
     let Some((points, stress)) = given else { return Ok(None) };
     let nodes: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
@@ -224,7 +225,7 @@ fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
     }))
 }
 
-/// The directions in the bytes of a `.npz`.
+/// Reads directions from the bytes of an `.npz` file.
 fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSamples>, Failure> {
     let Some(bytes) = bytes else { return Ok(None) };
     let read = parse_directions(&[("field.npz", bytes)], &grainpath::run::config::directions(settings));
@@ -232,7 +233,7 @@ fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSa
     Ok(Some(read.map_err(wrong)?))
 }
 
-/// What stands in the place of files: a mesh, an array, sections, photographs, directions (the bytes of a `.npz`), stress.
+/// Inputs that replace files: a mesh, an array, sections, photographs, directions (the bytes of a `.npz`), stress.
 pub(crate) type Handover<'py> = (
     Option<Bound<'py, MeshData>>,
     Option<Array<'py>>,
@@ -241,10 +242,10 @@ pub(crate) type Handover<'py> = (
     Option<Vec<u8>>,
     Option<PointStress<'py>>,
 );
-/// The number of threads, and what is called while work goes on: progress and the token to cancel.
+/// The number of threads, the function that receives progress, and the token that cancels the work.
 pub(crate) type Watch<'py> = (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
 
-/// A job and what was handed over with it, of which nothing belongs to Python.
+/// A job and the inputs that were handed over with it, without any Python object.
 pub(crate) struct Work {
     /// The settings.
     pub settings: Settings,
@@ -288,7 +289,7 @@ impl Work {
         Ok((work, Caller { progress, cancel, array: slices, threads }))
     }
 
-    /// What was handed over, for the planner; slices are asked for through `requests`.
+    /// The inputs that were handed over, in the planner's types. The planner asks for slices through `requests`.
     pub(crate) fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
         let scan = |shape: ArrayShape| {
             Handed::Scan(Box::new(Slabs::in_order(info_of(&shape), usize::MAX, requests)))
@@ -303,7 +304,7 @@ impl Work {
         })
     }
 
-    /// The file of the shape, or a name for errors where it is given.
+    /// The path of the shape's file. If the shape was handed over, the name that errors use for it.
     fn shape_path(&self, given: &Given) -> Result<PathBuf, Failure> {
         match given.shape {
             Some(_) => Ok(PathBuf::from(ARRAY)),
@@ -336,7 +337,7 @@ pub(crate) fn plan<'py>(
 /// The layers of a scan whose parts were joined.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct ScanData {
-    /// The layers with what was measured of the scan.
+    /// The layers, and the values that were measured on the scan.
     pub cut: CtStack,
     /// Warnings of joining.
     pub warnings: Vec<Warning>,
@@ -350,8 +351,8 @@ impl ScanData {
     }
 }
 
-/// Plans the layers of a scan whose parts were joined; `filled` are the bytes of windows that make up all layers, in order.
-/// Of what is handed over, the shape is not used.
+/// Plans the layers of a scan whose parts were joined; `filled` holds the paths of all layers, as bytes of windows.
+/// A shape in `handover` is not used.
 #[pyfunction]
 pub(crate) fn plan_parted<'py>(
     py: Python<'py>,
@@ -383,8 +384,8 @@ pub(crate) fn plan_parted<'py>(
     Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
 }
 
-/// Solves the loads of a job without planning it: what they caught and the stress, as `grainpath run --check --json` has
-/// it.
+/// Solves the loads of a job without planning it. Returns the nodes that each load selected and the stress, as
+/// `grainpath run --check --json` prints them.
 #[pyfunction]
 pub(crate) fn check<'py>(
     py: Python<'py>,

@@ -9,15 +9,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use grainpath_cli::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Stack of a thread. Source: the main thread of a process on Linux has as much, on which the command line plans.
+/// Stack of a thread. Source: the stack of a main thread on Linux, on which the command line plans.
 const STACK_BYTES: usize = 8 << 20;
-/// Most threads that may be asked for; more is taken for a mistake. Source: the limit of the command line.
+/// The greatest number of threads that is accepted; a larger one is a mistake. Source: the limit of the command line.
 const MAX_THREADS: usize = 1024;
 
-/// The pool of this process for plans that ask for no number of threads.
+/// The pool for plans that set no number of threads, with the id of the process that made it.
 static SHARED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// A pool of `threads`, or the shared one, which has a thread for each core.
+/// A new pool of `threads` threads, or the shared pool, which has a thread for each core.
 ///
 /// # Errors
 /// For a number out of range, and where the system gives no threads.
@@ -33,7 +33,7 @@ pub(crate) fn threads(threads: Option<usize>) -> Result<Arc<ThreadPool>, Failure
         Some((process, pool)) if *process == process::id() => Ok(Arc::clone(pool)),
         Some(_) | None => {
             let pool = Arc::new(made(0)?);
-            // Dropping the parent's pool would wait for its threads, which this process has not.
+            // Dropping the parent's pool would wait for its threads, which do not exist in this process.
             if let Some((_, of_parent)) = shared.replace((process::id(), Arc::clone(&pool))) {
                 std::mem::forget(of_parent);
             }

@@ -1,4 +1,4 @@
-//! Programs of any slicer as arrays.
+//! Replays the programs of any slicer and gives them as arrays.
 
 use grainpath_cli::Failure;
 use grainpath_gcode::{Limits, Program, simulate};
@@ -80,7 +80,7 @@ impl ProgramData {
         if svg { layer_svg(&picture, &options).into_bytes() } else { layer_png(&picture, &options) }
     }
 
-    /// What was counted and measured, as JSON.
+    /// The program's counts, lengths, times and warnings, as JSON.
     fn summary(&self) -> String {
         let p = &self.program;
         json!({

@@ -3,7 +3,7 @@
 use grainpath_core::Role;
 use pyo3::prelude::*;
 
-/// The number of a role: its place in [`Role::ALL`], whose names `roles` gives.
+/// The number of a role: its index in [`Role::ALL`]. `roles` gives the names in this order.
 pub(crate) fn role_number(role: Role) -> u8 {
     Role::ALL.iter().position(|r| *r == role).unwrap_or_default() as u8
 }

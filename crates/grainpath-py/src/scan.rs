@@ -1,5 +1,5 @@
-//! Scans cut in parts, for several machines: what is found before, the layers of some slices, and the parts joined; and
-//! the paths of windows of layers.
+//! Planning of a scan on several machines: a survey of the whole scan, the layers of a range of slices, the joining of
+//! these parts, and the paths of a window of layers.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::stack::StackData;
 use crate::volume::{ArrayShape, ArraySource, Slabs, info_of};
 use crate::worker::{self, Caller};
 
-/// What is known of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
+/// The survey of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
 /// material, and the height at which the part begins.
 type Found = (f64, f64, f64, Option<f64>);
 
@@ -25,7 +25,7 @@ fn survey_of((low, high, contrast, start_mm): Found) -> Survey {
     Survey { low, high, contrast, start_mm }
 }
 
-/// The failure of a scan, told as it is when a job is planned.
+/// Turns an error of a scan into the failure that planning a job reports for it.
 fn failure(error: ScanError) -> Failure {
     match error {
         ScanError::Slices(e) => grainpath::Error::Slices(e),
@@ -34,7 +34,7 @@ fn failure(error: ScanError) -> Failure {
     .into()
 }
 
-/// Runs work on the slices of an array, of which those from `end` on are not needed.
+/// Runs `work` on the slices of an array. Slices from `end` on are not read ahead, because `work` does not need them.
 fn with_slices<'py, T: Send + 'static>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
@@ -53,7 +53,7 @@ fn with_slices<'py, T: Send + 'static>(
     })
 }
 
-/// What has to be known of a whole scan before a part of it is cut, and the number of slices taken.
+/// Surveys a whole scan, as cutting a part of it requires. Returns the survey and the range of slices in use.
 #[pyfunction]
 pub(crate) fn scan_survey<'py>(
     py: Python<'py>,
@@ -68,7 +68,7 @@ pub(crate) fn scan_survey<'py>(
     })
 }
 
-/// The layers between some slices (counted from the first that is taken) and those just below each, as bytes.
+/// The layers between each of these slices and the slice just below it, as bytes. Slices count from the first one taken.
 #[pyfunction]
 pub(crate) fn scan_part<'py>(
     py: Python<'py>,
@@ -85,7 +85,7 @@ pub(crate) fn scan_part<'py>(
     Ok(PyBytes::new(py, &part))
 }
 
-/// Joins parts of [`scan_part`].
+/// Joins the parts that [`scan_part`] made into the layers of the scan.
 #[pyfunction]
 pub(crate) fn scan_join<'py>(
     py: Python<'py>,
@@ -107,13 +107,13 @@ pub(crate) fn scan_join<'py>(
     })
 }
 
-/// Whether the layers of a job are filled in windows, apart from each other.
+/// Whether the layers of a job can be filled in windows that do not depend on each other.
 #[pyfunction]
 pub(crate) fn fills_in_windows(spec: &Bound<'_, Spec>) -> bool {
     in_windows(&spec.get().settings)
 }
 
-/// The walls, skins and infill of a window of layers as bytes, not yet in order.
+/// The walls, skins and infill of a window of layers as bytes, not yet in printing order.
 #[pyfunction]
 pub(crate) fn fill_window<'py>(
     py: Python<'py>,

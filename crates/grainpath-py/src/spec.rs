@@ -1,4 +1,4 @@
-//! A job's text and overrides as settings.
+//! Reads the settings of a job from its text and its overrides.
 
 use std::fs;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ impl Spec {
         self.settings.rows().into_iter().map(|r| (r.key, r.value)).collect()
     }
 
-    /// Warnings about what was assumed, as JSON.
+    /// Warnings about values that were assumed, as JSON.
     fn warnings(&self) -> String {
         serde_json::json!(self.settings.warnings).to_string()
     }

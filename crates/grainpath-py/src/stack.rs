@@ -1,4 +1,4 @@
-//! Sections of parts: from rings, to rings, and as bytes.
+//! Cross-sections of parts: made from rings, given as rings, and kept as bytes.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::worker::{self, Caller};
 
-/// A part as sections with heights.
+/// A part as a stack of cross-sections with heights.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct StackData {
     /// The sections.
@@ -44,13 +44,13 @@ impl StackData {
         self.stack.layers()[k].region().polygons.iter().map(rings).collect()
     }
 
-    /// The stack as bytes, the same for the same stack.
+    /// The stack as bytes. Equal stacks give equal bytes.
     fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &py.detach(|| self.stack.to_bytes()))
     }
 }
 
-/// The stack in bytes of [`StackData::to_bytes`].
+/// Reads a stack from the bytes that [`StackData::to_bytes`] made.
 #[pyfunction]
 pub(crate) fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<StackData> {
     worker::run(py, &Caller::default(), move |_, _| {
@@ -59,8 +59,9 @@ pub(crate) fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Stack
     })
 }
 
-/// A stack of rings. `heights` are top and thickness of each layer, alternating; `points` those of all rings; `counts` the
-/// numbers of points of the rings of each layer. Rings may cross and overlap: `even_odd` says which points are inside.
+/// Makes a stack from rings. `heights` alternates the top and the thickness of each layer. `points` holds the points of all
+/// rings, and `counts` the number of points of each ring, layer by layer. Rings may cross and overlap: `even_odd` chooses
+/// the rule for which points are inside.
 #[pyfunction]
 pub(crate) fn stack_from_rings(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Virtual tests, and several of them side by side.
+//! Virtual strength tests, and the comparison of several tests.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ impl StrengthData {
     }
 }
 
-/// Tests the plan of a job, or `program`, a program of its part, with its name.
+/// Tests the plan of a job. If `program` is given (bytes and name), tests this program of the job's part instead.
 #[pyfunction]
 pub(crate) fn strength<'py>(
     py: Python<'py>,
@@ -50,7 +50,7 @@ pub(crate) fn strength<'py>(
     Ok(StrengthData { done: Arc::new(done) })
 }
 
-/// Several tests side by side, as `grainpath compare --json` has them.
+/// Compares several tests side by side, as `grainpath compare --json` has them.
 #[pyfunction]
 pub(crate) fn compare(all: Vec<Bound<'_, StrengthData>>) -> String {
     let all: Vec<&Done> = all.iter().map(|s| &*s.get().done).collect();

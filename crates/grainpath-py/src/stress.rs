@@ -16,7 +16,7 @@ pub struct StressData {
     name: String,
     weight: f64,
     mesh: Arc<ResultMesh>,
-    /// The searchable field, made at the first question.
+    /// The field that finds the stress at a point, made at the first query.
     field: Arc<OnceLock<StressField>>,
 }
 
@@ -27,7 +27,7 @@ impl StressData {
     }
 }
 
-/// A result as readers of files give it.
+/// The result in the form that file readers give.
 fn result(mesh: &ResultMesh) -> FeResult {
     FeResult {
         format: FeFormat::Vtu,
@@ -74,19 +74,19 @@ impl StressData {
         PyArray1::from_vec(py, flat).reshape([all.len(), 3]).map(Some)
     }
 
-    /// Stress at points `(n, 3)`, MPa, `(n, 6)`; outside the part that of its nearest point.
+    /// Stress `(n, 6)`, MPa, at points `(n, 3)`. A point outside the part has the stress of the part's nearest point.
     fn at<'py>(
         &self,
         py: Python<'py>,
         points: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
-        // Shared with the thread, since a question may outlive its caller after Ctrl-C.
+        // The thread shares the data, since it may run on for a while after Ctrl-C has ended this call.
         let (n, field, mesh) = (points.len(), Arc::clone(&self.field), Arc::clone(&self.mesh));
         let found = worker::run(py, &Caller::default(), move |diagnostics, _| {
             let field = field.get_or_init(|| StressField::new(result(&mesh)));
             let mut out = Vec::with_capacity(6 * points.len());
-            // Looked at once in a few thousand points, each of which takes microseconds.
+            // The stop flag is read once in 4096 points, each of which takes microseconds.
             for some in points.chunks(4096) {
                 diagnostics.check().map_err(grainpath::Error::from)?;
                 out.extend(some.iter().flat_map(|p| field.sample(*p)));

@@ -1,4 +1,4 @@
-//! A caller's array as a scan.
+//! Reads a caller's array as a scan.
 //!
 //! The planner asks for slices; the caller's thread reads a slab of them from any object with `__getitem__`, so that
 //! the whole array is never copied and may be larger than the memory.
@@ -10,8 +10,8 @@ use grainpath_io::volume::{AnySlice, InOrder};
 
 use crate::worker::Request;
 
-/// Bytes of the slices that are asked for at a time. Source: derived: a slab of this size takes a chunked store about a
-/// millisecond, so that the 20 microseconds of a request do not count; and it is small beside any scan.
+/// Bytes of the slices in one request. Source: derived: a chunked store reads a slab of this size in about a millisecond,
+/// so that the 20 microseconds of a request do not count; and the slab is small beside any scan.
 const SLAB_BYTES: usize = 8 << 20;
 
 /// The slices of an array were not read; the exception that says why is raised on the caller's thread.
@@ -26,10 +26,10 @@ impl std::fmt::Display for NotRead {
 
 impl std::error::Error for NotRead {}
 
-/// What of a caller's array may go to another thread: columns, rows and slices, the type of a voxel, the distances.
+/// The facts of a caller's array that another thread may use: columns, rows and slices, the type of a voxel, its spacing.
 pub(crate) type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
 
-/// The header of a scan that is a caller's array.
+/// The scan header that describes a caller's array.
 pub(crate) fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
     let sample = SampleType::from_name(sample).unwrap_or(SampleType::F32);
     let mut info = VolumeInfo::new("array", *size, sample);
@@ -40,14 +40,14 @@ pub(crate) fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
 /// A scan whose slices the caller's thread reads.
 pub(crate) type ArraySource = InOrder<Slabs>;
 
-/// A caller's array, of which a slab is held.
+/// A caller's array, of which one slab of slices is in memory.
 pub(crate) struct Slabs {
     info: VolumeInfo,
     requests: Sender<Request>,
     slab: Vec<f32>,
     /// Slice with which the slab begins.
     slab_first: usize,
-    /// Slices from here on are not asked for, where the caller needs none of them.
+    /// Slices from here on are not read ahead, because the work does not need them.
     end: usize,
 }
 
@@ -62,7 +62,7 @@ impl Slabs {
         self.info.size[0] * self.info.size[1]
     }
 
-    /// The slab that begins with slice `k`, or has it already.
+    /// Makes the slab in memory hold slice `k`. If it does not yet, requests the slab that begins with `k`.
     fn load(&mut self, k: usize) -> Result<(), SliceError> {
         let n = self.voxels();
         if (self.slab_first..self.slab_first + self.slab.len() / n).contains(&k) {

@@ -1,11 +1,11 @@
-//! Long work on a thread of its own, watched from the caller's.
+//! Runs long work on a thread of its own, which the caller's thread watches.
 //!
 //! The work holds no lock of the interpreter. Meanwhile the caller's thread waits in short steps; in each it looks for
 //! Ctrl-C, asks the caller's cancel token, reports progress, and reads the slices that the work asks for. An exception
 //! of any of these ends the work and comes back as it was raised.
 //!
-//! Code that cannot look at the flag (a factorization) is not waited for beyond [`GRACE`]: the exception is raised,
-//! and the thread ends by itself at its next look. The command line ends the process there, which a module may not.
+//! Stopped work sees a flag. Code that does not read the flag for long (a factorization) gets [`GRACE`]; then the exception
+//! is raised, and the thread ends when it next reads the flag. The command line ends the process; a module may not.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -22,13 +22,13 @@ use pyo3::prelude::*;
 use crate::errors::{self, Kind};
 use crate::pool;
 
-/// Time between two looks at signals and tokens. Source: derived: Ctrl-C is to raise within 0.3 s, of which [`GRACE`] takes
-/// most; a hundred looks a second would be noticed in the time of short plans.
+/// Time between two checks of signals and tokens. Source: derived: Ctrl-C must raise within 0.3 s, and [`GRACE`] takes half
+/// of that; a hundred checks a second would make short plans noticeably slower.
 const STEP: Duration = Duration::from_millis(25);
-/// Time that stopped work gets to end by itself. Source: derived: as [`STEP`].
+/// Time that is left to stopped work to end by itself. Source: derived: as [`STEP`].
 const GRACE: Duration = Duration::from_millis(150);
 
-/// What work asks of the caller's thread.
+/// A message from the work to the caller's thread.
 pub(crate) enum Request {
     /// Slices of the caller's array: the first, and how many. No answer means that reading failed.
     Slices(usize, usize, Sender<Vec<f32>>),
@@ -36,7 +36,7 @@ pub(crate) enum Request {
     Done,
 }
 
-/// What the caller passed along.
+/// The Python objects and the number of threads that the caller passed.
 #[derive(Default)]
 pub(crate) struct Caller<'py> {
     /// Called as `progress(stage, done, total)`.
@@ -63,7 +63,7 @@ struct Counting(Arc<Counter>);
 
 impl Progress for Counting {
     fn begin(&self, stage: Stage, total: usize) {
-        // Numbers for people: a reader that sees the new stage with the old total does no harm.
+        // The numbers are only shown to people, so it does no harm to read the new stage with the old total.
         self.0.done.store(0, Ordering::Relaxed);
         self.0.total.store(total, Ordering::Relaxed);
         let index = Stage::ALL.iter().position(|s| *s == stage).unwrap_or_default();
@@ -78,7 +78,7 @@ impl Progress for Counting {
 /// Runs `work` and waits for it.
 ///
 /// # Errors
-/// That of the work, `KeyboardInterrupt`, `Cancelled`, an exception of the caller's functions, and `InternalError` for
+/// The error of the work, `KeyboardInterrupt`, `Cancelled`, an exception of the caller's functions, and `InternalError` for
 /// a panic.
 pub(crate) fn run<T, W>(py: Python<'_>, caller: &Caller<'_>, work: W) -> PyResult<T>
 where
@@ -92,7 +92,7 @@ where
     let (shared, done) = (Arc::clone(&diagnostics), requests.clone());
     let thread = thread::Builder::new().name("grainpath".to_owned()).spawn(move || {
         let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&shared, requests))));
-        // The caller may have left after an interruption.
+        // Sending fails if the caller has left after an interruption, which is fine.
         let _ = done.send(Request::Done);
         result
     })?;
@@ -112,7 +112,7 @@ where
     }
 }
 
-/// Gives stopped work its grace. Requests get no answer, which ends the reading of slices.
+/// Waits for stopped work to end, at most [`GRACE`]. Requests get no answer, which ends the reading of slices.
 fn leave(receiver: &Receiver<Request>) {
     let end = Instant::now() + GRACE;
     while let Some(left) = end.checked_duration_since(Instant::now()) {
@@ -123,7 +123,7 @@ fn leave(receiver: &Receiver<Request>) {
     }
 }
 
-/// The waiting caller.
+/// The caller's thread while it waits for the work.
 struct Watch<'a, 'py> {
     caller: &'a Caller<'py>,
     counter: &'a Counter,
@@ -132,7 +132,7 @@ struct Watch<'a, 'py> {
 }
 
 impl Watch<'_, '_> {
-    /// Serves the work until it ends; an exception comes with the channel.
+    /// Serves the requests of the work until it ends. An exception is returned together with the channel.
     fn until_done(
         &mut self,
         py: Python<'_>,

@@ -1,10 +1,10 @@
-//! Who may ask: a token of this start, an allowed `Host`, and no foreign `Origin`.
+//! Checks who may send requests: a valid token, an allowed `Host`, and no foreign `Origin`.
 //!
 //! Every page that the user's browser shows can send requests to 127.0.0.1. Three checks keep such pages out. The token
-//! is random and made anew at each start; it travels in the address that is opened once and then in a cookie that scripts
-//! cannot read (`HttpOnly`, `SameSite=Strict`), or as `Authorization: Bearer`. `Host` must be this computer by name, which
-//! ends DNS rebinding, with any port, so that `ssh -L` works. `Origin`, where a browser sends it, must be the address of
-//! `Host`. No response allows another origin, and the content security policy lets the page load from here alone.
+//! is random and new at each start. The address that is opened first carries it; later it is in a cookie that scripts
+//! cannot read (`HttpOnly`, `SameSite=Strict`), or in `Authorization: Bearer`. `Host` must name this computer, which
+//! prevents DNS rebinding; any port is allowed, so that `ssh -L` works. `Origin`, if sent, must be the address of `Host`.
+//! No response allows another origin, and the content security policy lets the page load from this server alone.
 
 use axum::http::{HeaderMap, HeaderName, header};
 
@@ -38,7 +38,7 @@ impl Access {
         &self.token
     }
 
-    /// Whether these are the bytes of the token. All are compared, so that the time tells nothing.
+    /// Whether `given` is the token. All bytes are compared, so that the time taken reveals nothing of it.
     pub fn is_token(&self, given: &str) -> bool {
         let differing = self.token.bytes().zip(given.bytes()).fold(0, |d, (a, b)| d | (a ^ b));
         given.len() == self.token.len() && differing == 0
@@ -54,7 +54,7 @@ impl Access {
         self.hosts.iter().any(|h| h.as_str() == name)
     }
 
-    /// Why a request with these headers is refused before its token is looked at.
+    /// The reason why a request is refused by its headers, before its token is checked; `None` if there is none.
     pub(crate) fn foreign(&self, headers: &HeaderMap) -> Option<&'static str> {
         let text = |name: HeaderName| headers.get(name).map(|v| v.to_str().unwrap_or_default());
         let Some(host) = text(header::HOST).filter(|h| self.allows_host(h)) else {
@@ -76,8 +76,8 @@ impl Access {
         pairs.any(|(key, value)| key == name && self.is_token(value))
     }
 
-    /// The name of the cookie. Cookies do not tell ports apart, so two studios need two names; the start of the token
-    /// is enough to tell them apart and gives nothing away that the cookie does not hold.
+    /// The name of the cookie. Browsers share cookies between ports, so two studios need two names. The name holds
+    /// the start of the token; this reveals nothing, because the cookie itself holds the whole token.
     pub(crate) fn cookie(&self) -> String {
         format!("grainpath_{}", &self.token[..4])
     }

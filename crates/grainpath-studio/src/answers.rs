@@ -1,4 +1,4 @@
-//! Answers that are not the one asked for, and bytes.
+//! Error answers, and answers made of bytes.
 
 use axum::extract::rejection::{JsonRejection, QueryRejection};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -12,7 +12,7 @@ pub(crate) fn refused(status: StatusCode, message: &str) -> Response {
     (status, axum::Json(json!({ "ok": false, "error": message }))).into_response()
 }
 
-/// An answer that is not the one asked for.
+/// An error that is sent in place of the answer.
 pub(crate) struct Problem(StatusCode, String);
 
 impl Problem {
@@ -21,7 +21,7 @@ impl Problem {
     }
 
     pub(crate) fn missing() -> Self {
-        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps the last ones of this start")
+        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps only its last jobs until it ends")
     }
 }
 
@@ -49,12 +49,12 @@ impl From<QueryRejection> for Problem {
     }
 }
 
-/// A thread that answered has panicked.
+/// The error answer for a panic in the thread that made an answer.
 pub(crate) fn fault(_: tokio::task::JoinError) -> Problem {
     Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "a fault of grainpath; the terminal shows where")
 }
 
-/// Whether the other side unpacks gzip.
+/// Whether the client accepts gzip.
 pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
     let given = headers.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok()).unwrap_or_default();
     given.split(',').any(|word| word.trim().starts_with("gzip"))
@@ -69,7 +69,7 @@ pub(crate) fn packed(bytes: &[u8]) -> Vec<u8> {
     written.unwrap_or_default()
 }
 
-/// Bytes as they are, or packed.
+/// An answer of bytes; `is_packed` says that they are gzip.
 pub(crate) fn binary(bytes: Vec<u8>, is_packed: bool) -> Response {
     let mut response = ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response();
     if is_packed {

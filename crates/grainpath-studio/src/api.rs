@@ -1,7 +1,7 @@
 //! The HTTP interface, version 1: files, jobs, layers.
 //!
-//! Addresses below `/v1/` answer JSON, layers and damage binary. An error is `{"ok": false, "error": "..."}` with the
-//! sentence that the command line prints. `docs/studio.md` lists the addresses.
+//! Addresses below `/v1/` answer with JSON; layers and damage are binary. An error is
+//! `{"ok": false, "error": "..."}` with the sentence that the command line prints. `docs/studio.md` lists the addresses.
 
 use std::convert::Infallible;
 use std::path::{Path as FilePath, PathBuf};
@@ -34,19 +34,19 @@ use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
 use crate::{assets, history, runs, section, surface, uploads};
 
-/// Diameter of the filament for programs that do not state one, mm. Source: the nominal diameter of the common filament,
-/// as the command line takes it.
+/// Filament diameter for programs that state none, mm. Source: the nominal diameter of common filament, which the command
+/// line uses too.
 const FILAMENT_MM: f64 = 1.75;
-/// Largest program that is read, bytes. Source: the limit of the command line, a third of a machine with 24 GiB.
+/// Largest program that is read, bytes. Source: the limit of the command line, a third of 24 GiB of memory.
 const MAX_PROGRAM_BYTES: u64 = 8 << 30;
-/// Time between two looks at the progress of a run. Source: chosen; ten events a second look continuous.
+/// Time between two events with the progress of a run. Source: chosen; ten events a second look continuous.
 const EVENT_INTERVAL: Duration = Duration::from_millis(100);
-/// Most layers in one answer. Source: chosen; a window of the page has fewer.
+/// The greatest number of layers in one answer. Source: chosen; the page asks for fewer at a time.
 const MOST_LAYERS: usize = 4096;
 
 type Shared = State<Arc<Studio>>;
 
-/// Every address of the interface: its row in the description, and what answers.
+/// Every address of the interface, as its entry in the description and its handler.
 fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
     let upload = post(uploads::upload).layer(uploads::no_limit_of_axum());
     vec![
@@ -86,7 +86,7 @@ pub fn description() -> serde_json::Value {
     openapi::description(&rows)
 }
 
-/// All addresses of the studio, with the checks before them.
+/// All addresses of the studio; every request is checked first.
 pub fn router(studio: Arc<Studio>) -> Router {
     let base = studio.base.clone();
     let at = |path: &str| format!("{base}{path}");
@@ -106,7 +106,7 @@ pub fn router(studio: Arc<Studio>) -> Router {
 
 type Answer<T> = Result<T, Problem>;
 
-/// What a file is, by its ending.
+/// The kind of a file, taken from its ending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum FileKind {
@@ -180,7 +180,7 @@ struct PathQuery {
     path: String,
 }
 
-/// A row of a folder.
+/// A file in the listing of a folder.
 #[derive(Serialize)]
 struct FileRow {
     name: String,
@@ -189,7 +189,8 @@ struct FileRow {
     kind: FileKind,
 }
 
-/// Most rows of a folder that are sent. Source: chosen; the folder of a scan has some thousands.
+/// The greatest number of files, and of folders, that a listing has.
+/// Source: chosen; the folder of a scan has some thousands.
 const MOST_ROWS: usize = 5000;
 
 fn listing(roots: &Roots, folder: &FilePath) -> Result<serde_json::Value, Refusal> {
@@ -198,11 +199,11 @@ fn listing(roots: &Roots, folder: &FilePath) -> Result<serde_json::Value, Refusa
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     for entry in std::fs::read_dir(&folder).map_err(wrong)?.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        // Hidden files are settings of other programs.
+        // Hidden files are not listed, since they are mostly settings of other programs.
         if name.starts_with('.') {
             continue;
         }
-        // `metadata` of the path follows links; what leads out of the roots is not listed.
+        // The real path follows links, so a link that leads out of the roots is not listed.
         let Ok(real) = roots.readable(&entry.path()) else { continue };
         let Ok(metadata) = std::fs::metadata(&real) else { continue };
         let path = entry.path().display().to_string();
@@ -267,7 +268,7 @@ async fn text(
     Ok(Json(json!({ "ok": true, "text": job.text, "folder": job.folder.display().to_string() })))
 }
 
-/// The job that the command line would make of a file: `grainpath slice` with its assumptions.
+/// The job that `grainpath slice` would make for a file, with its default settings.
 async fn job_for(
     State(studio): Shared,
     query: Result<Query<PathQuery>, QueryRejection>,
@@ -287,7 +288,7 @@ async fn examples(State(studio): Shared) -> Json<serde_json::Value> {
     Json(json!({ "ok": true, "examples": rows }))
 }
 
-/// Writes an example to a new folder and answers the path of its job.
+/// Writes an example to a new folder and returns the path of its job.
 fn write_example(studio: &Studio, name: &str) -> Result<PathBuf, Refusal> {
     let Some(files) = studio.engine.example(name) else {
         let names: Vec<&str> = studio.engine.examples().iter().map(|e| e.name).collect();
@@ -367,7 +368,7 @@ fn view(file: &FilePath, diagnostics: &grainpath_core::Diagnostics) -> Result<Fi
     Ok(Finished { report, program: Arc::new(program), warnings, ..Finished::default() })
 }
 
-/// A job, and the new folder of its run, in which its text is saved.
+/// A job, and the new folder of its run. A job that is a text is saved there.
 fn job_and_folder(
     roots: &Roots,
     file: Option<&str>,
@@ -385,7 +386,7 @@ fn job_and_folder(
             let path = folder.join("job.toml");
             std::fs::write(&path, &text)
                 .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))?;
-            // Paths in the text are relative to the saved file, so that the command line reads it alike.
+            // Paths in the text are relative to the saved file, so that the command line reads the file in the same way.
             Ok((JobText { text, name: path.display().to_string(), folder: folder.clone() }, folder))
         }
         (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
@@ -394,7 +395,7 @@ fn job_and_folder(
 
 const FILE_OR_TEXT: &str = "a job needs either \"file\" or \"text\"";
 
-/// A job that is only looked at, with a title: nothing is saved, and paths in a text are relative to the working folder.
+/// A job that is not saved, and its title. If the job is a text, its paths are relative to the working folder.
 fn unsaved(
     roots: &Roots,
     file: Option<&str>,
@@ -483,7 +484,7 @@ fn found(studio: &Studio, id: u64) -> Answer<Arc<Run>> {
     studio.runs.get(id).ok_or_else(Problem::missing)
 }
 
-/// The result of a job that is done; otherwise why there is none.
+/// The result of a job that is done. The error says why there is none.
 fn done(studio: &Studio, id: u64) -> Answer<Arc<runs::Result>> {
     let run = found(studio, id)?;
     run.result().ok_or_else(|| not_done(studio, &run))
@@ -494,7 +495,7 @@ fn not_done(studio: &Studio, run: &Run) -> Problem {
     Problem::new(StatusCode::CONFLICT, why)
 }
 
-/// The program of a job that has one already; otherwise why there is none.
+/// The program of a job that has one already. The error says why there is none.
 fn drawn(studio: &Studio, id: u64) -> Answer<Arc<runs::Drawn>> {
     let run = found(studio, id)?;
     run.drawn().ok_or_else(|| not_done(studio, &run))
@@ -511,7 +512,7 @@ async fn cancel(State(studio): Shared, Path(id): Path<u64>) -> Answer<StatusCode
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// States of a run as events, until it is over. An event is sent where something changed since the last one.
+/// States of a run as events, until the run is over. An event is sent when the state has changed since the last one.
 fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event, Infallible>> {
     let phases = run.phases();
     unfold((studio, run, phases, None, 0_u64), |(studio, run, mut phases, last, n)| async move {
@@ -522,7 +523,7 @@ fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event
         let mut last = last;
         loop {
             let state = studio.runs.state(&run);
-            // The time alone is no news, once a second excepted: the page counts on by itself.
+            // If only the time has changed, one event a second is enough: the page counts the time itself.
             let news = |old: &RunState| {
                 let still = RunState { elapsed_s: old.elapsed_s, ..state.clone() } == *old;
                 !still || state.elapsed_s - old.elapsed_s >= 1.0
@@ -530,7 +531,7 @@ fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event
             if last.as_ref().is_none_or(news) {
                 last = Some(state.clone());
                 let event = Event::default().id((n + 1).to_string()).json_data(&state);
-                // The state is numbers and texts, which always become JSON.
+                // The state holds only numbers and texts, so turning it into JSON cannot fail.
                 let event = event.unwrap_or_default();
                 return Some((Ok(event), (studio, run, phases, last, n + 1)));
             }
@@ -573,7 +574,7 @@ async fn layer_index(State(studio): Shared, Path(id): Path<u64>) -> Answer<Respo
     Ok(Json(drawn.records.index()).into_response())
 }
 
-/// Bytes of layers `a-b`, counted from 0, both included: one after the other, as the index counts them.
+/// Records of the layers `a-b`, counted from 0, both included, one layer after the other in the order of the index.
 async fn layer_records(
     State(studio): Shared,
     Path((id, range)): Path<(u64, String)>,
@@ -610,7 +611,7 @@ async fn damage(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> 
     Ok(binary(bytes.flat_map(f32::to_le_bytes).collect(), false))
 }
 
-/// Bytes that are made from a result on a thread that may take its time.
+/// An answer of bytes that are made from a result on a blocking thread, since this may take long.
 async fn made(
     headers: &HeaderMap,
     make: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'static,
@@ -636,7 +637,7 @@ async fn stressed(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap
     made(&headers, move || result.finished.stress.as_ref().map(surface::stressed).ok_or_else(none)).await
 }
 
-/// What is told of a load case, as bytes.
+/// An answer of bytes that are made from the values of a load case.
 async fn case_bytes(
     studio: &Studio,
     (id, number): (u64, usize),
@@ -713,7 +714,7 @@ async fn output(State(studio): Shared, Path((id, kind)): Path<(u64, String)>) ->
     let file = tokio::fs::File::open(&real).await.map_err(wrong)?;
     let length = file.metadata().await.map_err(wrong)?.len();
     let name = safe_name(&real.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default());
-    // Outside ASCII the name would need another form of the header; the browser then takes the address.
+    // Names beyond ASCII would need another form of the header. If no character is left, the browser uses the address.
     let name: String = name.chars().filter(char::is_ascii).collect();
     let headers = [
         (header::CONTENT_TYPE, "application/octet-stream".to_owned()),

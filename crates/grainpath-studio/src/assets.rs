@@ -41,14 +41,14 @@ pub(crate) static ALL: [Asset; 6] = [
     asset!("/licences.txt", "text/plain; charset=utf-8", "licences.txt"),
 ];
 
-/// A number that changes with the bytes.
+/// A hash of the bytes, which changes when they change.
 fn hash(bytes: &[u8]) -> u64 {
     let word = |chunk: &[u8]| chunk.iter().fold(0, |w, b| (w << 8) | u64::from(*b));
     bytes.chunks(8).fold(bytes.len() as u64, |h, chunk| splitmix64(h ^ word(chunk)))
 }
 
 impl Asset {
-    /// The file, or that it has not changed. Browsers ask each time and are answered by the hash.
+    /// Answers with the file, or says that it has not changed. Browsers ask each time; the hash decides.
     pub(crate) fn answer(&'static self, headers: &HeaderMap) -> Response {
         let tag = format!("\"{:016x}\"", hash(self.bytes));
         let known = headers.get(header::IF_NONE_MATCH).and_then(|v| v.to_str().ok());

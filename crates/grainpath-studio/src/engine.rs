@@ -1,5 +1,5 @@
-//! What the studio asks of the command line: to show the shape of a job, to solve its loads, to plan it, and to test a
-//! job or a program.
+//! The interface between the studio and the command line, which does the work: placing the shape of a job, solving its
+//! loads, planning it, and testing a job or a program.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,28 +18,28 @@ pub struct JobText {
     pub text: String,
     /// Name in errors.
     pub name: String,
-    /// Paths in the job are relative to it.
+    /// Folder to which paths in the job are relative.
     pub folder: PathBuf,
 }
 
 /// A file that a run wrote.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// What it is: the key below `[output]`.
+    /// Its kind, as the key below `[output]`.
     pub kind: String,
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
 }
 
-/// The share of its stiffness that each element of a strength test has lost.
+/// The elements that broke in a strength test, and the share of its stiffness that each has lost.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Damage {
     /// Edges of an element, mm.
     pub cell_mm: [f64; 3],
     /// Angle of its first edge from the x axis, rad.
     pub angle_rad: f64,
-    /// Middle of each broken element, mm, in the program's coordinates; the share lost, 0 to 1; and the first of `states`
-    /// in which it is broken.
+    /// For each broken element its centre, mm, in the program's coordinates; the share of stiffness lost, 0 to 1; and the
+    /// index of the first of `states` in which it is broken.
     pub cells: Vec<([f32; 3], f32, u32)>,
     /// Displacement in mm and load in N of every state that was solved, in order.
     pub states: Vec<[f64; 2]>,
@@ -48,17 +48,17 @@ pub struct Damage {
 /// The surface of a part as a job places it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
-    /// Corners, mm, part coordinates.
+    /// Vertices, mm, part coordinates.
     pub vertices: Vec<[f32; 3]>,
-    /// Indices of corners.
+    /// Indices of the three vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Number of the face of each triangle; `u32::MAX` for triangles without one.
     pub face: Vec<u32>,
-    /// Edges that are open or where more than two triangles meet: their ends.
+    /// Both ends of each edge that is open or has more than two triangles.
     pub faulty_edges: Vec<[[f32; 3]; 2]>,
-    /// The same of the file before it was mended, with edges of triangles that are wound against each other.
+    /// Both ends of each faulty edge of the file before it was mended, including edges between oppositely wound triangles.
     pub file_faults: Vec<[[f32; 3]; 2]>,
-    /// Edges between two faces: indices of corners.
+    /// Edges between two faces, as indices of vertices.
     pub borders: Vec<[u32; 2]>,
 }
 
@@ -67,20 +67,20 @@ pub struct Surface {
 pub struct Branch {
     /// Its ends, mm, part coordinates, each with the radius there.
     pub ends: [[f32; 4]; 2],
-    /// What it bears, N.
+    /// The load that it carries, N.
     pub load_n: f32,
     /// Whether its upper end is a contact with the part.
     pub is_contact: bool,
 }
 
-/// What loads do to a part, on the surface of the mesh that was solved.
+/// Stress and displacement of a part under its loads, on the surface of the mesh that was solved.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StressSurface {
     /// Points, mm, part coordinates.
     pub points: Vec<[f32; 3]>,
     /// Indices of points.
     pub triangles: Vec<[u32; 3]>,
-    /// One for each load case.
+    /// The values of each load case.
     pub cases: Vec<CaseValues>,
     /// The solid, for sections.
     pub volume: StressVolume,
@@ -103,28 +103,28 @@ pub type StressLine = Vec<[f32; 4]>;
 pub struct CaseValues {
     /// Name of the case.
     pub name: String,
-    /// Stress xx, yy, zz, xy, yz, zx in MPa, then displacement x, y, z in mm.
+    /// For each point of the surface stress xx, yy, zz, xy, yz, zx in MPa, then displacement x, y, z in mm.
     pub values: Vec<[f32; 9]>,
-    /// The same at the points of the [`StressVolume`].
+    /// The same nine values at each point of the [`StressVolume`].
     pub inside: Vec<[f32; 9]>,
     /// Lines along the greatest and the smallest principal stress.
     pub lines: Vec<StressLine>,
 }
 
-/// What a run gives.
+/// The result of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Finished {
-    /// What the command prints with `--json`.
+    /// The report that the command prints with `--json`.
     pub report: Value,
     /// The program that was written or tested.
     pub program: Arc<Program>,
-    /// What broke.
+    /// The elements that broke in a strength test.
     pub damage: Option<Damage>,
     /// The part as it is placed.
     pub surface: Option<Surface>,
-    /// What loads do to it.
+    /// Stress and displacement of the part under its loads.
     pub stress: Option<StressSurface>,
-    /// The supports that it needs.
+    /// The branches of its supports.
     pub branches: Option<Vec<Branch>>,
     /// Files that were written.
     pub outputs: Vec<Output>,
@@ -170,7 +170,7 @@ pub trait Engine: Send + Sync {
     /// As [`Engine::plan`].
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
 
-    /// Ranks the poses in which the part of a job stands by itself; nothing is written.
+    /// Ranks the poses in which the part of a job stands stably; nothing is written.
     ///
     /// # Errors
     /// As [`Engine::plan`].
@@ -182,7 +182,7 @@ pub trait Engine: Send + Sync {
     /// As [`Engine::plan`].
     fn supports(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
 
-    /// Plans a job and writes its outputs below `out`. `ready` gets the program before it is measured and drawn.
+    /// Plans a job and writes its outputs below `out`. `ready` is called with the program before it is measured and drawn.
     ///
     /// # Errors
     /// [`Refusal`] with the sentence that the command line prints.
@@ -195,7 +195,7 @@ pub trait Engine: Send + Sync {
         ready: &dyn Fn(&Arc<Program>),
     ) -> Result<Finished, Refusal>;
 
-    /// Tests how much the part of a job, or a program with the loads of a job, carries.
+    /// Tests how much load a part carries: the part of a job, or of a program under the loads of a job.
     ///
     /// # Errors
     /// As [`Engine::plan`].

@@ -1,4 +1,4 @@
-//! What every request passes: the checks of [`crate::access`], and the headers that every answer has.
+//! The layer that every request passes: it makes the checks of [`crate::access`] and adds headers to every answer.
 
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ async fn checked(studio: &Studio, request: Request, next: Next) -> Response {
         return refused(StatusCode::FORBIDDEN, why);
     }
     let top = format!("{}/", studio.base);
-    // The address that was printed: its token becomes a cookie and leaves the address bar and the history.
+    // This is the printed address. Its token becomes a cookie, so that it is not left in the address bar or the history.
     let given = request.uri().query().and_then(token_of);
     if let Some(token) = given.filter(|_| request.uri().path() == top && request.method() == Method::GET) {
         if !access.is_token(token) {

@@ -1,7 +1,7 @@
 //! The history of runs: a line of JSON for each plan and each strength test, in `history.jsonl` of the working folder.
 //!
-//! Runs themselves are kept for one start of the studio; what is told of them here outlives it. Lines are added at the end
-//! and never changed, so that two studios in one folder do not lose each other's.
+//! The studio keeps runs only until it ends; this file remains. Lines are added at the end and never changed, so that two
+//! studios in one folder do not lose each other's lines.
 
 use std::fs::OpenOptions;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
@@ -16,12 +16,12 @@ use crate::runs::Kind;
 
 /// Name of the file.
 const FILE: &str = "history.jsonl";
-/// Most runs that are told, the newest ones. Source: chosen; a page lists no more.
+/// The greatest number of runs that are listed, the newest ones. Source: chosen; a page lists no more.
 const MOST_TOLD: usize = 200;
-/// Bytes at the end of the file that are read. Source: chosen; 200 lines have a fifth of it.
+/// Number of bytes that are read at the end of the file. Source: chosen; 200 lines take about a fifth of it.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// What is kept of a report: what two runs are compared by.
+/// The line of a run: the values of its report by which runs are compared.
 fn row(kind: Kind, name: &str, input: Option<&Path>, finished: &Finished, at_s: u64) -> Value {
     let report = &finished.report;
     let mut row = Map::new();
@@ -33,13 +33,13 @@ fn row(kind: Kind, name: &str, input: Option<&Path>, finished: &Finished, at_s: 
         row.insert(key.to_owned(), report[key].clone());
     }
     if let Some(strength) = row.get_mut("strength").and_then(Value::as_object_mut) {
-        // The curve is the largest part and nothing that is compared.
+        // The curve is left out: it is the largest part and is not compared.
         strength.remove("curve");
     }
     Value::Object(row)
 }
 
-/// Adds a run that is done. A run is worth more than its line: where that cannot be written, nothing is said.
+/// Adds the line of a run that is done. A line that cannot be written is no error, since the run itself is good.
 pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, finished: &Finished) {
     let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let line = format!("{}\n", row(kind, name, input, finished, at_s));
@@ -49,7 +49,7 @@ pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, f
     let _ = file.and_then(|mut f| f.write_all(line.as_bytes()));
 }
 
-/// The newest runs, the last one first. Lines that are no JSON are passed over.
+/// The newest runs, the last one first. Lines that are not JSON are skipped.
 pub(crate) fn told(roots: &Roots) -> Vec<Value> {
     let read = || -> std::io::Result<Vec<u8>> {
         let mut file = std::fs::File::open(roots.work().join(FILE))?;
@@ -59,7 +59,7 @@ pub(crate) fn told(roots: &Roots) -> Vec<Value> {
         file.take(MOST_BYTES).read_to_end(&mut bytes)?;
         Ok(bytes)
     };
-    // There is no history before the first run.
+    // The file does not exist before the first run.
     let bytes = read().unwrap_or_default();
     let lines = bytes.rsplit(|b| *b == b'\n').filter_map(|line| serde_json::from_slice(line).ok());
     lines.filter(Value::is_object).take(MOST_TOLD).collect()

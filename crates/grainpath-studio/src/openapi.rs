@@ -1,11 +1,11 @@
 //! The description of the interface for programs, as OpenAPI 3.1 (`GET /v1/openapi.json`).
 //!
-//! The router is made from the same rows, so that no address is missing here and none is here that is not answered. The
-//! committed `openapi.json` is what this module makes; a test compares them, and a change of the interface shows in it.
+//! The router is made from the same rows, so the description and the server have the same addresses. The committed
+//! `openapi.json` is the output of this module; a test compares both, so that every change of the interface shows there.
 
 use serde_json::{Map, Value, json};
 
-/// What an address answers.
+/// The kind of answer of an address.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Answers {
     /// JSON of this schema.
@@ -14,11 +14,11 @@ pub(crate) enum Answers {
     Bytes,
     /// States of a job as server-sent events.
     Events,
-    /// Nothing but the status.
+    /// The status alone, without a body.
     Nothing,
 }
 
-/// What a request brings in its body.
+/// The kind of body of a request.
 #[derive(Debug, Clone, Copy)]
 enum Takes {
     Nothing,
@@ -28,7 +28,7 @@ enum Takes {
     Bytes,
 }
 
-/// Parts of addresses, and their types.
+/// Variable parts of addresses, with their types.
 const IN_PATH: [(&str, &str); 4] =
     [("id", "integer"), ("range", "string"), ("kind", "string"), ("case", "integer")];
 
@@ -95,7 +95,7 @@ pub(crate) const EXAMPLE: Route = Route {
 };
 pub(crate) const UPLOAD: Route = Route {
     method: "post",
-    query: &[("name", "The name of the file; it is made plain and new.")],
+    query: &[("name", "The name of the file; it may be changed to be safe and unused.")],
     body: Takes::Bytes,
     ..Route::get("/v1/uploads", "upload", "Streams the body to a file.", Answers::Json("Upload"))
 };
@@ -159,15 +159,15 @@ pub(crate) const STRESSED: Route = Route::get(
 pub(crate) const CASE: Route = Route::get(
     "/v1/jobs/{id}/stress/{case}",
     "case",
-    "A load case, counted from 0, at the points of that surface: stress xx, yy, zz, xy, yz, zx in MPa and displacement x, y, z in mm, as 32-bit floats.",
+    "The values of a load case, counted from 0, at the points of the surface that was solved: stress xx, yy, zz, xy, yz, zx in MPa and displacement x, y, z in mm, as 32-bit floats.",
     Answers::Bytes,
 );
 pub(crate) const SECTION: Route = Route {
-    query: &[("axis", "x, y or z."), ("at", "The place on it, mm.")],
+    query: &[("axis", "x, y or z."), ("at", "Position of the section on this axis, mm.")],
     ..Route::get(
         "/v1/jobs/{id}/stress/{case}/section",
         "section",
-        "A section of the solid that was solved, 32 bits a number: counts of points and triangles; x, y, z of the points; corners of the triangles; nine values a point as those of the case.",
+        "A section of the solid that was solved, 32 bits a number: counts of points and triangles; x, y, z of the points; corners of the triangles; for each point the nine values of the load case.",
         Answers::Bytes,
     )
 };
@@ -180,7 +180,7 @@ pub(crate) const LINES: Route = Route::get(
 pub(crate) const BRANCHES: Route = Route::get(
     "/v1/jobs/{id}/branches",
     "branches",
-    "Branches of the supports, 32 bits a number: for each x, y, z and radius of its upper end and of its lower end in mm, what it bears in N, and 1 where its upper end touches the part.",
+    "Branches of the supports, 32 bits a number: for each x, y, z and radius of its upper end and of its lower end in mm, the load that it carries in N, and 1 if its upper end touches the part.",
     Answers::Bytes,
 );
 pub(crate) const HISTORY: Route = Route::get(

@@ -1,21 +1,21 @@
 //! Toolpaths as the page draws them: eight bytes a segment, one chunk a layer.
 //!
-//! A layer is a line of records. Each record is a point and what was done on the way to it from the point before:
+//! A layer is a sequence of records. Each record is a point and describes the move from the previous point to it:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0, 1 | x of the point, in steps from the origin of the program |
 //! | 2, 3 | y |
 //! | 4, 5 | width of the bead, um |
 //! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], or [`START`] |
-//! | 7 | speed: its place in the program's table |
+//! | 7 | speed, as its index in the program's table of speeds |
 //!
 //! Numbers are little-endian. The first record of a layer is a [`START`], which draws nothing. The page hands the bytes
 //! to the graphics card as they are: record k and record k + 1 are the two ends of a segment.
 //!
-//! Steps are the longer side of all moves over 65535: 5 um for a plate of 300 mm, which is finer than the 10 um that a
-//! printer's motors resolve. Cost: linear in beads. Limits: widths above 65.5 mm are cut to that; speeds are rounded to
-//! 0.1 mm/s, and to the 256 values of a program that are told apart.
+//! A step is the longer side of the box round all moves, divided by 65535: 5 um for 300 mm, which is finer than the 10 um
+//! that a printer's motors resolve. Cost: linear in beads. Limits: widths above 65.5 mm are stored as 65.5 mm; speeds are
+//! rounded to 0.1 mm/s, and a program with more than 256 speeds has them rounded down to 256 values.
 
 use grainpath_core::{Bounds2, DVec2, Role};
 use grainpath_gcode::{Bead, BeadLayer, Program};
@@ -27,21 +27,21 @@ pub const TRAVEL: u8 = Role::ALL.len() as u8;
 pub const START: u8 = TRAVEL + 1;
 /// Bytes of a record. Source: the table above.
 pub const RECORD_BYTES: usize = 8;
-/// Speeds that are told apart. Source: one byte.
+/// The greatest number of different speeds. Source: the values of one byte.
 const SPEEDS: usize = 256;
-/// Distance below which two ends are one point, mm. Source: programs state coordinates to 0.001 mm.
+/// Distance below which two ends count as the same point, mm. Source: programs state coordinates to 0.001 mm.
 const SAME_MM: f32 = 2e-3;
 
-/// A layer of the index.
+/// The entry of a layer in the index.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LayerEntry {
     /// Height of the nozzle, mm.
     pub z_mm: f64,
     /// Thickness, mm.
     pub height_mm: f64,
-    /// Records of the layer.
+    /// Number of records of the layer.
     pub records: usize,
-    /// Beads among them.
+    /// Number of beads of the layer.
     pub beads: usize,
     /// Printed length, mm.
     pub printed_mm: f64,
@@ -49,7 +49,7 @@ pub struct LayerEntry {
     pub volume_mm3: f64,
 }
 
-/// What the page needs before the first layer.
+/// Data of a program that the page needs before it draws the first layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Index {
     /// Origin of the records, mm.
@@ -62,37 +62,37 @@ pub struct Index {
     pub speeds_mm_s: Vec<f64>,
     /// Lowest and highest corner of the part without skirt, brim, support and priming lines, mm.
     pub part_mm: [[f64; 3]; 2],
-    /// Least and greatest width of the part's beads, mm, without the hundredth at either end.
+    /// Least and greatest width of the part's beads, mm, leaving out the narrowest and the widest hundredth.
     pub widths_mm: [f64; 2],
     /// Number of beads and printed length of each class, in the order of `classes`.
     pub shares: Vec<Share>,
     /// The layers.
     pub layers: Vec<LayerEntry>,
-    /// Records of all layers.
+    /// Number of records of all layers.
     pub records: usize,
-    /// The program that wrote the G-code, where it says so.
+    /// The software that wrote the G-code; `None` if the G-code does not say.
     pub generator: Option<String>,
     /// Estimated time, s.
     pub time_s: f64,
-    /// Filament, mm.
+    /// Length of filament, mm.
     pub filament_mm: f64,
 }
 
-/// What a class has of the program.
+/// The beads of one class in a program.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Share {
-    /// Beads.
+    /// Number of beads.
     pub beads: usize,
     /// Length, mm.
     pub length_mm: f64,
 }
 
 fn class(role: Role) -> u8 {
-    // `Role::ALL` is in the order of declaration; a test holds that.
+    // `Role::ALL` has the order of declaration, which a test checks.
     role as u8
 }
 
-/// What is written of a layer, in the order of the moves.
+/// A move of a layer that becomes a record.
 enum Step<'a> {
     Start([f32; 2]),
     Travel([f32; 2]),
@@ -110,14 +110,14 @@ fn walk<'a>(layer: &'a BeadLayer, mut step: impl FnMut(Step<'a>)) {
     let Some(mut at) = first else { return };
     step(Step::Start(at));
     for bead in &layer.beads {
-        // Travels are in the order of the program, so those before this bead come first; each goes on from the last.
+        // Travels are in the order of the program, and each begins where the last one ended.
         while far(at, bead.a) {
             let Some(travel) = travels.next_if(|t| !far(t[0], at)) else { break };
             at = travel[1];
             step(Step::Travel(at));
         }
         if far(at, bead.a) {
-            // No travel leads there: layers of marks may be put together from pieces.
+            // No travel of the layer leads to the bead, so one is added: a layer may consist of several pieces.
             step(Step::Travel(bead.a));
         }
         step(Step::Bead(bead));
@@ -125,7 +125,7 @@ fn walk<'a>(layer: &'a BeadLayer, mut step: impl FnMut(Step<'a>)) {
     }
 }
 
-/// Least and greatest point of beads and travels, and of the part.
+/// The boxes round all beads and travels, and round the part alone.
 fn extents(program: &Program) -> (Bounds2, Option<Bounds2>) {
     let mut all: Option<Bounds2> = None;
     let mut part: Option<Bounds2> = None;
@@ -135,7 +135,7 @@ fn extents(program: &Program) -> (Bounds2, Option<Bounds2>) {
         *bounds = Some(bounds.map_or(own, |b| b.union(own)));
     };
     let n_part = program.layers.iter().filter(|l| l.beads.iter().any(|b| b.role.is_part())).count();
-    // Priming lines lie in the first layer and have the role of walls.
+    // The first layer is left out, because priming lines lie in it and have the role of walls.
     let skipped = usize::from(n_part > 2);
     let mut part_layers = 0;
     for layer in &program.layers {
@@ -161,7 +161,7 @@ fn speed_key(speed_mm_s: f32) -> u32 {
     (speed_mm_s.clamp(0.0, 1e5) * 10.0).round() as u32
 }
 
-/// The speeds of a program, at most as many as a byte tells apart.
+/// The different speeds of a program in tenths of mm/s, at most [`SPEEDS`] of them.
 fn speeds(program: &Program) -> Vec<u32> {
     let beads = program.layers.iter().flat_map(|l| &l.beads);
     let all: std::collections::BTreeSet<u32> = beads.map(|b| speed_key(b.speed_mm_s)).collect();
@@ -169,7 +169,7 @@ fn speeds(program: &Program) -> Vec<u32> {
     if all.len() <= SPEEDS {
         return all;
     }
-    // Evenly among the values, so that common ranges keep most of them.
+    // Speeds are picked evenly from the sorted list, so that ranges with many speeds keep most of them.
     let at = |k: usize| all[k * (all.len() - 1) / (SPEEDS - 1)];
     (0..SPEEDS).map(at).collect()
 }
@@ -211,7 +211,7 @@ impl Records {
                     entry.volume_mm3 += f64::from(bead.volume_mm3);
                 }
             });
-            // A sample: the colour scale does not need every bead.
+            // Only a sample of the widths is taken, which is enough for a colour scale.
             let sampled =
                 layer.beads.iter().filter(|b| b.role.is_part()).step_by(1 + layer.beads.len() / 200);
             widths.extend(sampled.map(|b| b.width_mm(layer.height_mm) as f32));
@@ -273,7 +273,7 @@ impl Records {
             Step::Bead(bead) => {
                 let width_um = (bead.width_mm(layer.height_mm) * 1e3).round().clamp(0.0, f64::from(u16::MAX));
                 let key = speed_key(bead.speed_mm_s);
-                // The largest value of the table that is not greater.
+                // The largest speed of the table that is not above this one.
                 let speed = self.speed_keys.partition_point(|k| *k <= key).saturating_sub(1);
                 push(bead.b, width_um as u16, class(bead.role), speed as u8);
             }

@@ -1,10 +1,10 @@
-//! Why something was refused, as the command line says it.
+//! Errors of the studio, in the words of the command line.
 
-/// Why a run did not end well, as the command line says it.
+/// Why a run failed, in the words of the command line.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct Refusal {
-    /// What is wrong, where, and what would be right: one line.
+    /// One line that says what is wrong, where, and what would be right.
     pub message: String,
     /// Exit code of the command line: 2 usage or job, 3 an input file, 4 the physics, 130 interrupted.
     pub code: i32,
@@ -22,7 +22,7 @@ impl Refusal {
     }
 }
 
-/// A message of the system without its number.
+/// An error message of the operating system without its error number.
 pub(crate) fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()

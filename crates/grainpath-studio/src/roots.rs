@@ -1,8 +1,8 @@
 //! The files that a page may read and write.
 //!
-//! Paths come from the page and from job files. A path is read only where the file it leads to, with every link
-//! followed, lies below a root; it is written only below the working folder. Links made between the check and the use
-//! are the user's own: nobody else writes there.
+//! Paths come from the page and from job files. All links of a path are followed first. The file that they lead to is
+//! read only if it lies below a root, and written only below the working folder. A link made between check and use is
+//! no danger: only the user can make one there.
 
 use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
@@ -17,7 +17,7 @@ pub struct Roots {
 }
 
 impl Roots {
-    /// `work` is made if it is missing; it and `readable` may be read.
+    /// Files may be read below `work` and `readable`, and written below `work`, which is made if it is missing.
     ///
     /// # Errors
     /// [`Refusal`] for folders that are not there or cannot be made.
@@ -47,7 +47,7 @@ impl Roots {
         &self.work
     }
 
-    /// The folders that may be read; they lie nowhere in each other unless they were given so.
+    /// The folders that may be read. The working folder is among them only if no other folder contains it.
     pub fn readable_folders(&self) -> &[PathBuf] {
         &self.readable
     }
@@ -75,13 +75,13 @@ impl Roots {
             let (path, work) = (path.display(), self.work.display());
             Refusal::usage(format!("{path}: the studio writes only below {work}"))
         };
-        // The part that exists is real; what follows must be plain names.
+        // The part of the path that exists is resolved; the rest must be plain names.
         let (mut real, mut rest) = (path.to_owned(), Vec::new());
         let real = loop {
             match fs::canonicalize(&real) {
                 Ok(found) => break found,
                 Err(_) => {
-                    // A link that leads nowhere yet would be followed by writing.
+                    // A link whose target does not exist yet is refused, because writing would follow it.
                     if fs::symlink_metadata(&real).is_ok() {
                         return Err(outside());
                     }
@@ -113,7 +113,7 @@ impl Roots {
     }
 }
 
-/// The last part of a name given by the page, without what a path or a shell could misread.
+/// The last part of a name from the page, without characters that a path or a shell could misread.
 pub fn safe_name(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
     let kept: String =

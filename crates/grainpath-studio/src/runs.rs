@@ -1,9 +1,9 @@
-//! The queue of runs: one is worked on, the others wait.
+//! The queue of runs: one run is worked on, the others wait.
 //!
-//! Runs are done on a thread of their own and never on the server's, which answers meanwhile. The planner uses all cores
-//! by itself, so two runs at a time would only be slower. Progress is counted in atomics, since the planner counts from
-//! any thread and often; streams of events look at them ten times a second, so that their number does not depend on how
-//! often the planner counts. Cancelling sets the flag that every loop of the planner looks at.
+//! Runs have a thread of their own, so that the server can answer meanwhile. The planner uses all cores by itself, so two
+//! runs at a time would not be faster. Progress is counted in atomics, since the planner counts often and from any thread.
+//! Streams of events read them ten times a second, so that the number of events does not depend on how often the planner
+//! counts. Cancelling sets a flag that every loop of the planner reads.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -20,15 +20,16 @@ use crate::engine::Finished;
 use crate::records::Records;
 use crate::refusal::Refusal;
 
-/// Most runs that wait. Source: chosen; a page that asks for more has gone wrong.
+/// The greatest number of waiting runs. Source: chosen; a page that asks for more has a fault.
 const MOST_WAITING: usize = 64;
-/// Most finished runs that are kept; each holds its program. Source: chosen; 32 programs of 30 MB are 1 GB.
+/// The greatest number of runs that are kept; each holds its program. Source: chosen; 32 programs of 30 MB are 1 GB.
 const MOST_KEPT: usize = 32;
-/// Most finished shapes that are kept, and as many solved loads: a change of a job makes a new one, and the page shows the
-/// last. Source: chosen; four of a million triangles are 100 MB.
+/// The greatest number of finished runs that are kept of each kind that shows a surface (shape, stress, supports). Each
+/// change of a job makes a new one, and the page shows only the last.
+/// Source: chosen; four of a million triangles are 100 MB.
 const MOST_SURFACES: usize = 4;
 
-/// Where a run stands.
+/// The progress of a run from the queue to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
@@ -45,7 +46,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Whether nothing more will happen.
+    /// Whether the run has ended.
     pub fn is_over(self) -> bool {
         matches!(self, Self::Done | Self::Failed | Self::Cancelled)
     }
@@ -78,17 +79,17 @@ pub struct State {
     pub id: u64,
     /// What it does.
     pub kind: Kind,
-    /// What it does it to.
+    /// The name of the job or file that it works on.
     pub title: String,
-    /// Where it stands.
+    /// Its phase.
     pub phase: Phase,
     /// Runs before it in the queue.
     pub ahead: usize,
-    /// Stage of the planner.
+    /// The stage that the planner is in.
     pub stage: Option<&'static str>,
-    /// Steps done of the stage.
+    /// Steps of this stage that are done.
     pub done: usize,
-    /// Steps of the stage; 0 where they are not known.
+    /// All steps of this stage; 0 if their number is not known.
     pub total: usize,
     /// Whether its layers can be asked for.
     pub layers: bool,
@@ -103,7 +104,7 @@ pub struct State {
 /// Progress that is counted without locks.
 #[derive(Default)]
 struct Counted {
-    /// One more than the place of the stage in [`Stage::ALL`]; 0 before the first.
+    /// Index of the stage in [`Stage::ALL`] plus one; 0 before the first stage.
     stage: AtomicUsize,
     done: AtomicUsize,
     total: AtomicUsize,
@@ -138,9 +139,9 @@ impl Drawn {
     }
 }
 
-/// What a run gave, and its program as the page draws it.
+/// The result of a run, with its program as the page draws it.
 pub struct Result {
-    /// What the engine gave.
+    /// The result that the engine returned.
     pub finished: Finished,
     /// Its program.
     pub drawn: Arc<Drawn>,
@@ -178,20 +179,20 @@ impl Run {
         self.id
     }
 
-    /// Changes of its phase.
+    /// Receiver of the changes of its phase.
     pub fn phases(&self) -> watch::Receiver<Phase> {
         self.phase.subscribe()
     }
 
-    /// What it gave, once it is done.
+    /// Its result, once it is done.
     pub fn result(&self) -> Option<Arc<Result>> {
         locked(&self.ended).as_ref().and_then(|e| e.outcome.as_ref().ok().map(Arc::clone))
     }
 
-    /// Its program: once it is done, or while it runs, as soon as it is handed over.
+    /// Its program, from the moment that the work hands it over.
     pub fn drawn(&self) -> Option<Arc<Drawn>> {
         match *self.phase.borrow() {
-            // A program is shown while its strength is still tested.
+            // A program that was handed over early is shown while the run goes on.
             Phase::Running => locked(&self.early).as_ref().map(Arc::clone),
             Phase::Done => self.result().map(|result| Arc::clone(&result.drawn)),
             Phase::Waiting | Phase::Failed | Phase::Cancelled => None,
@@ -262,7 +263,7 @@ impl Runs {
         }
         queue.waiting.push_back((Arc::clone(&run), work));
         queue.all.push_back(Arc::clone(&run));
-        // The oldest that is over goes first; runs that are not over are never dropped.
+        // The oldest finished run is dropped first; runs that have not ended are never dropped.
         while queue.all.len() > MOST_KEPT {
             let Some(oldest) = queue.all.iter().position(|r| r.phase.borrow().is_over()) else { break };
             queue.all.remove(oldest);
@@ -323,7 +324,7 @@ impl Runs {
         }
     }
 
-    /// Ends a run: takes it from the queue, or asks it to stop.
+    /// Cancels a run: removes it from the queue if it waits, or asks it to stop if it runs.
     pub fn cancel(&self, run: &Run) {
         run.diagnostics.stop();
         let mut queue = locked(&self.shared.0);
@@ -334,7 +335,7 @@ impl Runs {
         }
     }
 
-    /// Stops every run; no more are begun.
+    /// Stops every run; no further run is started.
     pub fn close(&self) {
         let (queue, changed) = &*self.shared;
         let mut queue = locked(queue);
@@ -367,7 +368,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
                 return;
             }
             if let Some(next) = open.waiting.pop_front() {
-                // Set under the lock: no moment sees the run neither waiting nor running.
+                // The phase is set under the lock, so that the run is always seen as either waiting or running.
                 next.0.phase.send_replace(Phase::Running);
                 break next;
             }
@@ -375,7 +376,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         };
         drop(open);
         *locked(&run.begun) = Some(Instant::now());
-        // A panic is a fault of ours. It ends the run and not the server, and the page says so.
+        // A panic is a fault of grainpath. It ends only the run, not the server, and the page shows it.
         let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             let ready = |program: &Arc<Program>| *locked(&run.early) = Some(Drawn::new(program));
             work(&run.diagnostics, &ready)
@@ -387,7 +388,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         let is_stopped = run.diagnostics.check().is_err();
         match outcome {
             Ok(finished) => {
-                // The records that the page has already are kept where they are of the same program.
+                // If the page already has records of this program, they are kept.
                 let early = locked(&run.early).take();
                 let early = early.filter(|e| Arc::ptr_eq(&e.program, &finished.program));
                 let drawn = early.unwrap_or_else(|| Drawn::new(&finished.program));

@@ -12,7 +12,7 @@ pub(crate) struct StressSection {
     pub values: Vec<[f32; 9]>,
 }
 
-/// The section at a place on an axis (0 to 2 for x to z), with the values of a load case between those of the points.
+/// The section at position `at_mm` on an axis (0 to 2 for x to z). Values of a load case are interpolated along cut edges.
 ///
 /// A point in the plane counts as above it, so that a plane through points gives no triangle twice. Cost: one look at each
 /// tetrahedron.

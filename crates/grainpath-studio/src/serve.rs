@@ -1,4 +1,4 @@
-//! The server from its start to its end.
+//! Starts the server, serves the page, and ends the server.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -12,18 +12,18 @@ use crate::refusal::{Refusal, plain};
 use crate::runs::Phase;
 use crate::studio::{Options, Studio};
 
-/// Time that a run gets to stop at the end. Source: measured for the command line, whose stages stop within 0.26 s in the
-/// median; the system takes back the memory of what is left.
+/// Time that a run has to stop when the server ends. Source: measured for the command line, whose stages stop within 0.26 s
+/// in the median. A run that has not stopped ends with the process.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Serves until Ctrl-C or SIGTERM. `ready` is called with the address to open, once it answers.
+/// Serves until Ctrl-C or SIGTERM. `ready` is called with the address to open as soon as the server listens.
 ///
 /// # Errors
 /// [`Refusal`] where the server cannot be started.
 pub fn serve(options: &Options, engine: Arc<dyn Engine>, ready: impl FnOnce(&str)) -> Result<(), Refusal> {
     let studio = Arc::new(Studio::new(options, engine)?);
     let wrong = |e: std::io::Error| Refusal::usage(format!("cannot listen on 127.0.0.1: {}", plain(&e)));
-    // Two threads answer; the planner has its own.
+    // Two threads answer requests; the planner has threads of its own.
     let runtime =
         tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().map_err(wrong)?;
     let served = runtime.block_on(async {
@@ -45,12 +45,12 @@ pub fn serve(options: &Options, engine: Arc<dyn Engine>, ready: impl FnOnce(&str
         // Source: chosen; far below the grace.
         std::thread::sleep(Duration::from_millis(5));
     }
-    // Open streams of events would keep the runtime waiting.
+    // The runtime is not waited for, because open streams of events would keep it running.
     runtime.shutdown_background();
     served
 }
 
-/// Ends with the first signal that asks the program to end.
+/// Waits for the first signal that asks the program to end.
 fn end() -> Result<impl Future<Output = ()>, Refusal> {
     let wrong = |e: std::io::Error| Refusal::usage(format!("cannot watch for Ctrl-C: {}", plain(&e)));
     #[cfg(unix)]
@@ -69,7 +69,7 @@ fn end() -> Result<impl Future<Output = ()>, Refusal> {
     {
         let _ = wrong;
         Ok(async {
-            // Without a handler Ctrl-C ends the process at once, which is also an end.
+            // If the handler cannot be installed, Ctrl-C ends the process at once, which is acceptable.
             let _ = tokio::signal::ctrl_c().await;
         })
     }

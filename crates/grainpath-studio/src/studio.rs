@@ -11,10 +11,10 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::Roots;
 use crate::runs::Runs;
 
-/// Most streams of events at a time. Source: chosen; a page holds one, and a browser six connections to a host.
+/// The greatest number of open event streams. Source: chosen; a page holds one, and a browser six connections to a host.
 const MOST_STREAMS: usize = 32;
 
-/// How a studio is started.
+/// Options with which a studio is started.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// The folder that is written to; it is made if it is missing.
@@ -31,13 +31,13 @@ pub struct Options {
     pub max_upload: u64,
 }
 
-/// All that requests share.
+/// The state that all requests share.
 pub struct Studio {
     /// The token and the hosts that requests must name.
     pub access: Access,
     /// Which files may be read and written.
     pub roots: Arc<Roots>,
-    /// The queue.
+    /// The queue of runs.
     pub runs: Runs,
     /// The planner and the tests that runs call.
     pub engine: Arc<dyn Engine>,
@@ -70,7 +70,7 @@ impl Studio {
             Some(file) => {
                 let wrong = |e: std::io::Error| Refusal::input(format!("{}: {}", file.display(), plain(&e)));
                 let real = std::fs::canonicalize(file).map_err(wrong)?;
-                // Textures, profiles and results lie beside the file that names them.
+                // A file may name textures, profiles and results beside it, so its folder may be read.
                 folders.extend(real.parent().map(ToOwned::to_owned));
                 Some(real)
             }

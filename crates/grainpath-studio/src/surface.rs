@@ -1,4 +1,4 @@
-//! Surfaces as bytes: the part with its faces, and what loads do to it.
+//! Turns surfaces into bytes: the part with its faces, and its stress and displacement under loads.
 //!
 //! All numbers are 32 bits, little-endian. A surface begins with its counts, so that the page can lay typed arrays over
 //! the answer without a copy. Cost: 12 bytes a vertex and 16 bytes a triangle; 36 bytes a point and case.
@@ -36,7 +36,7 @@ pub(crate) fn part(surface: &Surface) -> Vec<u8> {
     bytes
 }
 
-/// Ten numbers a branch: x, y, z and radius of its upper and of its lower end, what it bears, and 1 for a contact.
+/// Ten numbers a branch: x, y, z and radius of its upper and of its lower end, its load, and 1 for a contact with the part.
 pub(crate) fn branches(branches: &[Branch]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(40 * branches.len());
     for Branch { ends, load_n, is_contact } in branches {

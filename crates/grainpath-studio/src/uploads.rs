@@ -1,7 +1,7 @@
 //! Files dropped on the page: streamed to the disk, never held in memory.
 //!
-//! A file is written under a temporary name below the working folder and gets its name when it is whole. What is larger
-//! than the limit, or breaks off, leaves nothing behind.
+//! A file is written under a temporary name below the working folder and gets its name when it is whole. An upload
+//! that breaks off or is larger than the limit leaves no file.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub(crate) struct NameQuery {
     pub name: String,
 }
 
-/// Axum's own limit of 2 MB is for bodies in memory.
+/// Switches off axum's limit of 2 MB, which protects memory: uploads are streamed to the disk.
 pub(crate) fn no_limit_of_axum() -> DefaultBodyLimit {
     DefaultBodyLimit::disable()
 }
@@ -36,7 +36,7 @@ fn too_large(studio: &Studio) -> Problem {
     Problem::new(StatusCode::PAYLOAD_TOO_LARGE, format!("the file is larger than {megabytes} MB; {advice}"))
 }
 
-/// Writes the body to `uploads/NAME` below the working folder and answers where it lies.
+/// Writes the body to `uploads/NAME` below the working folder and answers with its path.
 pub(crate) async fn upload(
     State(studio): State<Arc<Studio>>,
     query: Result<Query<NameQuery>, QueryRejection>,
@@ -62,7 +62,7 @@ pub(crate) async fn upload(
         if length > studio.max_upload {
             return Err(too_large(&studio));
         }
-        // The system buffers writes, so this waits for the disk only where it cannot keep up.
+        // The system buffers writes, so this waits only if the disk is slower than the upload.
         file.write_all(&chunk).map_err(wrong)?;
     }
     if length == 0 {
@@ -74,7 +74,7 @@ pub(crate) async fn upload(
     for k in 1.. {
         let free = if k == 1 { name.clone() } else { format!("{stem}-{k}{ending}") };
         let path = folder.join(free);
-        // Fails where the name is taken, so that two pages never share a file.
+        // This fails if the name is taken, so that two pages never write the same file.
         match file.persist_noclobber(&path) {
             Ok(_) => {
                 return Ok(Json(json!({ "ok": true, "path": path.display().to_string(), "bytes": length })));

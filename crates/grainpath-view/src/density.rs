@@ -1,12 +1,12 @@
-//! Graded density as a map: what was asked for beside what was laid.
+//! Graded density as a map: the density that was asked for beside the density that was laid.
 
 use grainpath::measure::density::{CELL_MM, LaidDensity};
 use grainpath_core::{Bounds2, DVec2};
 
 use crate::layer::{Canvas, Ramp};
 
-/// Both maps in plan, the densities asked for on the left and those laid on the right, each cell of the plan the mean of
-/// those above each other. Blue is the least density, red the greatest.
+/// Both maps in plan: the density that was asked for on the left, the density that was laid on the right. Each cell shows
+/// the mean over its height. Blue is the least density, red the greatest.
 pub fn density_png(laid: &LaidDensity, size_px: u32) -> Vec<u8> {
     let corners = laid.each.iter().map(|c| c.low_mm.truncate());
     let bounds = Bounds2::around_points(corners.clone().chain(corners.map(|p| p + CELL_MM)));
@@ -21,7 +21,7 @@ pub fn density_png(laid: &LaidDensity, size_px: u32) -> Vec<u8> {
         let sum = &mut sums[(at.y.round() as usize).min(ny - 1) * nx + (at.x.round() as usize).min(nx - 1)];
         *sum = [sum[0] + 1.0, sum[1] + cell.asked, sum[2] + cell.laid];
     }
-    // A cell between the two maps.
+    // One cell is left free between the two maps.
     let apart = size.x + CELL_MM;
     let all = Bounds2 { min: bounds.min, max: bounds.max + DVec2::new(apart, 0.0) };
     let mut canvas = Canvas::over(all, size_px);

@@ -1,7 +1,7 @@
-//! The faces of a part from two sides, numbered.
+//! A picture of the numbered faces of a part, seen from two sides.
 //!
-//! Two parallel projections, one from the front and above, one from behind and below, so that every
-//! face that can be seen from outside is seen once. Triangles are drawn pixel by pixel with a depth
+//! There are two parallel projections, one from the front and above, one from behind and below. One or
+//! the other shows most faces that can be seen from outside. Triangles are drawn pixel by pixel with a depth
 //! for each pixel. Cost: linear in the pixels that the triangles cover.
 
 use grainpath_core::faces::Faces;
@@ -9,7 +9,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use crate::layer::encode_png as png;
 
-/// Digits of 3 by 5 pixels, rows from the top, three bits each. Drawn by hand: a font would be a
+/// Digits of 3 by 5 pixels, rows from the top, three bits each. No font is used, since that would be a
 /// dependency of its own. Source: drawn by hand.
 const DIGITS: [u16; 10] = [
     0b111_101_101_101_111,
@@ -25,9 +25,9 @@ const DIGITS: [u16; 10] = [
 ];
 /// Colour behind the part. Source: that of all pictures of layers.
 const BACKGROUND: [u8; 3] = [28, 30, 34];
-/// Share of a view left free on each side. Source: derived: a number at the rim stays inside.
+/// Share of a view left free on each side. Source: derived: a number at the edge of the part stays inside.
 const MARGIN: f64 = 0.04;
-/// Pixels that a face has to have for a number. Source: derived: a number of two digits covers 100.
+/// The number of pixels from which on a face gets its number. Source: derived: a number of two digits covers 100.
 const LEAST_PIXELS: usize = 120;
 
 /// A view: which face each pixel shows, and how bright it is.
@@ -64,7 +64,7 @@ pub fn faces_png(mesh: &TriMesh, faces: &Faces, width_px: u32) -> Vec<u8> {
     png(2 * size as u32, size as u32, &rgba)
 }
 
-/// Colours a golden angle apart, so that neighbours in the list differ.
+/// The colour of a face. Hues are a golden angle apart, so that successive faces differ.
 fn colour(face: usize) -> [u8; 3] {
     let hue = (face as f64 * 0.618_033_988_75).fract() * 6.0;
     let part = |k: f64| {
@@ -124,8 +124,8 @@ fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
     view
 }
 
-/// The faces that are large enough in a view, each with the pixel of it nearest to the middle of what
-/// is seen of it.
+/// The faces that are large enough in a view to be numbered. Each has the pixel of the face that is nearest
+/// to the middle of its visible pixels.
 fn numbered(view: &View, n_faces: usize) -> Vec<(usize, (usize, usize))> {
     let mut sums = vec![(0usize, 0usize, 0usize); n_faces];
     let seen =
@@ -144,7 +144,7 @@ fn numbered(view: &View, n_faces: usize) -> Vec<(usize, (usize, usize))> {
     best.into_iter().enumerate().filter(|(_, b)| b.0 != usize::MAX).map(|(f, b)| (f, b.1)).collect()
 }
 
-/// Draws a number about a pixel, dark on a light plate.
+/// Draws a number centred on a pixel, in dark digits on a light plate.
 fn number(value: usize, x: usize, y: usize, dot: usize, paint: &mut impl FnMut(usize, usize, [u8; 3])) {
     let digits: Vec<usize> = value.to_string().bytes().map(|b| usize::from(b.saturating_sub(b'0'))).collect();
     let (width, height) = ((4 * digits.len() + 1) * dot, 7 * dot);

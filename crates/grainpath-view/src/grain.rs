@@ -1,4 +1,4 @@
-//! The steps from a photograph or scan to curves, as pictures.
+//! Pictures of the steps by which curves are derived from a photograph or a scan.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::direction;
@@ -12,8 +12,8 @@ use grainpath_imaging::tensor::AxisSample;
 use crate::layer::encode_png;
 use crate::page::Picture;
 
-/// Longest side of a picture, pixels; larger photographs are shrunk to it and small ones enlarged. Only
-/// the picture depends on it. Source: chosen by eye; only the picture depends on it.
+/// Longest side of a picture, pixels. Larger photographs are shrunk to it, small ones are enlarged at most
+/// to it. Source: chosen by eye; only the picture depends on it.
 const LONGEST_PX: f64 = 1600.0;
 
 /// File names and pictures of all steps that a guide kept.
@@ -21,7 +21,7 @@ pub fn pictures(guide: &GrainGuide) -> Vec<(String, Picture)> {
     let n = guide.photo_steps.len();
     let mut out = Vec::new();
     for (k, found) in guide.photo_steps.iter().enumerate() {
-        // One photograph is the usual case and keeps short file names.
+        // File names get a prefix only if there are several photographs.
         let prefix = if n > 1 { format!("photo{}_", k + 1) } else { String::new() };
         out.extend(steps(found).into_iter().map(|(name, p)| (format!("{prefix}{name}"), p)));
     }
@@ -29,8 +29,8 @@ pub fn pictures(guide: &GrainGuide) -> Vec<(String, Picture)> {
     out
 }
 
-/// The steps from a photograph to directions and curves, in their order; the numbers in the file names
-/// keep it in a listing.
+/// Pictures of the steps from a photograph to directions and curves. Numbers in the file names keep a listing
+/// in the order of the steps.
 fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let PhotoSteps { photo, corners, image, denoised, edges, axes, curves } = found;
     let mut out = Vec::new();
@@ -53,19 +53,19 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
         };
         put("4_edges", "Edges", Canvas::new(&mask, 1.0, true));
     }
-    // Places on the part have y upwards in mm, pictures have rows from the top.
+    // On the part y points upwards and is in mm; the rows of a picture run from the top.
     let to_px = |p: DVec2| {
         let q = image.pixel(p);
         DVec2::new(q.x, image.grey.height as f64 - q.y)
     };
     let canvas = with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y)));
-    put("5_field", "Directions: yellow clear, violet unclear", canvas);
+    put("5_field", "Directions: yellow where the grain is clear, violet where unclear", canvas);
     if !curves.is_empty() {
-        // Half the brightness lets the coloured curves stand out.
+        // At half its brightness the photograph lets the coloured curves stand out.
         let mut canvas = Canvas::new(&image.grey, 0.5, true);
         for (k, curve) in curves.iter().enumerate() {
             let line: Vec<DVec2> = curve.iter().map(|&p| to_px(p)).collect();
-            // Four hues in turn, so that neighbouring curves differ.
+            // Curves take four hues in turn, so that neighbouring curves differ.
             let hue = [[255, 200, 60], [90, 220, 255], [140, 255, 120], [255, 130, 180]][k % 4];
             canvas.line(&line, 1.3, hue);
         }
@@ -74,23 +74,23 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     out
 }
 
-/// A slice of a scan and the directions found over it.
+/// A picture of a slice of a scan with the directions that were found in it.
 fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let ShownSlice { index, height_mm, pixel_mm, grey } = slice;
-    // A few very bright or dark voxels would flatten the contrast of all others, hence the range from 0.5
-    // to 99.5 per cent.
+    // The range is that from 0.5 to 99.5 per cent of the voxels, because a few very bright or dark voxels
+    // would flatten the contrast of all others.
     let (low, high) = (grey.quantile(0.005), grey.quantile(0.995));
     let range = (high - low).max(f32::MIN_POSITIVE);
     let data = grey.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
     let axis = |p: DVec2| guide.scan_axis((p * *pixel_mm).extend(*height_mm)).unwrap_or_default();
     let canvas = with_strokes(&Grey { data, ..*grey }, &axis);
     let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-    let title = format!("Directions {height_mm:.2} mm up the scan: yellow clear, violet unclear");
+    let title = format!("Directions at z = {height_mm:.2} mm: yellow where clear, violet where unclear");
     (format!("texture_{:04}.png", index + 1), Picture { title, png, ..Picture::default() })
 }
 
-/// A darkened picture, rows from the bottom, with strokes along the axis, 14 pixels of the drawing apart.
-/// `axis` takes pixels of `grey`.
+/// A darkened copy of `grey`, whose rows run from the bottom, with strokes along the grain. Strokes are 14 pixels
+/// of the drawing apart. `axis` gives the grain direction at a pixel of `grey`.
 fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
     let mut canvas = Canvas::new(grey, 0.55, true);
     let every = 14.0 / canvas.scale;
@@ -100,7 +100,7 @@ fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
             let p = every * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
             let s = axis(p);
             let half = direction(s.axis_rad()) * 0.42 * every;
-            // Yellow and violet stay apart for colour-blind readers, which red and green would not.
+            // Colour-blind readers can tell yellow from violet, but not red from green.
             let c = (s.coherence * 255.0) as u8;
             canvas.line(&[turned(p - half), turned(p + half)], 1.6, [255, c, 255 - c]);
         }
@@ -110,12 +110,12 @@ fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
 
 struct Canvas {
     pixels: Pixmap,
-    /// Pixels of the drawing for one pixel of the picture.
+    /// Number of pixels of the drawing along one pixel of the grey picture.
     scale: f64,
 }
 
 impl Canvas {
-    /// A grey picture, scaled to fit. `upwards` is for a picture whose rows begin at the bottom.
+    /// Draws a grey picture, scaled to fit. `upwards` says that its rows run from the bottom.
     fn new(grey: &Grey, brightness: f32, upwards: bool) -> Self {
         let longest = grey.width.max(grey.height).max(1) as f64;
         // Small pictures are enlarged, up to six times, so that lines on them can be told apart.
@@ -125,8 +125,8 @@ impl Canvas {
         let mut pixels = Pixmap::new(w, h).expect("a size from 1 to 1600 pixels");
         let mut small = grey.clone();
         let mut level = 1.0;
-        // Halving before sampling averages the pixels that one pixel of the drawing covers; samples alone
-        // would alias the grain into false stripes.
+        // Halving averages the pixels that one pixel of the drawing covers. Without it, sampling would turn the
+        // grain into false stripes (aliasing).
         while scale * level < 0.6 {
             small = small.halved();
             level *= 2.0;
@@ -141,10 +141,10 @@ impl Canvas {
         Self { pixels, scale }
     }
 
-    /// The numbers 1 to 4 beside the corners of a board, shifted towards its middle.
+    /// Draws the numbers 1 to 4 beside the corners of a board, on the side of its middle.
     fn number_corners(&mut self, corners: [DVec2; 4]) {
-        // Strokes of the digits in a box of 0.6 by 1, rows from the top. Drawn by hand: a font would be a
-        // dependency for four characters. Source: chosen by eye; only the picture depends on it.
+        // Strokes of the digits in a box of 0.6 by 1, rows from the top. No font is used, since that would be
+        // a dependency for four characters. Source: chosen by eye; only the picture depends on it.
         const DIGITS: [&[[f64; 2]]; 4] = [
             &[[0.1, 0.2], [0.35, 0.0], [0.35, 1.0]],
             &[[0.0, 0.2], [0.15, 0.0], [0.45, 0.0], [0.6, 0.2], [0.6, 0.4], [0.0, 1.0], [0.6, 1.0]],
@@ -164,8 +164,8 @@ impl Canvas {
         }
     }
 
-    /// A line through points of the picture in pixels, rows from the top; the width is in pixels of the
-    /// drawing.
+    /// Draws a line through points, which are in pixels of the grey picture, rows from the top. The width is in
+    /// pixels of the drawing.
     fn line(&mut self, points: &[DVec2], width: f32, [r, g, b]: [u8; 3]) {
         let mut builder = PathBuilder::new();
         for (k, p) in points.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Pictures of a guide: stress, principal stress lines, directions of the fill.
+//! Pictures of the guide of a fill: stress, principal stress lines, directions.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
@@ -13,9 +13,9 @@ use grainpath_fea::resultant::Resultant;
 
 use crate::layer::{Canvas, Ramp};
 
-/// The von Mises stress over a section of the part as a picture, with the lines of both families over it
-/// and its degenerate points: rings around wedges, triangles around trisectors, squares on the border.
-/// Also the scale of its colours, MPa.
+/// A picture of the von Mises stress over a section of the part, with the principal stress lines of both
+/// families. Degenerate points are marked: wedges by circles, trisectors by triangles, points on the border
+/// by squares. The second value is the scale of the colours, MPa.
 pub fn stress_png(
     guide: &Guide,
     layer: usize,
@@ -40,14 +40,14 @@ pub fn stress_png(
     let high = values.get(values.len() * 995 / 1000).copied().unwrap_or(1.0);
     let ramp = Ramp { low: 0.0, high };
     canvas.paint(all.into_iter().map(|v| v.map(|v| ramp.colour(v))));
-    // Lines of the greater principal stress are white, of the smaller nearly black: both show on every
-    // colour of the ramp.
+    // Lines of the greater principal stress are white, those of the smaller nearly black, because both show
+    // on every colour of the ramp.
     for (lines, colour) in families.iter().zip([[255, 255, 255], [20, 20, 30]]) {
         lines.iter().for_each(|l| canvas.line(&closed_points(l), 1.2, colour, 190));
     }
-    // Marks scale with the part, so that they are as large on every picture.
+    // The size of marks scales with the part, so that they have the same size on every picture.
     let radius = bounds.size().max_element() / 130.0;
-    // A trisector is drawn with as many corners as lines meet in it.
+    // Three lines meet at a trisector, so its mark has three corners.
     for (kind, p) in &guide.degenerate(layer).points {
         let sides = match kind {
             Degenerate::Wedge => 24,
@@ -66,18 +66,18 @@ pub fn stress_png(
 pub struct DeformedPicture {
     /// The picture: edges at rest grey, moved ones coloured by displacement.
     pub png: Vec<u8>,
-    /// The load case that moves it most.
+    /// The load case that is shown, which moves the part most.
     pub case: String,
-    /// Displacement of red edges, mm.
+    /// The largest displacement, mm, which is drawn red.
     pub max_mm: f64,
-    /// How many times larger displacements are drawn.
+    /// Factor by which displacements are magnified.
     pub magnified: f64,
     /// The axis along which the part is seen.
     pub view: char,
 }
 
-/// The largest displacement is drawn as this share of the part's longest side. Chosen: seen at a glance, and the shape
-/// stays readable. Source: chosen by eye; only the picture depends on it.
+/// Length at which the largest displacement is drawn, as a share of the part's longest side. It is seen at a glance, and
+/// the shape stays recognisable. Source: chosen by eye; only the picture depends on it.
 const DRAWN_DISPLACEMENT: f64 = 0.06;
 
 /// The deformed shape of the case that moves most, seen along the axis of least motion; `None` without displacements.
@@ -90,7 +90,7 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
         return None;
     }
     let motion = moved.iter().fold(DVec3::ZERO, |sum, u| sum + u.abs());
-    // Of equal ones the last: plates are seen from above.
+    // Among equal axes the last one is taken, so that plates are seen from above.
     let view = (0..3).rev().min_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
     let [a, b] = [[1, 2], [0, 2], [0, 1]][view];
     let flat = |p: DVec3| DVec2::new(p[a], p[b]);
@@ -116,15 +116,16 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
     Some(DeformedPicture { png: canvas.png(), case: result.name.clone(), max_mm, magnified, view })
 }
 
-/// Length of the arrow of the largest force, as a share of the part's longest side. Chosen: seen beside the
-/// part, and not longer than it. Source: derived: a margin of 1.3 arrows leaves half of the picture to the part.
+/// Length of the arrow of the largest force, as a share of the part's longest side. The arrow is
+/// visible beside the part and not longer than it.
+/// Source: derived: a margin of 1.3 arrows leaves half of the picture to the part.
 const ARROW: f64 = 0.22;
-/// Colours of loads, reactions and moments. Source: derived: apart for people who see red and green alike, by brightness.
+/// Colours of loads, reactions and moments. Source: derived: they differ in brightness, for readers who see red like green.
 const ARROW_COLOURS: [[u8; 3]; 3] = [[255, 90, 80], [90, 220, 120], [255, 200, 70]];
 
-/// The loads and reactions of the first case as arrows at the places where they act, on the edges of the mesh, seen
-/// from the front and above: forces of loads red, of fixtures green, each ending where it acts and as long as it is
-/// large; moments yellow with two heads, along their axis. `None` where nothing was solved.
+/// The loads and reactions of the first load case as arrows over the edges of the mesh, seen from the front and above.
+/// A force ends where it acts, and its length is proportional to it: loads are red, reactions of fixtures green. A
+/// moment is a yellow arrow with two heads along its axis. `None` where nothing was solved.
 pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
     let (result, balance) = (guide.results.first()?, guide.summary.balance.first()?);
     let towards = DVec3::new(0.5, -0.75, 0.43).normalize();
@@ -152,11 +153,11 @@ pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
     let (force, moment) = (largest(|r| r.force_n.length()), largest(|r| r.moment_nmm.length()));
     for (r, kind) in all() {
         let at = flat(r.centroid_mm);
-        // Below a hundredth of the largest there is nothing to see.
+        // An arrow below a hundredth of the largest is too short to see.
         if force > 0.0 && r.force_n.length() > 0.01 * force {
             arrow(&mut canvas, at, flat(r.force_n) * (reach / force), reach, 1, ARROW_COLOURS[kind]);
         }
-        // Moments about a centroid that follow from an uneven force are told in the report alone.
+        // A load or reaction with a force may also have a moment about its centroid; only the report states it.
         if moment > 0.0 && r.moment_nmm.length() > 0.01 * moment && r.force_n.length() <= 1e-6 * force {
             arrow(&mut canvas, at, flat(r.moment_nmm) * (reach / moment), reach, 2, ARROW_COLOURS[2]);
         }
@@ -175,7 +176,7 @@ fn arrow(canvas: &mut Canvas, end: DVec2, along: DVec2, reach: f64, heads: usize
     }
 }
 
-/// The directions that the fill follows in a layer, as short strokes. A longer stroke has a greater
+/// The directions that the fill follows in a layer, as short strokes. The length of a stroke shows its
 /// weight.
 pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_px: u32) -> Vec<u8> {
     let Some(bounds) = region.bounds() else { return Vec::new() };
@@ -186,11 +187,11 @@ pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_p
         ring.extend(contour.first().copied());
         canvas.line(&ring, 1.5, [200, 204, 210], 255);
     }
-    // Ninety strokes along the longer side: 18 pixels each on a picture of 1600.
+    // Ninety strokes along the longer side have 18 pixels each on a picture of 1600 pixels.
     let pitch = (bounds.size().max_element() / 90.0).max(1e-3);
     let field = guide.layer(layer);
-    // Angles from 0 to 180 degrees use the whole ramp. Its ends differ in colour although they are one
-    // direction; the stroke itself shows the angle.
+    // Angles from 0 to 180 degrees use the whole ramp. Its two ends mean the same direction but differ in
+    // colour; this does no harm, since the stroke itself shows the angle.
     let ramp = Ramp { low: 0.0, high: std::f64::consts::PI };
     let Bounds2 { min, max } = bounds;
     let mut y = min.y + 0.5 * pitch;
@@ -213,7 +214,7 @@ pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_p
 }
 
 fn closed_points(line: &TracedLine) -> Vec<DVec2> {
-    // A closed line lists its first point once; a drawing needs it at the end too.
+    // A closed line holds its first point once; for drawing, the point is repeated at the end.
     let mut points = line.points.clone();
     if line.closed {
         points.extend(line.points.first().copied());
@@ -221,9 +222,9 @@ fn closed_points(line: &TracedLine) -> Vec<DVec2> {
     points
 }
 
-/// Both families as SVG in mm: lines of the greater principal stress red, of the smaller blue.
+/// Both families of principal stress lines as SVG in mm: those of the greater stress red, those of the smaller blue.
 pub fn lines_svg(region: &Region, families: &Families) -> String {
-    // A window without size would be an SVG that viewers refuse.
+    // An empty section gets a window of 1 mm, because viewers refuse an SVG without size.
     let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE }).grown(1.0);
     let size = bounds.size();
     let mut out = format!(
@@ -234,7 +235,7 @@ pub fn lines_svg(region: &Region, families: &Families) -> String {
         let mut d = String::new();
         for (i, p) in points.iter().enumerate() {
             let letter = if i == 0 { 'M' } else { 'L' };
-            // y is turned over, since SVG counts it downwards.
+            // y changes its sign, because it points downwards in SVG.
             let _ = write!(d, "{letter}{:.4} {:.4}", p.x - bounds.min.x, bounds.max.y - p.y);
         }
         if closed {
@@ -254,9 +255,9 @@ pub fn lines_svg(region: &Region, families: &Families) -> String {
     out + "</svg>\n"
 }
 
-/// Both families as VTP (VTK's PolyData in XML, ASCII) at height `z_mm`. Each line has its `family`, 1
-/// for the greater principal stress and 2 for the smaller; each point has the angle of the line in
-/// degrees.
+/// Both families of principal stress lines as VTP (VTK's PolyData in XML, ASCII) at height `z_mm`. Each line
+/// has its `family`: 1 for the greater principal stress, 2 for the smaller. Each point has the angle of the
+/// line there, in degrees.
 pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
     let (mut points, mut angles, mut nodes, mut offsets, mut family) =
         (String::new(), String::new(), String::new(), String::new(), String::new());
@@ -275,8 +276,8 @@ pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
                 let _ = write!(nodes, "{n} ");
                 n += 1;
             }
-            // VTK's offsets give the end of each cell in the list of nodes, not its beginning. A closed
-            // line repeats its first node there, while its point is written once.
+            // VTK's offsets give the end of each cell in the list of nodes, not its beginning. In this list a
+            // closed line repeats its first node, but the point of this node is written only once.
             end += count;
             if line.closed {
                 let _ = write!(nodes, "{first} ");
@@ -287,8 +288,8 @@ pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
             let _ = write!(family, "{} ", f + 1);
         }
     }
-    // Source: VTK File Formats (Kitware), serial XML files, PolyData. The piece names all five counts,
-    // zero or not.
+    // Source: VTK File Formats (Kitware), serial XML files, PolyData. The piece states all five counts,
+    // including those that are zero.
     format!(
         "<?xml version=\"1.0\"?>
 <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">

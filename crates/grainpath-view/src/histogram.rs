@@ -1,4 +1,4 @@
-//! The histogram of a scan with the grey values that thresholds are made of.
+//! A picture of the histogram of a scan, with the grey values from which thresholds are derived.
 
 use grainpath_core::{Bounds2, DVec2};
 
@@ -13,7 +13,8 @@ pub struct Mark {
     pub colour: [u8; 3],
 }
 
-/// Height of the picture over its width. Source: derived: two thirds would hide peaks that lie close, a third their height.
+/// Height of the picture divided by its width. Source: derived: at two thirds close peaks would look like one, at one third
+/// their heights would be hard to compare.
 const HEIGHT: f64 = 0.5;
 
 /// A histogram as bars over grey values from `low` to `high`, with marks as upright lines. The height of

@@ -1,4 +1,4 @@
-//! Pictures of a strength test: what broke, the failure index elsewhere, and the load over the
+//! Pictures of a strength test: the material that broke, the failure index, and the curve of load over
 //! displacement.
 
 use std::fmt::Write;
@@ -8,8 +8,8 @@ use grainpath_core::{Bounds2, DVec2, DVec3};
 use crate::layer::{Canvas, Ramp};
 use grainpath::measure::strength::{Map, StrengthReport, Tested};
 
-/// Values of elements as a picture: one tile for a plate, several heights for a solid. The text names the
-/// heights shown.
+/// A picture of a value of each element. A plate has one tile, a solid one tile for each height that is shown.
+/// The text lists these heights.
 fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> (Vec<u8>, String) {
     let (n, cell, low, cells) = match &tested.map {
         Map::Plane(e) => {
@@ -18,14 +18,14 @@ fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> (Vec<u8>, String) {
         }
         Map::Voxels { n, cell_mm, low, cells } => (*n, *cell_mm, low.truncate(), cells),
     };
-    // Elements without material keep no value and no colour.
+    // Elements without material have no value and get no colour.
     let mut shown = vec![None; n.iter().product()];
     for (cell, v) in cells.iter().zip(values) {
         shown[*cell as usize] = Some(*v);
     }
     let tiles = tiles(n, &shown);
     let size = cell.truncate() * DVec2::new(n[0] as f64, n[1] as f64);
-    // The number of columns makes the picture about as wide as it is high.
+    // The number of columns is chosen so that the picture is about as wide as it is high.
     let columns = (tiles.len() as f64 * size.y / size.x).sqrt().round().clamp(1.0, tiles.len() as f64);
     let rows = (tiles.len() as f64 / columns).ceil();
     let all = size * DVec2::new(columns, rows);
@@ -34,11 +34,11 @@ fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> (Vec<u8>, String) {
     let colours = canvas.pixels().map(|p| {
         let at = (p - low) / size;
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < columns && at.y < rows;
-        // Tiles read as a text does: the lowest height is at the upper left.
+        // Tiles are arranged like words of a text: the lowest height is at the upper left.
         let row = rows - 1.0 - at.y.floor();
         let tile = inside.then(|| tiles.get((row * columns + at.x.floor()) as usize)).flatten()?;
-        // The fraction within the tile times the number of cells gives the cell; the index runs along x
-        // first, then y, then z.
+        // The position within the tile, as a fraction, times the number of cells gives the cell. Its index
+        // runs along x first, then y, then z.
         let q = (at - at.floor()) * DVec2::new(n[0] as f64, n[1] as f64);
         shown[(tile * n[1] + q.y as usize) * n[0] + q.x as usize].map(|v| ramp.colour(f64::from(v)))
     });
@@ -55,19 +55,19 @@ fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> (Vec<u8>, String) {
     (canvas.png(), heights)
 }
 
-/// Limit on the heights of a solid in one picture: more tiles would be too small to show a crack of one
+/// The greatest number of heights in one picture of a solid: more tiles would be too small to show a crack of one
 /// cell. Source: chosen by eye; only the picture depends on it.
 const TILES: usize = 12;
 
-/// Heights that are shown: spaced evenly from bottom to top. The nearest to the greatest value is moved
-/// there, so that the worst place is always shown.
+/// The heights that are shown, spaced evenly from bottom to top. The height nearest to the element with the
+/// greatest value is moved to it, so that the worst place is always shown.
 fn tiles(n: [usize; 3], shown: &[Option<f32>]) -> Vec<usize> {
     let area = n[0] * n[1];
     let greatest =
         |z: usize| shown[z * area..(z + 1) * area].iter().flatten().fold(0.0, |m: f32, v| m.max(*v));
     let count = n[2].min(TILES);
-    // Middles of equal slabs, in whole numbers: rounding cannot repeat a height as long as `count` is at
-    // most `n[2]`.
+    // The heights are the middles of equal slabs, in whole numbers. No height occurs twice, because `count`
+    // is at most `n[2]`.
     let mut all: Vec<usize> = (0..count).map(|k| (2 * k + 1) * n[2] / (2 * count)).collect();
     let worst =
         (0..n[2]).fold((0.0, 0), |best, z| if greatest(z) > best.0 { (greatest(z), z) } else { best });
@@ -77,19 +77,19 @@ fn tiles(n: [usize; 3], shown: &[Option<f32>]) -> Vec<usize> {
     all
 }
 
-/// Share of the material that broke, blue for none and red for all; for solids the text names the heights
-/// shown.
+/// A picture of the share of each element's material that broke: blue for none, red for all. For solids the
+/// text lists the heights that are shown.
 pub fn damage_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
     map_png(tested, &tested.outcome.damage, size_px)
 }
 
-/// Failure index of each element at the load of first failure, red being 1; for solids the text names the
-/// heights shown.
+/// A picture of the failure index of each element at the load of first failure; red is 1. For solids the text
+/// lists the heights that are shown.
 pub fn index_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
     map_png(tested, &tested.outcome.failure_index, size_px)
 }
 
-/// Load over displacement, with the interval of the peak load.
+/// The curve of load over displacement as SVG, with the interval of the peak load.
 pub fn chart_svg(report: &StrengthReport) -> String {
     let (w, h, left, bottom) = (640.0, 400.0, 64.0, 44.0);
     // A step of 1, 2 or 5 times a power of ten that gives about five grid lines.
@@ -99,10 +99,10 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| s * unit * 5.0 >= v).unwrap_or(10.0);
         step * unit
     };
-    // The least value keeps the axes finite for a test that failed at once.
+    // The lower bound of 1e-9 keeps the axes finite for a test that failed at once.
     let most = |k: usize| report.curve.iter().map(|p| p[k]).fold(1e-9, f64::max);
-    // The axes end a little above the curve; the interval of the peak may lie above it, so it counts for
-    // the height.
+    // The axes end a little beyond the curve. The interval of the peak load may reach above the curve, so the
+    // load axis covers it too.
     let (u_max, f_max) = (most(0) * 1.05, report.high_n.max(most(1)) * 1.08);
     let x = |u: f64| left + (w - left - 16.0) * u / u_max;
     let y = |f: f64| h - bottom - (h - bottom - 16.0) * f / f_max;
@@ -121,11 +121,11 @@ pub fn chart_svg(report: &StrengthReport) -> String {
     for (max, vertical) in [(u_max, false), (f_max, true)] {
         let step = nice(max);
         let mut k = 0.0;
-        // Whole multiples of the step; adding the step up would collect rounding errors in the labels.
+        // Labels are whole multiples of the step, because adding up the step would add up rounding errors.
         while k * step <= max {
             let v = k * step;
-            // Steps are 1, 2 or 5 times a power of ten, so the number of decimals follows from the power
-            // alone. The factor 1.01 guards exact powers against rounding of the logarithm.
+            // The step is 1, 2 or 5 times a power of ten, so the power gives the number of decimals. The
+            // factor 1.01 avoids a wrong power where the logarithm of an exact power is rounded.
             let places = (-grainpath_core::math::ln(step * 1.01) / std::f64::consts::LN_10).ceil().max(0.0);
             let text = format!("{v:.0$}", places as usize);
             let _ = if vertical {

@@ -1,5 +1,5 @@
-//! The steps of making supports as pictures: overhangs and contacts from below, trees from the front and
-//! the side.
+//! Pictures of the steps of making supports: overhangs and contacts seen from below, trees seen from the front
+//! and from the side.
 
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3, TriMesh};
@@ -13,7 +13,7 @@ use grainpath::support::tree::Kind;
 /// A picture of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepPicture {
-    /// Name of the picture in a file name.
+    /// Part of the file name that names the picture.
     pub name: &'static str,
     /// What the picture shows.
     pub title: String,
@@ -21,22 +21,22 @@ pub struct StepPicture {
     pub png: Vec<u8>,
 }
 
-/// Longest side, pixels, including the margin. Only the picture depends on it.
+/// Longest side of a picture, pixels, including the margin.
 /// Source: chosen by eye; only the picture depends on it.
 const SIZE: f64 = 1100.0;
-// Margin on every side, pixels: dots on the rim of the part stay inside the picture.
+// Margin on every side, pixels. Dots on the edge of the part must lie inside the picture.
 // Source: chosen by eye; only the picture depends on it.
 const MARGIN: f64 = 24.0;
 
-/// All pictures; none for a part without triangles.
+/// The pictures of all steps; none for a part without triangles.
 pub fn pictures(mesh: &TriMesh, support: &Support) -> Vec<StepPicture> {
     let Some((low, high)) = mesh.bounds() else { return Vec::new() };
-    // Trees may stand beside the part, and feet stand on the plate at z = 0.
+    // The box covers trees too, since they may stand beside the part, and the plate at z = 0.
     let low = support.forest.nodes.iter().fold(low, |l, n| l.min(n.at - n.radius_mm)).min(low.with_z(0.0));
     let high = support.forest.nodes.iter().fold(high, |h, n| h.max(n.at + n.radius_mm));
     let o = &support.overhangs;
-    // Each turn is a rotation, so no view is a mirror image: from below y changes its sign together with
-    // z.
+    // Each view must be a rotation, because it would otherwise be a mirror image: from below both y and z
+    // change their sign.
     let below = View::new(low, high, |p| DVec3::new(p.x, -p.y, -p.z));
     let front = View::new(low, high, |p| DVec3::new(p.x, p.z, -p.y));
     let side = View::new(low, high, |p| DVec3::new(p.y, p.z, p.x));
@@ -73,7 +73,7 @@ struct View {
 
 impl View {
     fn new(low: DVec3, high: DVec3, turn: fn(DVec3) -> DVec3) -> Self {
-        // Turns exchange axes and signs only, so two opposite corners of the box still span it.
+        // These rotations only exchange axes and signs, so two opposite corners still span the turned box.
         let (a, b) = (turn(low), turn(high));
         let (lo, hi) = (a.min(b).truncate(), a.max(b).truncate());
         let size = (hi - lo).max(DVec2::splat(1e-6));
@@ -82,7 +82,7 @@ impl View {
         Self { turn, low: lo, scale, w: pixels(size.x), h: pixels(size.y) }
     }
 
-    /// Pixel, and nearness to the eye.
+    /// The pixel of a point, and its nearness to the eye.
     fn at(&self, p: DVec3) -> DVec3 {
         let q = (self.turn)(p);
         let x = MARGIN + (q.x - self.low.x) * self.scale;
@@ -93,22 +93,22 @@ impl View {
 
 type Rgb = [f64; 3];
 
-/// The mesh, shaded; `colour` gives the colour of each facet.
+/// A shaded picture of the mesh; `colour` gives the colour of each facet.
 fn shaded(mesh: &TriMesh, view: &View, colour: impl Fn(usize) -> Rgb) -> Pixmap {
     let mut depth = vec![f64::NEG_INFINITY; view.w * view.h];
     let mut canvas = Pixmap::new(view.w as u32, view.h as u32).expect("pictures have a size");
     canvas.fill(Color::from_rgba8(28, 30, 34, 255));
-    // A unit vector in pixels (y down) from the upper left and the eye's side.
+    // Unit vector towards the light, in pixels (y down): the light is at the upper left, on the eye's side.
     let light = DVec3::new(-0.4, -0.5, 0.77);
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = triangle.map(|i| view.at(mesh.vertices[i as usize]));
         let n = (b - a).cross(c - a);
-        // A facet seen edge on covers no pixel and would divide by zero below.
+        // A facet that is seen edge-on covers no pixel, and its depth would divide by zero below.
         if n.z == 0.0 {
             continue;
         }
-        // Normals are turned to the eye: a mesh with inverted facets is drawn as well, and the picture is
-        // of shapes, not of orientation.
+        // Normals are turned to the eye, so that inverted facets are drawn like others: the picture shows
+        // the shape only.
         let facing = n.normalize_or_zero() * n.z.signum();
         let shade = 0.35 + 0.65 * facing.dot(light).max(0.0);
         let rgb = colour(t).map(|v| (v * shade).clamp(0.0, 255.0) as u8);
@@ -122,8 +122,8 @@ fn shaded(mesh: &TriMesh, view: &View, colour: impl Fn(usize) -> Rgb) -> Pixmap 
                 if side(a, b) < 0.0 || side(b, c) < 0.0 || side(c, a) < 0.0 {
                     continue;
                 }
-                // Depth from the facet's plane; it is exact in a parallel projection, where depth is
-                // linear in the pixel.
+                // The depth comes from the facet's plane. This is exact, because depth is linear in the pixel
+                // in a parallel projection.
                 let z = a.z - (n.x * (p.x - a.x) + n.y * (p.y - a.y)) / n.z;
                 let slot = &mut depth[y * view.w + x];
                 if z > *slot {
@@ -139,7 +139,7 @@ fn shaded(mesh: &TriMesh, view: &View, colour: impl Fn(usize) -> Rgb) -> Pixmap 
 
 fn dot(canvas: &mut Pixmap, p: DVec3, r: f64, [red, green, blue]: [u8; 3]) {
     let mut builder = PathBuilder::new();
-    // Twelve corners pass for a circle at a radius of 3 pixels.
+    // At a radius of 3 pixels, twelve corners look like a circle.
     for i in 0..12 {
         let d = direction(f64::from(i) / 12.0 * std::f64::consts::TAU) * r;
         let (x, y) = ((p.x + d.x) as f32, (p.y + d.y) as f32);
@@ -171,8 +171,8 @@ fn overhangs(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
     for c in &support.overhangs.contacts {
         let missing = support.unreached.iter().any(|u| u.at == c.at);
         let colour = match c.reason {
-            // Magenta overrides the reason of the contact: what has no support is what the reader looks
-            // for.
+            // A contact without support is magenta whatever its reason, because the reader looks for these
+            // contacts.
             _ if missing => [255, 60, 235],
             Reason::Facets => [250, 215, 70],
             Reason::Edge => [80, 220, 230],
@@ -184,7 +184,7 @@ fn overhangs(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
 }
 
 fn trees(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
-    // The part is drawn dark, and trees over it without regard to depth, so that no branch is hidden.
+    // The part is drawn dark, and all trees are drawn on top of it, so that no branch is hidden.
     let mut canvas = shaded(mesh, view, |_| [96.0, 101.0, 110.0]);
     for (a, b) in support.forest.branches() {
         let width = (a.radius_mm + a.end_mm) * view.scale;

@@ -1,4 +1,4 @@
-//! A job whose files are handed over by name.
+//! Plans a job whose files the page has handed over by name.
 
 use std::collections::BTreeMap;
 
@@ -20,18 +20,18 @@ use grainpath_job::regions::RegionPlace;
 /// The name of the job in messages.
 const JOB: &str = "job.toml";
 
-/// Files by the names that the job gives them, and settings that go before the job.
+/// Files by the names that the job uses for them, and settings that override those of the job.
 pub(crate) struct Inputs {
     files: BTreeMap<String, Vec<u8>>,
     sets: Vec<String>,
 }
 
-/// What a plan gives.
+/// The result of planning a job.
 #[derive(Debug)]
 pub(crate) struct Answer {
     /// The program.
     pub(crate) gcode: Vec<u8>,
-    /// JSON: `summary` as the command line prints it, and `report`.
+    /// JSON with `summary`, as the command line prints it, and `report`.
     pub(crate) report: String,
 }
 
@@ -90,13 +90,13 @@ impl Inputs {
         self.files.get(plain(name)).map(Vec::as_slice).ok_or_else(|| {
             let there: Vec<&str> = self.files.keys().map(String::as_str).collect();
             match there.as_slice() {
-                [] => format!("{name}: no such file was given, nor any other"),
+                [] => format!("{name}: no such file was given; no files were given at all"),
                 _ => format!("{name}: no such file was given; there are {}", there.join(", ")),
             }
         })
     }
 
-    /// The body and its file; `None` for the board of a photograph.
+    /// The name of the shape's file, and its mesh; `None` if the shape is the board in a photograph.
     fn shape(&self, settings: &Settings) -> Result<Option<(String, MeshFile)>, String> {
         let shape = &settings.shape;
         if !settings.ct.path.is_empty() {
@@ -191,7 +191,7 @@ impl Inputs {
     }
 }
 
-/// A name without the `./` that people write before it.
+/// A name without a leading `./`.
 fn plain(name: &str) -> &str {
     name.trim_start_matches("./")
 }
@@ -207,7 +207,7 @@ fn write(
     let (mut gcode, mut written) = program(planned, &[])?;
     let mut program_read = read_back(settings, &gcode)?;
     if !settings.printer.thumbnails_px.is_empty() {
-        // Thumbnails stand at the top of the program, so it is written once without them, to have what they show.
+        // Thumbnails show the beads of the program but stand at its top, so it is first written without them.
         let drawn = grainpath_view::layer::thumbnails(&program_read, &settings.printer.thumbnails_px);
         (gcode, written) = program(planned, &drawn)?;
         program_read = read_back(settings, &gcode)?;
@@ -273,7 +273,7 @@ mod tests {
             inputs.plan(job, &Diagnostics::default()).expect_err("refused").to_string()
         };
         let empty = Inputs::new();
-        assert_eq!(told(&empty, &job), "plate.stl: no such file was given, nor any other");
+        assert_eq!(told(&empty, &job), "plate.stl: no such file was given; no files were given at all");
         let renamed = job.replace("plate.stl", "plat.stl");
         assert_eq!(told(&inputs, &renamed), "plat.stl: no such file was given; there are plate.stl");
         assert!(told(&inputs, "[shape]\nct = \"a.tif\"\n").contains("`grainpath run` takes this job"));

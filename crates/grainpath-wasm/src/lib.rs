@@ -2,10 +2,10 @@
 //!
 //! Interface: the page writes bytes into the module's one input buffer ([`input`]) and says what they are ([`add_file`],
 //! [`add_setting`]); [`plan`] takes the buffer as the text of the job. [`answer`] and [`answer_len`] tell where the results
-//! lie. No address ever comes from the page, so the module follows none. The clock and the receiver of progress are
-//! imports of the page: `env.now_s` and `env.progress`.
+//! lie. The page never passes an address, so the module follows none. The page provides the clock and the receiver of
+//! progress as imports: `env.now_s` and `env.progress`.
 //!
-//! A panic leaves its message as the answer and ends in a trap, after which the page starts a new module. Limits: one
+//! After a panic the answer is its message and the module traps; the page then starts a new module. Limits: one
 //! thread, 4 GiB of memory, no scans, no virtual strength test; `docs/try.md` says so to users. `cargo xtask wasm` compares
 //! the G-code with that of the program, byte for byte.
 
@@ -19,7 +19,7 @@ use job::Inputs;
 
 #[cfg(target_family = "wasm")]
 mod page {
-    //! What the page gives.
+    //! Functions that the page provides.
 
     use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -73,10 +73,10 @@ fn diagnostics() -> Diagnostics {
     Diagnostics::default()
 }
 
-/// Bytes on their way in, and the inputs so far.
+/// The input buffer, and the inputs that were added so far.
 static STATE: Mutex<State> = Mutex::new(State { input: Vec::new(), inputs: Inputs::new() });
 
-/// G-code or the error, and the report as JSON. Apart from the state, so that a panic of planning can be told.
+/// The G-code or the error, and the report as JSON. They are not part of the state, so that a panic can be reported.
 static ANSWERS: Mutex<[Vec<u8>; 2]> = Mutex::new([Vec::new(), Vec::new()]);
 
 struct State {
@@ -88,7 +88,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes room for `len` bytes and gives their address; the page writes there.
+/// Makes room for `len` bytes of input and returns its address, to which the page writes.
 #[expect(unsafe_code, reason = "a name that the page calls")]
 #[unsafe(no_mangle)]
 pub extern "C" fn input(len: usize) -> *mut u8 {
@@ -107,7 +107,7 @@ pub extern "C" fn add_file(name_len: usize) {
     state.inputs.add_file(String::from_utf8_lossy(&name).into_owned(), content);
 }
 
-/// Takes the input as one `SECTION.KEY=VALUE`, which goes before the job as the option `--set` does.
+/// Takes the input as one `SECTION.KEY=VALUE`, which overrides the job as the option `--set` does.
 #[expect(unsafe_code, reason = "a name that the page calls")]
 #[unsafe(no_mangle)]
 pub extern "C" fn add_setting() {
@@ -116,8 +116,8 @@ pub extern "C" fn add_setting() {
     state.inputs.add_setting(String::from_utf8_lossy(&text).into_owned());
 }
 
-/// Plans the input as a job, with the files and settings given before, and forgets them. 0: answer 0 is the G-code and
-/// answer 1 the report as JSON; 1: answer 0 is the error.
+/// Plans the input as a job, with the files and settings given before, and then forgets them. If it returns 0, answer 0 is
+/// the G-code and answer 1 the report as JSON. If it returns 1, answer 0 is the error.
 #[expect(unsafe_code, reason = "a name that the page calls")]
 #[unsafe(no_mangle)]
 pub extern "C" fn plan() -> u32 {

@@ -20,7 +20,7 @@ use crate::measure::strength::StrengthError;
 use crate::region::RegionError;
 use crate::shape::ShapeError;
 
-/// Why a run ended early.
+/// The error that ended a run early.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum Error {
@@ -61,7 +61,7 @@ pub enum Error {
     #[error("{source}; the part measures {:.2} x {:.2} x {:.2} mm", size_mm[0], size_mm[1], size_mm[2])]
     OutsideBed { size_mm: [f64; 3], source: GcodeError },
     #[error(
-        "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at no fill and {high_g:.2} g when dense"
+        "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g without fill and {high_g:.2} g when dense"
     )]
     Mass { asked_g: f64, low_g: f64, high_g: f64 },
     #[error(
@@ -73,14 +73,14 @@ pub enum Error {
     Densities { path: String, source: DirectionError },
     #[error(transparent)]
     Density(#[from] DensityError),
-    #[error("paths of {n} layers for a part of {n_layers}")]
+    #[error("the filled paths have {n} layers, and the part has {n_layers}")]
     FilledElsewhere { n: usize, n_layers: usize },
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
 
 impl Error {
-    /// The page of the documentation that helps with the error, where there is one: the only list of these pages.
+    /// The page of the documentation that helps with the error, if there is one. This is the only list of these pages.
     pub fn page(&self) -> Option<&'static str> {
         Some(match self {
             Self::Job(_) => "docs/settings.md",
@@ -94,7 +94,7 @@ impl Error {
             Self::Fibre(_) => "docs/how-to/fibre.md",
             Self::Strength(_) => "docs/strength.md",
             Self::Gcode(GcodeError::UnknownPlaceholder { .. }) => "docs/gcode.md",
-            // The message says all there is to say.
+            // The message is enough; no page says more.
             Self::Shape { .. }
             | Self::Region(_)
             | Self::Gcode(_)
@@ -108,14 +108,14 @@ impl Error {
     /// Who has to act on the error.
     pub fn kind(&self) -> ErrorKind {
         match self {
-            // An interruption keeps its kind, whichever stage it passes through.
+            // An interruption has the same kind in every stage.
             Self::Shape { source: ShapeError::Interrupted(_), .. }
             | Self::Scan { source: ScanError::Interrupted(_), .. }
             | Self::Guide(GuideError::Interrupted(_))
             | Self::Interrupted(_) => ErrorKind::Interrupted,
             Self::Strength(e) => e.kind(),
             Self::Guide(e) if e.is_usage() => ErrorKind::Job,
-            // Corners of a photograph are stated in the job.
+            // Wrong corners of a photograph are an error of the job, which states them.
             Self::Grain { source: GrainError::Corners(_), .. }
             | Self::Job(_)
             | Self::Dimension(_)

@@ -1,9 +1,9 @@
 //! The planner: from a job to a plan and its report.
 //!
-//! It opens no file: front ends read bytes, call [`run::plan_job`], and write what comes back.
+//! The crate opens no files: front ends read bytes, call [`run::plan_job`], and write the result.
 //!
-//! Modules stand in reading order, from the whole run down to the stages it calls; a module uses
-//! only those below it.
+//! The modules are listed in reading order, from the whole run down to the stages that it calls. A
+//! module uses only modules listed below it.
 
 pub mod run;
 pub mod error;

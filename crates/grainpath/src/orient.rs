@@ -1,18 +1,19 @@
-//! Which way up: poses in which a part stands by itself, and how each suits its loads.
+//! Finds the poses in which a part can stand by itself on the plate, and rates how well each pose suits the loads.
 //!
-//! A pose is stable where the part rests on the plate with a flat whose convex hull holds the foot of the plumb line
-//! through its centre of mass. Candidates are the facets of the convex hull of the part, coplanar ones together, and the
-//! six axes of its file. The hull is made of the vertices that lie farthest in many directions, one after the other; each
-//! takes away the facets that it sees.
+//! A pose is stable if the part rests on a flat whose convex hull contains the vertical projection of the centre of mass.
+//! Candidates are the facets of the part's convex hull, with coplanar facets merged, and the six axes of its file. The
+//! hull is built incrementally from the vertices that lie farthest in many directions: each added vertex replaces the
+//! facets that it sees.
 //!
-//! The reserve of a pose comes from the stress that was solved once: it is turned with the pose, at every node that does
-//! not lie at a fixture or load, and laid on beads side by side in layers of that pose, along the greater principal stress
-//! in the layer where infill follows the stress and at the raster angles elsewhere
-//! ([`first_failure`](grainpath_fea::strength::first_failure)). It compares poses of a dense part; what the beads of one
-//! pose carry is told by its run.
+//! The reserve of a pose is computed from one solved stress. At every node that does not lie at a fixture or load, the
+//! stress is turned with the pose and applied to parallel beads in the layers of that pose. If the infill follows the
+//! stress, these beads lie along the greater principal stress in the layer, otherwise at the raster angles
+//! ([`first_failure`](grainpath_fea::strength::first_failure)). The reserve serves to compare poses of a dense part; the
+//! reserve of the real beads is computed when the pose is planned.
 //!
-//! Units: mm, MPa, radians inside. Cost: [`DIRECTIONS`] times the vertices for the farthest ones, a hull quadratic in at most
-//! that number of vertices, and a reserve linear in the nodes. Limits: parts that stand on points alone, as a ball on three spheres, have no flat.
+//! Units: mm, MPa, radians inside. Cost: [`DIRECTIONS`] times the vertices for the farthest ones, a hull quadratic in at
+//! most that number of vertices, and a reserve linear in the nodes. Limits: a part that touches the plate only in points,
+//! such as one on three spheres, has no flat.
 
 use grainpath_core::math::{atan2, cross, direction, sin_cos};
 use grainpath_core::{DMat3, DVec2, DVec3, TriMesh};
@@ -26,22 +27,22 @@ use serde::Serialize;
 use crate::guide::{Guide, ResultMesh};
 use crate::measure::strength::{StrengthError, StrengthSettings, convex_hull};
 
-/// Directions in which the farthest vertex is taken for the hull. Source: derived. Evenly spread over a sphere they lie 3
-/// degrees apart, less than the tilt of `LEAST_TILT_RAD` that a pose has to withstand.
+/// Number of directions in which the farthest vertex is taken for the hull. Source: derived. Spread evenly over a sphere,
+/// they are 3 degrees apart, which is less than the tilt of `LEAST_TILT_RAD` that a pose has to withstand.
 pub const DIRECTIONS: usize = 4000;
-/// Vertices this near to the lowest plane, as a share of the part's size, rest on it. Source: derived. 0.02 mm of a part of
-/// 100 mm, a tenth of a layer.
+/// Vertices rest on the plate if they are at most this far above the lowest vertex, as a share of the part's size. Source:
+/// derived. For a part of 100 mm this is 0.02 mm, a tenth of a layer.
 const RESTS: f64 = 2e-4;
-/// Facets whose normals differ by less are one flat, rad. Source: derived. Half a degree lifts the far end of a flat of 20
-/// mm by a layer of 0.2 mm.
+/// Facets whose normals differ by less than this count as one flat, rad. Source: derived. Half a degree lifts the far end
+/// of a flat of 20 mm by 0.2 mm, which is one layer.
 const SAME_FLAT_RAD: f64 = 0.0087;
-/// A pose withstands a tilt by this angle, rad, and its flat reaches this far around the foot of the plumb line, mm.
-/// Source: derived. Five degrees are what a nozzle that drags over a part 10 mm above its centre of mass with a tenth of
-/// its weight asks for; a millimetre is two beads.
+/// Smallest tilt that a pose must withstand, rad; the next constant is the smallest distance of the projected centre of
+/// mass from the border of the flat, mm. Source: derived. Five degrees withstand a nozzle that drags over a part 10 mm
+/// above its centre of mass with a tenth of its weight; one millimetre is two beads.
 const LEAST_TILT_RAD: f64 = 0.0873;
 const LEAST_REACH_MM: f64 = 1.0;
-/// Reserves that differ by less than this share count as equal, and support decides. Source: derived. A tenth of what a
-/// reserve may miss.
+/// Reserves that differ by less than this share count as equal; the mass of supports then decides. Source: derived. A
+/// tenth of the error of a reserve.
 const SAME_RESERVE: f64 = 0.015;
 
 /// Why a part has no pose.
@@ -49,30 +50,30 @@ const SAME_RESERVE: f64 = 0.015;
 #[allow(missing_docs)]
 pub enum OrientError {
     #[error(
-        "the part has no flat to stand on: no side of its hull reaches {LEAST_REACH_MM} mm around its centre of mass; cut a flat, or print it on supports as it lies"
+        "the part has no flat to stand on: no side of its convex hull extends {LEAST_REACH_MM} mm around the projected centre of mass; cut a flat, or print the part on supports as it lies"
     )]
     NoFlat,
     #[error("the part encloses no volume, so it has no centre of mass")]
     NoVolume,
 }
 
-/// A way in which a part stands.
+/// An orientation in which a part stands by itself on the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Rotations about x, then y, then z that bring it there from the position of its file, degrees.
+    /// Rotations about x, then y, then z that turn the part from its orientation in the file into the pose, degrees.
     pub rotate_deg: [f64; 3],
-    /// The direction of the part, as it was given, that points down.
+    /// The direction that points down in the pose, in the coordinates of the given mesh.
     pub down: DVec3,
-    /// Area of the hull of what rests on the plate, mm2.
+    /// Area of the convex hull of all points that rest on the plate, mm2.
     pub flat_mm2: f64,
-    /// Height, mm.
+    /// Height of the part in the pose, mm.
     pub height_mm: f64,
-    /// The tilt that it withstands, degrees.
+    /// The tilt that the pose withstands, degrees.
     pub tilt_deg: f64,
 }
 
 impl Pose {
-    /// The rotation from the part as it was given.
+    /// The rotation that turns the given mesh into the pose.
     pub fn rotation(&self) -> DMat3 {
         turn_down(self.down).1
     }
@@ -81,7 +82,7 @@ impl Pose {
 /// The rotations about x and y, rad, that turn a direction down, and both as a matrix.
 fn turn_down(d: DVec3) -> ([f64; 2], DMat3) {
     let rho = (d.y * d.y + d.z * d.z).sqrt();
-    // A direction along x is turned about y alone.
+    // A direction along x needs only a rotation about y.
     let about_x = if rho > 1e-12 { atan2(-d.y, -d.z) } else { 0.0 };
     let about_y = atan2(d.x, rho);
     let ((xs, xc), (ys, yc)) = (sin_cos(about_x), sin_cos(about_y));
@@ -90,11 +91,11 @@ fn turn_down(d: DVec3) -> ([f64; 2], DMat3) {
     ([about_x, about_y], second * first)
 }
 
-/// The stable poses of a part, those of the largest flats first; at most `most`. `file_from_part` turns directions of the
-/// part as it is given into those of its file.
+/// Returns at most `most` stable poses of a part, those with the largest flats first. `file_from_part` is the rotation from
+/// the given mesh to the orientation of the part in its file.
 ///
 /// # Errors
-/// [`OrientError`] for parts that stand on nothing, and for open surfaces.
+/// [`OrientError`] for parts without a stable pose, and for surfaces that enclose no volume.
 pub fn poses(mesh: &TriMesh, file_from_part: DMat3, most: usize) -> Result<Vec<Pose>, OrientError> {
     let centre = centre_of_mass(mesh).ok_or(OrientError::NoVolume)?;
     let points = farthest(mesh);
@@ -102,7 +103,7 @@ pub fn poses(mesh: &TriMesh, file_from_part: DMat3, most: usize) -> Result<Vec<P
     let mut downs: Vec<DVec3> = Vec::new();
     let axes = [DVec3::NEG_Z, DVec3::Z, DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y];
     let axes = axes.map(|axis| file_from_part.transpose() * axis);
-    // Facets with more area first, so that the normal of a flat is that of its largest facet.
+    // Facets are sorted by falling area, so that a flat gets the normal of its largest facet.
     let mut facets: Vec<(f64, DVec3)> = hull(&points, 1e-9 * size_mm);
     facets.sort_by(|a, b| b.0.total_cmp(&a.0));
     for down in axes.into_iter().chain(facets.into_iter().map(|f| f.1)) {
@@ -121,7 +122,7 @@ pub fn poses(mesh: &TriMesh, file_from_part: DMat3, most: usize) -> Result<Vec<P
         let reach_mm = reach(&flat, foot.truncate());
         let tilt = atan2(reach_mm, foot.z - low);
         let ([x, y], _) = turn_down(file_from_part * *down);
-        // A ten-thousandth of a degree, which moves a part of 300 mm by half a micrometre.
+        // Angles are rounded to 0.0001 degrees, which moves a part of 300 mm by half a micrometre.
         let degrees = |rad: f64| (rad.to_degrees() * 1e4).round() * 1e-4 + 0.0;
         let n = flat.len();
         let area = |k: usize| 0.5 * cross(flat[k], flat[(k + 1) % n]);
@@ -139,12 +140,12 @@ pub fn poses(mesh: &TriMesh, file_from_part: DMat3, most: usize) -> Result<Vec<P
     if found.is_empty() { Err(OrientError::NoFlat) } else { Ok(found) }
 }
 
-/// The centre of mass of a closed surface; `None` where it encloses nothing.
+/// The centre of mass of a closed surface; `None` if it encloses no volume.
 fn centre_of_mass(mesh: &TriMesh) -> Option<DVec3> {
     let (low, high) = mesh.bounds()?;
     let (mut volume, mut moment) = (0.0, DVec3::ZERO);
     for t in &mesh.triangles {
-        // Around a point of the part, so that a part far away keeps its digits.
+        // Coordinates are taken relative to a corner of the part, so that a part far from the origin keeps its precision.
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize] - low);
         let six = a.dot(b.cross(c));
         volume += six;
@@ -153,7 +154,7 @@ fn centre_of_mass(mesh: &TriMesh) -> Option<DVec3> {
     (volume.abs() > 1e-9 * (high - low).length().powi(3)).then(|| low + moment / volume)
 }
 
-/// The vertices that lie farthest in directions spread evenly over a sphere, on a spiral.
+/// The vertices that lie farthest in one of many directions, which are spread evenly over a sphere on a spiral.
 fn farthest(mesh: &TriMesh) -> Vec<DVec3> {
     let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
     let spread = (0..DIRECTIONS).map(|k| {
@@ -162,7 +163,7 @@ fn farthest(mesh: &TriMesh) -> Vec<DVec3> {
         around.extend(z)
     });
     let axes = DVec3::AXES.into_iter().flat_map(|a| [a, -a]);
-    // Only distinct places count; a mesh may have each vertex several times.
+    // Duplicate positions are removed, because a mesh may contain each vertex several times.
     let mut places: Vec<DVec3> = mesh.vertices.clone();
     places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     places.dedup();
@@ -180,7 +181,7 @@ fn farthest(mesh: &TriMesh) -> Vec<DVec3> {
     taken.into_iter().map(|i| places[i as usize]).collect()
 }
 
-/// The facets of the convex hull of some points: area and outward normal of each; none where all lie in a plane.
+/// The area and outward normal of each facet of the convex hull of some points; empty if all points lie in a plane.
 fn hull(points: &[DVec3], hair_mm: f64) -> Vec<(f64, DVec3)> {
     let Some(first) = first_tetrahedron(points, hair_mm) else { return Vec::new() };
     let normal = |t: &[usize; 3]| {
@@ -199,7 +200,7 @@ fn hull(points: &[DVec3], hair_mm: f64) -> Vec<(f64, DVec3)> {
             n.dot(points[p] - points[t[0]]) > hair_mm * n.length()
         };
         let (seen, mut kept): (Vec<[usize; 3]>, Vec<[usize; 3]>) = facets.iter().partition(|t| sees(t));
-        // The rim of what is seen: edges whose reverse is not seen.
+        // The rim of the visible facets consists of edges whose reverse belongs to no visible facet.
         let edges: Vec<[usize; 2]> =
             seen.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).collect();
         let rim = edges.iter().filter(|[u, v]| !edges.contains(&[*v, *u]));
@@ -227,7 +228,7 @@ fn first_tetrahedron(points: &[DVec3], hair_mm: f64) -> Option<[usize; 4]> {
     ((points[d] - points[a]).dot(up).abs() > hair_mm.max(1e-12)).then_some([a, b, c, d])
 }
 
-/// How far a convex polygon reaches around a point: the least distance to its sides, 0 for points outside.
+/// The least distance from a point inside a convex polygon to the polygon's sides; 0 for points outside.
 fn reach(corners: &[DVec2], p: DVec2) -> f64 {
     let n = corners.len();
     if n < 3 {
@@ -240,22 +241,22 @@ fn reach(corners: &[DVec2], p: DVec2) -> f64 {
     (0..n).map(inwards).fold(f64::INFINITY, f64::min).max(0.0)
 }
 
-/// The reserve of a pose: the least of all load cases.
+/// The reserve of a pose, which is the least one of all load cases.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct PoseReserve {
-    /// The factor on the loads at first failure with the low, nominal and high strengths of the material.
+    /// The factors on the loads at first failure with the low, nominal and high strengths of the material.
     pub first_failure: [f64; 3],
     pub case: String,
     pub mode: &'static str,
-    /// Where, in the coordinates in which the stress was solved.
+    /// Position of the first failure, in the coordinates in which the stress was solved.
     pub at_mm: [f64; 3],
-    /// The tension from layer to layer that 99.5 % of the nodes stay below, MPa, in the worst case; 0 where all are pressed.
+    /// The tension across layers that 99.5 % of the nodes stay below in the worst case, MPa; 0 if it is compression.
     pub across_layers_mpa: f64,
 }
 
-/// Share of the nodes whose tension across layers is covered. Source: the scale of stress pictures; the peak at a re-entrant
-/// corner has no bound.
+/// Share of the nodes that stay below the reported tension across layers. Source: the scale of stress pictures; the peak
+/// at a re-entrant corner grows without limit as the mesh becomes finer.
 const COVERED: f64 = 0.995;
 
 /// The directions of beads in the layers of a pose.
@@ -267,8 +268,8 @@ pub enum BeadDirections {
     Raster(Vec<f64>),
 }
 
-/// The reserve of the layers of a pose under a solved stress; `None` where the peak of the stress cannot be trusted or all
-/// nodes lie at fixtures and loads.
+/// Computes the reserve of a pose under a solved stress; `None` if the peak of the stress cannot be trusted or all nodes
+/// lie at fixtures and loads.
 ///
 /// # Errors
 /// [`StrengthError::NoCard`] for a material without strengths.
@@ -305,7 +306,7 @@ fn of_case(
     cards: &[StrengthCard; 3],
 ) -> Result<Option<PoseReserve>, StrengthError> {
     let stress: Vec<[f64; 6]> = free.iter().map(|&i| turned(&result.stress[i], rotation)).collect();
-    // One brick a node, full and bonded.
+    // Every node becomes one brick, completely filled and bonded.
     let n = free.len();
     let mut bricks = Bricks {
         n: [n, 1, 1],
@@ -350,15 +351,15 @@ fn of_case(
     }))
 }
 
-/// A stress turned with its part, order xx, yy, zz, xy, yz, zx.
+/// Rotates a stress with its part; the order is xx, yy, zz, xy, yz, zx.
 fn turned([xx, yy, zz, xy, yz, zx]: &[f64; 6], rotation: DMat3) -> [f64; 6] {
     let columns = [[*xx, *xy, *zx], [*xy, *yy, *yz], [*zx, *yz, *zz]];
     let t = rotation * DMat3::from_cols_array_2d(&columns) * rotation.transpose();
     [t.x_axis.x, t.y_axis.y, t.z_axis.z, t.x_axis.y, t.y_axis.z, t.x_axis.z]
 }
 
-/// What poses are ranked by, the better the smaller: reserve (rounded so that nearly equal ones count as equal), support,
-/// height, time. Poses without reserve come last.
+/// The numbers by which poses are ranked, in this order; smaller is better: reserve (rounded, so that nearly equal ones
+/// count as equal), mass of supports, height, time. Poses without a reserve come last.
 pub fn rank(reserve: Option<f64>, support_g: f64, height_mm: f64, time_s: f64) -> [f64; 4] {
     let steps = |r: f64| (-grainpath_core::math::ln(r.max(1e-9)) / SAME_RESERVE).round();
     [reserve.map_or(f64::INFINITY, steps), support_g, height_mm, time_s]

@@ -1,12 +1,13 @@
-//! Areas of the regions of a job in each layer.
+//! Computes the area of each region of a job in each layer.
 //!
-//! A layer belongs to a box or a range of layers by its middle, as a section does. A mesh is placed as the part is and cut
-//! at the middle of each layer. Of a face and a depth a closed body is made: the face, a little outside, and the face moved
-//! inwards, along normals that are averaged at each vertex and lengthened so that both are the depth apart. It is cut as a
-//! mesh is. Where regions overlap the later one counts, and a warning says so.
+//! The mid-height of a layer decides whether the layer belongs to a box or a range of layers. A mesh is placed like the
+//! part and cut at the mid-height of each layer. A face and a depth give a closed body: one side is the face, moved
+//! slightly outwards; the other is the face, moved inwards by the depth along normals that are averaged at each vertex.
+//! This body is cut like a mesh. Where regions overlap, the later one counts, and the run gives a warning.
 //!
-//! Units: mm, part coordinates with the plate at z = 0. Cost: sections of the meshes, and a few booleans a layer and pair of
-//! regions. Limits: a depth beyond the radius of a boss turns the body inside out, and the region is wrong beyond its axis.
+//! Units: mm, part coordinates with the plate at z = 0. Cost: slicing the meshes, and a few booleans for each layer and
+//! pair of regions. Limits: on a boss, a depth of more than its radius turns the body inside out, and the region is wrong
+//! beyond the axis of the boss.
 
 use std::collections::BTreeMap;
 
@@ -24,14 +25,14 @@ use rayon::prelude::*;
 use crate::guide::faces_as_in_file;
 use crate::shape::{SliceSettings, Standing, sections_at};
 
-/// Overlaps of regions smaller than this in a layer are not told of, mm2. Source: derived. A bead of 0.45 mm covers as much
-/// in the length of its own width.
+/// Overlaps of regions of at most this area in a layer give no warning, mm2. Source: derived. A piece of a bead 0.45 mm
+/// wide and as long covers the same area.
 const TOLD_MM2: f64 = 0.2;
-/// How far the body of a face reaches out of the part, mm, so that no rounding leaves a film between the two. Source:
-/// derived. Less than half the outermost bead, and a thousand times the grid of booleans.
+/// Distance by which the body of a face extends out of the part, mm, so that rounding leaves no gap between them. Source:
+/// derived. Less than half the outermost bead, and a thousand times the grid of the boolean operations.
 const OUTWARDS_MM: f64 = 0.1;
-/// Least cosine between the normal at a vertex and those of its triangles by which a depth is lengthened. Source: derived.
-/// At 0.3 the vertex of a needle moves by three depths.
+/// A vertex moves by the depth over the mean cosine between its normal and those of its triangles, which is taken as at
+/// least this value. Source: derived. With 0.3, the tip of a needle moves by about three depths.
 const LEAST_COSINE: f64 = 0.3;
 
 /// Reasons why a region cannot be used.
@@ -48,38 +49,38 @@ pub enum RegionError {
     NoMesh { number: usize },
 }
 
-/// The areas of all regions in each layer; those of a layer do not overlap.
+/// The areas of all regions in each layer; areas of the same layer do not overlap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RegionAreas {
     layers: Vec<Vec<Region>>,
 }
 
-/// The part as its regions need it.
+/// The inputs from the part that its regions need.
 pub struct RegionPart<'a> {
     /// Its layers.
     pub stack: &'a LayerStack,
-    /// Its surface; empty where it has none.
+    /// Surface of the part; empty if it has none.
     pub mesh: &'a TriMesh,
-    /// Where it stands.
+    /// Position and rotation of the part on the plate.
     pub standing: Standing,
     /// Factor from the unit of the part's file to mm.
     pub unit_mm: f64,
-    /// Whether a unit that a region's file states replaces it.
+    /// Whether a unit stated in a region's file replaces `unit_mm`.
     pub unit_of_file: bool,
-    /// How meshes are cut.
+    /// Settings for slicing meshes.
     pub slicing: SliceSettings,
 }
 
 impl RegionAreas {
-    /// The areas in a layer, in the order of the regions; `None` where no region meets the layer.
+    /// The areas in a layer, in the order of the regions; `None` if no region has an area in the layer.
     pub fn of_layer(&self, layer_idx: usize) -> Option<&[Region]> {
         self.layers.get(layer_idx).map(Vec::as_slice).filter(|all| all.iter().any(|r| !r.is_empty()))
     }
 
-    /// Finds the areas of the regions of a job. `meshes` holds the files of those that name one, by index.
+    /// Computes the areas of the regions of a job. `meshes` holds the mesh files of regions, by the index of the region.
     ///
     /// # Errors
-    /// [`RegionError`] for a region that meets no layer, and for faces and meshes that do not exist.
+    /// [`RegionError`] for a region outside the part, and for faces and meshes that do not exist.
     pub fn new(
         regions: &[JobRegion],
         meshes: &BTreeMap<usize, MeshFile>,
@@ -134,7 +135,8 @@ impl RegionAreas {
     }
 }
 
-/// The areas of a layer without what later regions cover, and the pairs that overlap on the part.
+/// Cuts the areas of a layer so that later regions take precedence. Returns the areas and the pairs that overlap on the
+/// part.
 fn last_wins(found: &[Vec<Region>], layer_idx: usize, layer: &Layer) -> (Vec<Region>, Vec<[usize; 2]>) {
     let mut areas: Vec<Region> = found.iter().map(|areas| areas[layer_idx].clone()).collect();
     let mut pairs = Vec::new();
@@ -153,7 +155,7 @@ fn last_wins(found: &[Vec<Region>], layer_idx: usize, layer: &Layer) -> (Vec<Reg
     (areas, pairs)
 }
 
-/// Warns once of each pair of regions that overlap.
+/// Gives one warning for each pair of overlapping regions.
 fn warn_of_overlaps(cut: &[(Vec<Region>, Vec<[usize; 2]>)], layers: &[Layer], diagnostics: &Diagnostics) {
     let mut of_pair: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     for (i, (_, pairs)) in cut.iter().enumerate() {
@@ -172,7 +174,7 @@ fn warn_of_overlaps(cut: &[(Vec<Region>, Vec<[usize; 2]>)], layers: &[Layer], di
     }
 }
 
-/// Whether the border of an area runs through a piece of a section, so that the piece lies on both sides of it.
+/// Whether the border of an area divides an island of a section, so that the island lies on both sides of the border.
 fn divides(area: &Region, section: &Region) -> bool {
     section.polygons.iter().any(|piece| {
         let piece = Region { polygons: vec![piece.clone()] };
@@ -181,8 +183,8 @@ fn divides(area: &Region, section: &Region) -> bool {
     })
 }
 
-/// Warns of the seams that borders of regions leave in dense infill and skins. A range of layers has no such border, nor
-/// has a region that takes whole pieces of the section.
+/// Warns of seams that borders of regions leave in dense infill and skins. A range of layers has no such border, and
+/// neither has a region that contains whole islands of the section.
 fn warn_of_seams(
     regions: &[JobRegion],
     cut: &[(Vec<Region>, Vec<[usize; 2]>)],
@@ -208,7 +210,7 @@ fn warn_of_seams(
     }
 }
 
-/// The bodies of a region's file as one mesh, placed as the part is.
+/// Joins the bodies of a region's file into one mesh and places it like the part.
 fn placed(file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
     let s = part.standing;
     let unit_mm = file.unit.filter(|_| part.unit_of_file).map_or(part.unit_mm, LengthUnit::mm);
@@ -222,8 +224,8 @@ fn placed(file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
     whole
 }
 
-/// The settings of a job with the modifiers of its mesh as its last regions; `meshes` gets their surfaces. Told is what of
-/// a modifier is not used.
+/// Returns the settings of a job with the modifiers of its mesh appended as regions, and adds their surfaces to `meshes`.
+/// A warning lists everything of a modifier that is not used.
 pub(crate) fn with_modifiers(
     settings: &Settings,
     mesh: &mut MeshFile,
@@ -242,7 +244,7 @@ pub(crate) fn with_modifiers(
         if !unread.is_empty() {
             tell(format!("has settings that no region has, which are not used: {}", unread.join(", ")));
         }
-        // Such a region would be an error of the job, but a project may hold a modifier of a part that is gone.
+        // A region outside the part is an error, but a project may contain a modifier of a part that was removed.
         let meets = modifier
             .mesh
             .bounds()
@@ -257,7 +259,7 @@ pub(crate) fn with_modifiers(
             tell("lies outside the part and is not used".to_owned());
             continue;
         }
-        // Modifiers are tried one by one: what one asks for does not keep the others out.
+        // Modifiers are added one by one, so that an invalid one does not prevent the others.
         match all.with_region(region) {
             Ok(more) => {
                 let body = MeshBody { mesh: modifier.mesh, ..MeshBody::default() };
@@ -284,7 +286,7 @@ fn below_face(mesh: &TriMesh, triangles: &[u32], depth_mm: f64) -> TriMesh {
         let [a, b, c] = corners(t);
         (b - a).cross(c - a)
     };
-    // Vertices by their place, so that a mesh whose triangles do not share vertices is one surface too.
+    // Vertices are merged by position, so that triangles without shared vertices also form one surface.
     let key = |v: u32| mesh.vertices[v as usize].to_array().map(f64::to_bits);
     let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
     let mut places: Vec<DVec3> = Vec::new();
@@ -328,7 +330,7 @@ fn below_face(mesh: &TriMesh, triangles: &[u32], depth_mm: f64) -> TriMesh {
         body.triangles.push([t[2] + n, t[1] + n, t[0] + n]);
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);
-            // An edge and its reverse cancel; what is left is the border.
+            // An edge and its reverse cancel; the remaining edges form the border.
             if a < b {
                 *border.entry([a, b]).or_default() += 1
             } else {

@@ -1,4 +1,4 @@
-//! `grainpath compare`: several plans or programs of one part, side by side.
+//! `grainpath compare`: strength of several jobs or G-code programs of one part, side by side.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     // All names are checked before the first test, which may take minutes.
     for input in &args.inputs {
         let job = job_of(input, args.job.as_deref())?;
-        // A program may be its own part; a job needs a shape.
+        // A G-code program can stand for the part itself; a job must name a shape.
         if is_job(input) {
             read_job(job, &args.common.sets)?;
         } else {
@@ -28,8 +28,8 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     }
     let mut all: Vec<Done> = Vec::new();
     for input in &args.inputs {
-        // The mass of the first is the mark for the others: strength of parts compares at equal mass.
-        // G-code cannot be changed, so it keeps its own.
+        // With --same-mass, the other jobs get the mass of the first part, so that strengths are comparable.
+        // G-code cannot be changed, so it keeps its own mass.
         let mass_g = all.first().filter(|_| args.same_mass && is_job(input)).map(|d| d.tested.report.mass_g);
         let name = input.display();
         let note = |text: &str| {
@@ -39,7 +39,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
         };
         note("planning");
         let mut done = test_one(input, args.job.as_deref(), &args.common, mass_g, &note)?;
-        // Beads are the largest part of a program, and the table needs none.
+        // The beads take most of a program's memory, and the table does not need them.
         done.program.layers = Vec::new();
         let report = &done.tested.report;
         note(&format!("{:.0} N ({})", report.peak_load_n, report.over()));
@@ -61,7 +61,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A row for each test, with its ratio to the first.
+/// A row for each test, with the ratio of its peak load to that of the first test.
 pub fn compared(all: &[&Done]) -> Vec<Value> {
     let Some(first) = all.first() else { return Vec::new() };
     all.iter().map(|d| row(d, &first.tested.report)).collect()
@@ -75,12 +75,12 @@ struct Ratio {
 }
 
 impl Ratio {
-    /// The peak load of one part over that of another: corner by corner of the card, which both share, and wider on both
-    /// sides by the larger share that the grid moves either of them.
+    /// The peak load of `part` over that of `first`. The interval spans the ratios at each corner of the material card,
+    /// which both parts share, and is widened on both sides by the larger `grid_share`.
     fn new(part: &StrengthReport, first: &StrengthReport) -> Self {
         let nominal = part.peak_load_n / first.peak_load_n;
-        // Corner by corner: uncertainty of the card that acts on both parts alike cancels. The quotient of the two
-        // intervals would be much wider.
+        // Taken corner by corner, an uncertainty of the material that affects both parts alike cancels. Dividing the
+        // two intervals would give a much wider one.
         let corners = part.corners.iter().filter_map(|(k, v)| first.corners.get(k).map(|w| v / w));
         let (low, high) = corners.fold((nominal, nominal), |(low, high), r| (low.min(r), high.max(r)));
         let grid = part.grid_share.max(first.grid_share);
@@ -112,7 +112,7 @@ fn row(done: &Done, first: &StrengthReport) -> Value {
 }
 
 fn table(all: &[Done], rows: &[Value]) -> String {
-    // Names are counted in characters, which is near enough to columns on a terminal.
+    // The width of a name is its number of characters, which is close to its columns on a terminal.
     let width = all.iter().map(|d| d.name.chars().count()).max().unwrap_or(4).max(4);
     let mut out = format!(
         "{:<width$}  {:>7}  {:>9}  {:>17}  {:>8}  {:>6}  {:>18}  fails mostly\n",

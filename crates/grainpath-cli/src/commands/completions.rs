@@ -1,4 +1,4 @@
-//! `grainpath completions` and `grainpath man`: both are made from the arguments themselves, so they cannot go stale.
+//! `grainpath completions` and `grainpath man`: both are generated from the argument definitions, so they stay up to date.
 
 use std::fs;
 
@@ -20,7 +20,7 @@ pub(crate) fn completions(args: &Completions) -> Result<(), Failure> {
 /// `grainpath man`
 pub(crate) fn man(args: &Man) -> Result<(), Failure> {
     let mut program = Args::command();
-    // Names of commands and their options are complete only after this.
+    // clap fills in the full names of commands and their options only in `build`.
     program.build();
     let mut pages = vec![("grainpath.1".to_owned(), program.clone())];
     for command in program.get_subcommands() {

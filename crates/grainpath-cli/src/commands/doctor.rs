@@ -1,4 +1,4 @@
-//! `grainpath doctor`: what a report of a problem should say of the machine, and what is missing on it.
+//! `grainpath doctor`: facts about the machine that belong in a problem report, and missing programs and formats.
 
 use std::io::IsTerminal;
 use std::path::Path;
@@ -18,7 +18,7 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
     let line = |name: &str, text: String| format!("{name:<22} {text}\n");
     let memory = |key: &str| match value[key].as_f64() {
         Some(mib) => format!("{:.1} GiB", mib / 1024.0),
-        None => "not told by this system".to_owned(),
+        None => "not reported by this system".to_owned(),
     };
     let writable = |key: &str| match value[key]["problem"].as_str() {
         Some(problem) => {
@@ -52,7 +52,7 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
         "formats of scans",
         match left_out().join(" and ").as_str() {
             "" => "all".to_owned(),
-            some => format!("all but {some}, which packages read, and builds with --features all-formats"),
+            some => format!("all but {some}, which need a packaged build or one with --features all-formats"),
         },
     );
     text += &line("working folder", writable("working_folder"));
@@ -103,8 +103,8 @@ fn survey() -> Value {
     })
 }
 
-/// A folder, and why nothing can be written to it, if so. A file is written, since permissions alone do not tell of full
-/// disks and of file systems that are mounted to be read.
+/// A folder, and the reason if it cannot be written to. The test writes a file, since permissions alone do not reveal
+/// full disks and file systems that are mounted read-only.
 fn folder_json(folder: &Path) -> Value {
     let problem = tempfile::tempfile_in(folder).err().map(|e| e.to_string());
     json!({ "path": folder.display().to_string(), "problem": problem })

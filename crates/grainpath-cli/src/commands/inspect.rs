@@ -46,7 +46,7 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a file is, as `--json` prints it. `size` is that of raw voxels, and `sample` their type.
+/// Describes a file, as `--json` prints it. `size` is the number of voxels of raw data in x, y and z, `sample` their type.
 ///
 /// # Errors
 /// For a file that cannot be read.
@@ -62,7 +62,7 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     if raw.is_some() || scan::is_scan(&args.file)? {
         return scan::inspect(args, raw);
     }
-    // Otherwise the option would be ignored without a word.
+    // The option has no effect below, so it is refused instead of ignored.
     if args.image.is_some() {
         return Err(Failure::usage(
             "--image draws the faces of a mesh (with --faces) or the histogram of a scan",
@@ -134,7 +134,7 @@ fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
         .map_err(|e| Failure::input(format!("{name}: {e}")))
 }
 
-/// Whether a folder is one of `vector_slicer`, with matrices of directions.
+/// Whether a folder was written by `vector_slicer` and holds matrices of directions.
 fn is_vector_slicer(path: &Path) -> bool {
     ["thetaField.csv", "theta_field.csv", "xField.csv"].iter().any(|name| path.join(name).is_file())
 }
@@ -160,8 +160,8 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     let low = all.iter().map(|h| h.bounds.0).reduce(|a, b| a.min(b)).unwrap_or_default();
     let high = all.iter().map(|h| h.bounds.1).reduce(|a, b| a.max(b)).unwrap_or_default();
     let open = sum(&|h| h.open_edges);
-    // Open edges may be seams only: they close when vertices within a millionth of the size are merged.
-    // The count after merging tells a seam from a hole.
+    // Open edges may be mere seams, which close when vertices within a millionth of the size are merged.
+    // Edges that are still open after merging belong to holes.
     let tolerance = 1e-6 * (high - low).max_element();
     let open_after = if open == 0 {
         0
@@ -189,8 +189,8 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     })
 }
 
-/// The volume of a mesh in the cube of its unit. Facets and shells that are inside out are turned first,
-/// as slicing does. The text says so, or why there is no volume.
+/// The volume of a mesh in the cube of its unit. As in slicing, facets and shells that are inside out are
+/// turned first. The text states that, or the reason if there is no volume.
 fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
     let as_read: f64 = file.bodies.iter().map(|b| b.mesh.signed_volume()).sum();
     let bodies = file.bodies.iter().map(|b| b.mesh.clone()).collect();
@@ -209,12 +209,12 @@ fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
     // only.
     let turned = (volume - as_read).abs() > 1e-6 * volume.abs();
     let text =
-        "facets or shells are inside out; the volume is that after they are turned, as slicing turns them";
+        "facets or shells are inside out; slicing turns them, and this is the volume after they are turned";
     (Some(volume), turned.then(|| text.to_owned()))
 }
 
 fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
-    // The default tolerance of `shape.outline`, so that the counts are those of a job without settings.
+    // The default tolerance of `shape.outline`: the counts then equal those of a job with default settings.
     let options = OutlineOptions { unit: None, tolerance_mm: 0.005, even_odd: false };
     let outline = parse_outline(bytes, &options);
     let outline = outline.map_err(|source| grainpath::Error::Outline { path: name.to_owned(), source })?;
@@ -241,25 +241,25 @@ fn image_json(name: &str, image: &Image) -> Value {
     json!({
         "ok": true, "file": name, "kind": "image", "format": image.format.name(),
         "width": image.width, "height": image.height, "channels": image.channels, "samples": sample,
-        // One per cent at each end is left to dust and highlights, which would hide a picture of low
-        // contrast.
+        // The darkest and brightest 1 % are left out: dust and highlights would hide that a picture has
+        // low contrast.
         "darkest": round(grey.quantile(0.01)), "median": round(grey.quantile(0.5)),
         "brightest": round(grey.quantile(0.99)),
         "grain": grain_json(&grey),
     })
 }
 
-/// The grain that a plan would follow: its mean axis, how clear it is, and where it is clear. The size of the board is
-/// not known here, so lengths count in pixels of a picture with at most [`GRAIN_PX`] on its longer side.
+/// The grain that a plan would follow: its mean axis, its coherence, and the share of the picture where it is clear. The
+/// size of the board is unknown here, so lengths are pixels of a picture with at most [`GRAIN_PX`] on its longer side.
 fn grain_json(grey: &Grey) -> Value {
     let mut small = grey.clone();
     while small.width.max(small.height) > GRAIN_PX && small.width.min(small.height) > 32 {
         small = small.halved();
     }
-    // Rows of a photograph begin at the top; the axis is told counter-clockwise from the picture's x.
+    // Rows of a photograph start at the top; they are flipped so that the axis counts counter-clockwise from x.
     let upright = Grey::from_fn(small.width, small.height, |x, y| small.at(x, small.height - 1 - y));
     let picture = MetricImage { grey: upright, min_mm: DVec2::ZERO, px_mm: 1.0 };
-    // The ratio of the two scales is that of the job's defaults, 0.12 and 0.6 mm.
+    // The two scales have the same ratio as their defaults in a job, 0.12 and 0.6 mm.
     let axes =
         grain_axes(&picture, &TensorSettings { gradient_mm: 1.0, integration_mm: 5.0, smooth_mm: 5.0 });
     let weight = axes.coherence.iter().map(|&c| f64::from(c));
@@ -279,12 +279,12 @@ fn grain_json(grey: &Grey) -> Value {
     })
 }
 
-/// Longer side of the picture that the grain is read from, pixels. Source: derived; rings of a board 100 mm wide are
+/// Longer side of the picture that the grain is read from, pixels. Source: derived. A board 100 mm wide has growth rings
 /// 1 mm apart or more, which is six pixels.
 const GRAIN_PX: usize = 640;
 
-/// Whether a file is a finite-element mesh or result. A table counts only with its ending `.csv`, since
-/// G-code may begin alike.
+/// Whether a file is a finite-element mesh or result. A table must have the ending `.csv`, since
+/// G-code may begin like a table.
 fn is_fe(bytes: &[u8], name: &str) -> bool {
     sniff_fe(bytes, Some(name))
         .is_some_and(|f| f != FeFormat::Csv || name.to_ascii_lowercase().ends_with(".csv"))
@@ -326,7 +326,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             value["plane"] = json!(result.plane);
             value["max_von_mises"] = json!((peak * 1e6).round() / 1e6);
             value["likely_stress_unit"] =
-                // No common plastic or metal stands 10 GPa, so a greater number can only be in Pa.
+                // No common plastic or metal withstands 10 GPa, so a larger number must be in Pa.
                 json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
             if let Some(u) = &result.displacement {
                 let longest = u.iter().map(|u| u.length()).filter(|l| l.is_finite()).fold(0.0, f64::max);
@@ -334,7 +334,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             }
             warnings = result.warnings;
         }
-        // A mesh without stress is a valid file; there is only less to show.
+        // A mesh without stress is a valid file: its stress is simply left out of the answer.
         Err(FeError::NoStress { .. }) => {}
         Err(e) => warnings.push(Warning::new(WarningId::FeLeftOut, e.to_string())),
     }
@@ -359,7 +359,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
         "ok": true, "file": name, "kind": "gcode", "generator": p.generator,
         "commands": p.commands, "arcs": p.arcs, "layers": p.layers.len(),
         "z_max_mm": p.layers.last().map_or(0.0, |l| l.z_mm),
-        // The median: the first layer and variable heights would shift a mean.
+        // The median is used because the first layer and variable heights would shift a mean.
         "layer_height_mm": sorted.get(sorted.len() / 2).copied().map(round),
         "printed_mm": round(p.printed_mm), "travel_mm": round(p.travel_mm), "extruded_mm3": round(p.extruded_mm3),
         "filament_mm": round(p.filament_mm), "retractions": p.retractions, "time_s": round(p.time_s),
@@ -369,7 +369,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
     })
 }
 
-/// The fibre of a program; null for programs without fibre.
+/// Length, pieces, cuts and radii of the fibre in a program; null for programs without fibre.
 fn fibre_json(p: &Program) -> Value {
     let fibre = grainpath::measure::fibre::measure(p, DVec2::ZERO, 0.0, 0.0, None);
     if fibre.layers.is_empty() {
@@ -382,17 +382,17 @@ fn fibre_json(p: &Program) -> Value {
     })
 }
 
-/// Keys that people read under another name: lengths of a mesh are in its own unit, which the last row tells.
+/// Keys that the table shows under another name. Lengths of a mesh are in its own unit, shown in the row `likely unit`.
 const NAMES: [(&str, &str); 4] = [
     ("volume", "volume (cubic units)"),
     ("extents", "size (units)"),
     ("low", "low corner (units)"),
     ("high", "high corner (units)"),
 ];
-/// Keys that the table does not show: the exit code tells the first, and the second stands below.
+/// Keys that are not rows of the table: the exit code replaces `ok`, and the warnings are printed below the table.
 const ELSEWHERE: [&str; 2] = ["ok", "warnings"];
 
-/// Keys and values, one pair a line, with the warnings below them as other commands print them.
+/// The answer as text: a line for each key and value, then the warnings in the format of the other commands.
 fn table(value: &Value) -> String {
     let Some(rows) = value.as_object() else { return String::new() };
     let name = |key: &str| {
@@ -421,7 +421,7 @@ fn table(value: &Value) -> String {
     text
 }
 
-/// A value for people: six digits, which is more than any of our inputs is measured to.
+/// A value as text, numbers with six digits: no input of grainpath is measured more precisely.
 fn shown(value: &Value) -> String {
     match value {
         Value::String(s) => s.clone(),
@@ -450,7 +450,7 @@ fn digits(number: f64) -> String {
     if !(1e-4..1e9).contains(&size) {
         return format!("{number:.5e}");
     }
-    // Decimals that leave six digits; whole numbers keep all of theirs.
+    // As many decimals as make six digits in all; the digits before the point are never cut.
     let decimals = (5 - size.max(1e-4).log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{number:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }

@@ -1,7 +1,7 @@
-//! `grainpath inspect FILE --faces`: the faces of a mesh, with the line that selects each in a job.
+//! `grainpath inspect FILE --faces`: lists the faces of a mesh, each with the line that selects it in a job.
 //!
-//! Coordinates are those of the file in mm. Names do not depend on unit, scale, rotation and place of a
-//! job, so the names listed here are those of every job on this file.
+//! Coordinates are those of the file in mm. The unit, scale, rotation and position that a job sets do not
+//! change the names of faces, so the names listed here hold in every job with this file.
 
 use std::fmt::Write as _;
 
@@ -16,8 +16,8 @@ use serde_json::{Value, json};
 use crate::args::Inspect;
 use crate::{Failure, cad, files};
 
-/// Faces that are listed; a mesh without flat and round faces may have one for each facet.
-/// Source: derived: a list that a person still reads to its end.
+/// Most faces that are listed; a mesh without flat or round faces may have a face for each facet.
+/// Source: derived. A person still reads a list of this length to its end.
 const LISTED: usize = 200;
 /// Longer side of the picture, pixels. Source: derived: two views beside each other on a wide screen.
 const IMAGE_PX: u32 = 1600;
@@ -48,7 +48,7 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
         text.push_str(&line(row));
     }
     if faces.len() > shown {
-        let _ = writeln!(text, "and {} smaller ones", faces.len() - shown);
+        let _ = writeln!(text, "and {} smaller faces", faces.len() - shown);
     }
     files::print(&text);
     Ok(())
@@ -61,7 +61,7 @@ fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces), Failure> {
         body.mesh.vertices.iter_mut().for_each(|p| *p *= mm);
         body.mesh
     });
-    // Mended as a run mends it: facets that are inside out would have their normals reversed.
+    // The mesh is mended as in a run, since facets that are inside out would have reversed normals.
     let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
         .map_err(|source| grainpath::Error::Shape { path: name.to_owned(), source })?;
     let faces = Faces::segment(&mesh);
@@ -85,7 +85,7 @@ pub(crate) fn face_json(faces: &Faces, i: usize) -> Value {
         "number": i + 1, "name": name, "kind": surface.word(), "area_mm2": rounded(*area_mm2),
         "centre_mm": vector(*centroid), "triangles": triangles.len(),
         "line": format!("on = {{ face = {name:?} }}"),
-        // Two faces that are alike have names that find neither.
+        // If two faces are alike, the name of either cannot tell them apart.
         "doubtful": faces.find(&name).is_err(),
     });
     let mut add = |key: &str, value: Value| row[key] = value;
@@ -114,11 +114,11 @@ pub(crate) fn face_json(faces: &Faces, i: usize) -> Value {
     row
 }
 
-/// A face as a line for people.
+/// A face as text for the terminal.
 fn line(row: &Value) -> String {
     let word = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
     let mut measures = String::new();
-    // The centre of a round face says less than a point of its axis.
+    // For a round face, a point of its axis is more useful than the centre of its area.
     let centre = if row["point_mm"].is_null() { "centre_mm" } else { "point_mm" };
     for (key, shown) in [
         ("radius_mm", "radius"),
@@ -143,7 +143,7 @@ fn line(row: &Value) -> String {
     )
 }
 
-/// A number, or the three of a vector in parentheses, for people: to a micrometre.
+/// A number, or the components of a vector in parentheses, as text rounded to a micrometre.
 fn measure(value: &Value) -> String {
     let number = |v: &Value| format!("{}", (v.as_f64().unwrap_or_default() * 1e3).round() / 1e3 + 0.0);
     match value.as_array() {
@@ -152,7 +152,7 @@ fn measure(value: &Value) -> String {
     }
 }
 
-/// To a tenth of a micrometre: more digits would be those of rounding.
+/// Rounds to a tenth of a micrometre: further digits would only show rounding errors.
 fn rounded(v: f64) -> f64 {
     // Adding zero turns -0 into 0.
     (v * 1e4).round() / 1e4 + 0.0

@@ -1,4 +1,4 @@
-//! `grainpath inspect` on CT scans.
+//! `grainpath inspect` for CT scans.
 
 use std::path::Path;
 
@@ -13,9 +13,9 @@ use crate::args::Inspect;
 use crate::inputs::open_scan;
 use crate::{Failure, outputs};
 
-/// Bars of the picture of a histogram. Source: chosen; one bar for each grey value of 8 bits.
+/// Number of bars in the histogram picture. Source: chosen; one bar for each grey value of 8 bits.
 const HISTOGRAM_BINS: usize = 256;
-/// Width of that picture, pixels. Source: derived; three pixels to a bar, and a margin for the axis.
+/// Width of the histogram picture, pixels. Source: derived; three pixels for each bar, and a margin for the axis.
 const IMAGE_PX: u32 = 900;
 
 /// Whether a path is a scan: a folder, or a file with the ending of a volume format.
@@ -28,18 +28,18 @@ pub(super) fn is_scan(path: &Path) -> Result<bool, Failure> {
     Ok(named.iter().any(|e| name.ends_with(e)))
 }
 
-/// The header from the command line, for a file without one.
+/// The header given on the command line, for a raw file without a header.
 pub(super) fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
     let Some(size) = &args.size else { return Ok(None) };
     let &[x, y, z] = size.as_slice() else {
         return Err(Failure::usage("--size should be columns,rows,slices"));
     };
     let sample = SampleType::from_name(&args.sample)
-        .ok_or_else(|| Failure::usage(format!("--sample {} is no type of voxels", args.sample)))?;
+        .ok_or_else(|| Failure::usage(format!("--sample {} is not a voxel type", args.sample)))?;
     Ok(Some(RawHeader { size: [x, y, z], sample, big_endian: false, offset_bytes: 0 }))
 }
 
-/// Properties of a scan, which is read once from end to end.
+/// Describes a scan, which is read once from the first slice to the last.
 pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     let mut source = open_scan(&args.file, raw, false)?;
     let info = source.info().clone();
@@ -66,7 +66,7 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
     let iso50 = 0.5 * (air + material);
     if let Some(path) = &args.image {
         let mark = |value, colour| Mark { value, colour };
-        // Air and material blue, the thresholds between them red and yellow.
+        // The grey values of air and material are marked blue, the thresholds between them red and yellow.
         let marks = [
             mark(air, [90, 150, 255]),
             mark(material, [90, 150, 255]),
@@ -77,8 +77,8 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         outputs::save(path, &histogram_png(&histogram.binned(HISTOGRAM_BINS), range, &marks, IMAGE_PX))?;
     }
     let round = |v: f64| (v * 1e4).round() / 1e4;
-    // Nine decimals of a millimetre are a picometre: rounding removes the noise of binary fractions and
-    // nothing else.
+    // Nine decimals of a millimetre are a picometre: the rounding removes only the noise of binary
+    // fractions.
     let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e9).round() / 1e9));
     let size_mm: Vec<Option<f64>> =
         (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();

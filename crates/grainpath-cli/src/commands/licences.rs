@@ -1,4 +1,4 @@
-//! `grainpath licences`: the notices that licences ask to be passed on with the program.
+//! `grainpath licences`: the notices that licences require to be passed on with the program.
 
 use crate::args::Licences;
 use crate::{Failure, files};

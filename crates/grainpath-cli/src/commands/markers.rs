@@ -1,4 +1,4 @@
-//! `grainpath markers`: a sheet of corner markers.
+//! `grainpath markers`: writes a sheet of corner markers on which a board is photographed.
 
 use grainpath_core::DVec2;
 use grainpath_core::spelling::meaning;
@@ -10,7 +10,7 @@ use crate::{Failure, files, outputs};
 pub(crate) fn markers(args: &Markers) -> Result<(), Failure> {
     use grainpath_imaging::photo::markers::{marker_sheet_pdf, marker_sheet_svg};
     let size = DVec2::new(args.width_mm, args.height_mm);
-    // The negated test refuses NaN too.
+    // Written as a negation, the test also refuses NaN.
     if !(size.min_element() >= 20.0 && size.max_element() <= 2000.0) {
         return Err(Failure::usage(format!(
             "{} x {} mm: the rectangle between the markers should be 20 to 2000 mm wide and high",

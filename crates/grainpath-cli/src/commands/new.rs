@@ -1,4 +1,4 @@
-//! `grainpath new`: a commented job and its input.
+//! `grainpath new`: writes a commented example job and its input files.
 
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
@@ -10,8 +10,8 @@ use grainpath_job::{default_profile, profile, profiles_of};
 use crate::args::New;
 use crate::{Failure, files};
 
-/// A kind of profile that is asked for, and the keys that examples state for their own profile; they go where another
-/// is chosen.
+/// A kind of profile (printer or material), and the keys that belong to the example's own profile of this kind: they are
+/// removed from the job if the user chooses another profile.
 type Asked = (&'static str, &'static [&'static str]);
 
 const PRINTER: Asked = ("printer", &[]);
@@ -34,13 +34,13 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
-    // All names are checked before the first is written, so that a refusal leaves the folder as it was.
+    // All paths are checked before the first file is written, so that a refusal leaves the folder unchanged.
     if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
         let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
     let first = String::from_utf8_lossy(&example[0].1).into_owned();
-    // Fibre is laid by printers of its own, with settings that go with them.
+    // Examples with fibre need a fibre printer and the settings made for it, so the user is not asked.
     let for_fibre = profile_in(&first, PRINTER.0).starts_with("fibre-");
     let at_terminal = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let may_ask = at_terminal && !args.yes && !for_fibre;
@@ -55,7 +55,7 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         };
         let Some(name) = chosen.filter(|name| *name != own) else { continue };
         for (_, content) in example.iter_mut().filter(|(file, _)| file.ends_with(".toml")) {
-            // The scan's true dimensions are no job.
+            // The file with the true dimensions of the scan is TOML too, but not a job.
             if let Ok(text) = std::str::from_utf8(content)
                 && text.lines().any(|l| l.starts_with("[shape"))
             {
@@ -69,12 +69,12 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
-    // The next command to type.
+    // The answer is the command to type next.
     files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }
 
-/// The profile of this name, or what would be right.
+/// The name of the profile if it exists; otherwise an error that lists the names that do.
 fn known(kind: &str, name: &str) -> Result<&'static str, String> {
     profile(kind, name).map(|p| p.name).ok_or_else(|| {
         let names: Vec<&str> = profiles_of(kind).map(|p| p.name).collect();
@@ -83,13 +83,13 @@ fn known(kind: &str, name: &str) -> Result<&'static str, String> {
     })
 }
 
-/// The profile that a job names, or the one that holds where it names none.
+/// The profile that the job names, or the default profile of this kind.
 fn profile_in<'a>(job: &'a str, kind: &str) -> &'a str {
     let named = value_of(job, kind, "profile").map(|value| value.trim_matches('"'));
     named.unwrap_or_else(|| default_profile(kind).map_or("", |p| p.name))
 }
 
-/// A job with another profile.
+/// The text of a job with its profile of this kind replaced by `name`.
 fn with_profile(job: &str, (kind, own_keys): Asked, name: &str) -> String {
     let value = format!("\"{name}\"");
     let Some(job) = with_value(job, kind, "profile", &value) else {
@@ -98,8 +98,8 @@ fn with_profile(job: &str, (kind, own_keys): Asked, name: &str) -> String {
     own_keys.iter().fold(job, |job, key| without_value(&job, kind, key))
 }
 
-/// Asks for a profile until a name or a number of the list is typed. Nothing, or the end of the input, keeps what the
-/// example has.
+/// Asks for a profile until the user types a name or number from the list. An empty line or the end of the input gives
+/// `None`: the example keeps its profile.
 fn ask(
     kind: &str,
     own: &str,

@@ -1,4 +1,4 @@
-//! `grainpath orient`: which way up a part carries its loads best.
+//! `grainpath orient`: ranks the stable poses of a part by the loads that it carries in them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,22 +23,22 @@ use crate::commands::support::supported;
 use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
 use crate::{Failure, files, outputs, progress};
 
-/// Poses that are ranked. Source: derived. A part of printing's usual shapes has six to ten; each costs the growth of its
-/// supports.
+/// Most poses that are ranked. Source: derived. A usual printed part has six to ten stable poses, and supports are grown
+/// for each.
 const MOST_POSES: usize = 10;
 
-/// A pose and what speaks for it.
+/// A pose and the values by which it is ranked.
 #[derive(Debug)]
 pub(super) struct Ranked {
     rotate_deg: [f64; 3],
-    /// The factor on the loads at first failure; left out where none can be told.
+    /// The factor on the loads at which the part first fails; `None` if it cannot be computed.
     reserve: Option<PoseReserve>,
     /// Mass of the supports that the pose needs.
     support_g: f64,
     height_mm: f64,
-    /// Time to lay part and supports at the speed of infill, without travels.
+    /// Printing time of part and supports at the speed of solid infill, without travels.
     time_s: f64,
-    /// The flat that it stands on, and the tilt that it withstands.
+    /// Area of the flat that the part stands on, and the angle by which it can be tilted before it falls.
     flat_mm2: f64,
     tilt_deg: f64,
 }
@@ -62,7 +62,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     if args.write && is_loaded(&settings) && settings.guide.frame == LoadFrame::Placed {
         return Err(Failure::usage(format!(
-            "{}: --write turns the part, and its loads only with guide.frame = \"part\", whose coordinates are those of the shape's file",
+            "{}: --write would turn the part but not its loads; set guide.frame = \"part\" and give coordinates as in the shape's file",
             args.job.display()
         )));
     }
@@ -110,8 +110,8 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The poses of a job's part, the best first, and the seconds that its loads took. A part without fixtures and loads is
-/// ranked by support and height.
+/// The poses of a job's part, the best first, and the seconds that solving the loads took. Without fixtures and loads,
+/// poses are ranked by support and height.
 pub(super) fn ranked(
     settings: &Settings,
     shape: &Path,
@@ -152,12 +152,12 @@ pub(super) fn ranked(
         let nominal = r.reserve.as_ref().map(|r| r.first_failure[1]);
         orient::rank(nominal, r.support_g, r.height_mm, r.time_s)
     };
-    // Equal ranks keep the order of their flats.
+    // The sort is stable: poses of equal rank stay sorted by the flat they stand on.
     ranked.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
     Ok((ranked, solve_s))
 }
 
-/// Whether a job says where its part is held or loaded.
+/// Whether a job has fixtures, loads or load cases.
 fn is_loaded(settings: &Settings) -> bool {
     let guide = &settings.guide;
     !guide.fixture.is_empty() || !guide.load.is_empty() || !guide.case.is_empty()
@@ -184,14 +184,14 @@ fn ranked_pose(
     if settings.support.style == SupportStyle::None {
         settings.support.style = SupportStyle::Tree;
     }
-    // Each pose has warnings of its own, of which its run tells.
+    // Warnings of a single pose are dropped here: a run of the job in that pose reports them.
     let quiet = Diagnostics::default();
     let (_, stack, support, _) = supported(&settings, file, name, &quiet)?;
     let supports_mm3 = support.beads_mm3(&stack).unwrap_or_else(|| support.volume_mm3(&stack));
     let part_mm3: f64 = stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
     let p = &settings.process;
     let flow_mm3_s = bead_area_mm2(p.bead_width_mm, p.layer_height_mm) * p.solid_speed_mm_s;
-    // Adding zero turns -0, the volume of no support, into 0.
+    // The volume without support is -0; adding zero turns it into 0.
     let round = |v: f64, to: f64| (v * to).round() / to + 0.0;
     Ok(Ranked {
         rotate_deg: pose.rotate_deg,

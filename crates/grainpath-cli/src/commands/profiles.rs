@@ -13,7 +13,7 @@ pub(crate) fn profiles(args: &Profiles) -> Result<(), Failure> {
             return Err(Failure::usage(format!("no profile {name:?}; did you mean {near:?}?")));
         };
         let json = serde_json::json!({ "kind": p.kind, "name": p.name, "toml": p.text });
-        // The text of the profile is printed as it is, comments included, to be copied into a file of
+        // The text of the profile is printed unchanged with its comments, so that users can copy it to a file of
         // one's own.
         files::print(&if args.json { format!("{json}\n") } else { p.text.to_owned() });
         return Ok(());

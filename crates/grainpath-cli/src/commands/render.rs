@@ -1,4 +1,4 @@
-//! `grainpath render`: pictures of a program.
+//! `grainpath render`: draws a layer or the whole part of a G-code program.
 
 use std::path::Path;
 
@@ -64,7 +64,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Plans a job and compares the fill of a layer with the directions that it asks for.
+/// Plans a job and compares the infill beads of a layer with the directions that the job's guide asks for.
 fn compare_with_job(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(job, &[])?;
     let diagnostics = progress::diagnostics();
@@ -75,11 +75,11 @@ fn compare_with_job(picture: &mut LayerPicture, program: &Program, job: &Path) -
     Err(Failure::usage(format!("{}: the job has no guide that asks for directions", job.display())))
 }
 
-/// Gives each piece of fill its angle to the direction that a plan's guide asks for; `false` where it has none. The
-/// program may come from any slicer, so the centre of what it prints is taken as the centre of the part.
+/// Stores in each infill bead its angle to the direction that the plan's guide asks for; `false` if the plan has no such
+/// guide. The program may come from any slicer, so the printed part is aligned with the planned one by their centres.
 pub fn tell_directions(picture: &mut LayerPicture, program: &Program, planned: &Planned) -> bool {
     let Some(off) = grainpath::measure::report::direction_error(planned) else { return false };
-    // Skirts and supports lie outside the part and would shift its centre.
+    // Skirts and supports are left out: they lie outside the part and would shift its centre.
     let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
     let printed = Bounds2::around_points(printed.flat_map(|b| [b.start(), b.end()]));
     let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);

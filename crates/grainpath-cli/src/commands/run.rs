@@ -1,4 +1,4 @@
-//! `grainpath run`: the main job, whole.
+//! `grainpath run`: plans a job file and writes all its outputs.
 
 use std::path::Path;
 use std::process::Command;
@@ -39,9 +39,9 @@ pub(crate) fn run(args: &RunArguments) -> Result<(), Failure> {
     execute(&settings, &shape, &folder, &out, truth.as_deref(), claims, &args.common)
 }
 
-/// Runs the jobs of a folder on a cluster: the Python package does it.
+/// Runs the jobs of a folder on a cluster, by starting the Python package.
 fn run_folder(args: &RunArguments, scheduler: &str) -> Result<(), Failure> {
-    // The package's own command names its interpreter; that of another folder may not have the package.
+    // The Python package passes its interpreter in this variable; another `python3` may lack the package.
     let python = std::env::var_os("GRAINPATH_PYTHON").unwrap_or_else(|| "python3".into());
     let mut command = Command::new(&python);
     command.args(["-m", "grainpath.cluster"]).arg(&args.job).args(["--scheduler", scheduler]);
@@ -62,15 +62,15 @@ fn run_folder(args: &RunArguments, scheduler: &str) -> Result<(), Failure> {
         command.status().map_err(|e| Failure::usage(format!("{install} ({}: {e})", python.display())))?;
     match ended.code() {
         Some(0) => Ok(()),
-        // Python's own code where there is no such module; it has said so.
+        // Python exits with 1 if the module is missing, and has printed that.
         Some(1) => Err(Failure::usage(install)),
-        // The table with its errors has been printed, and with --json it is to be the only object.
+        // The table with the errors has been printed already; with --json no second object may follow.
         Some(code) => std::process::exit(code),
         None => Err(Failure::usage("the run on the cluster was ended by a signal")),
     }
 }
 
-/// Solves the loads of a job and tells what they caught; no G-code is written.
+/// Solves the loads of a job and reports where fixtures and loads act; no G-code is written.
 fn check(
     settings: &Settings,
     shape: &Path,
@@ -110,11 +110,11 @@ fn check(
     Ok(())
 }
 
-/// The loads of a job, solved without planning. What is `given` stands in the place of files; where the shape is given,
-/// `shape` is only its name in errors.
+/// Solves the loads of a job without planning it. Inputs in `given` replace the files; if the shape is given, `shape` is
+/// only its name in error messages.
 ///
 /// # Errors
-/// For shapes that are no mesh or outline, and those of reading and solving.
+/// For a shape that is neither mesh nor outline, and errors of reading and solving.
 pub fn checked(
     settings: &Settings,
     given: Given,
@@ -129,7 +129,7 @@ pub fn checked(
         }
         Some(Handed::Scan(_) | Handed::Layers(_)) | None => {
             return Err(Failure::usage(
-                "--check needs a part from a mesh or an outline; those of scans and photographs are known after planning",
+                "--check needs a part from a mesh or an outline; parts of scans and photographs have no shape before planning",
             ));
         }
     };
@@ -153,8 +153,8 @@ pub fn checked(
     Ok(grainpath::run::check_loads(settings, inputs, diagnostics)?)
 }
 
-/// Plans and writes a job. Input paths are relative to `base`, output paths to `out`; `claims` holds the
-/// files that were read before.
+/// Plans a job and writes its outputs. Input paths are relative to `base`, output paths to `out`; `claims`
+/// holds the files that were read already.
 pub(crate) fn execute(
     settings: &Settings,
     shape: &Path,
@@ -171,8 +171,8 @@ pub(crate) fn execute(
     paths.claim(&mut claims);
     claims.check()?;
     let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
-    // Warnings of planning refuse the job before anything is written; those of writing can only be told
-    // afterwards.
+    // With --strict, a warning during planning ends the job before anything is written. Warnings during
+    // writing can only be reported afterwards.
     if common.strict {
         let warnings = diagnostics.warnings();
         if !warnings.is_empty() {
@@ -185,13 +185,13 @@ pub(crate) fn execute(
     drop(diagnostics);
     let refused = common.strict && !report.warnings.is_empty();
     if common.json {
-        // A refusal is printed as one JSON object, with the warnings; a report before it would be a
-        // second.
+        // The caller prints a refusal as one JSON object with the warnings, so the report must not be
+        // printed as well.
         if !refused {
             files::print(&format!("{}\n", report.to_json()));
         }
     } else {
-        // A program on standard output leaves no room for the summary there.
+        // If the program goes to standard output, the summary must not be mixed into it.
         if paths.is_standard_output() {
             eprintln!("{}", report.summary());
         } else {

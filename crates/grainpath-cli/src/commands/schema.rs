@@ -1,4 +1,4 @@
-//! `grainpath schema`: the settings, for programs and for people.
+//! `grainpath schema`: prints all settings as a JSON Schema or as a reference page.
 
 use grainpath_job::{json_schema, markdown};
 

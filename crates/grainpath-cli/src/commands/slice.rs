@@ -1,4 +1,4 @@
-//! `grainpath slice`: a mesh, a drawing, a scan or a photograph with default settings.
+//! `grainpath slice`: plans a mesh, a drawing, a scan or a photograph with default settings.
 
 use std::path::Path;
 
@@ -16,32 +16,32 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 /// Endings of pictures that are read.
 const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "bmp"];
 
-/// Endings of pictures that are known and not read, so that the error names them.
+/// Endings of picture formats that grainpath does not read but names in the error.
 const OTHER_PICTURES: [&str; 7] = ["heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
 
 fn is_picture(path: &Path) -> bool {
     has_ending(path, &PICTURES) || has_ending(path, &OTHER_PICTURES)
 }
 
-/// Files that are no shape, by their endings, and what takes them.
+/// Endings of files that hold no shape, with the error that names the right command.
 const NO_SHAPES: [(&[&str], &str); 3] = [
     (&["toml"], "not a mesh, but a job: `grainpath run` takes it"),
     (
         &["gcode", "gco", "g"],
-        "not a mesh, but a program already: `grainpath inspect`, `render` and `strength` take it",
+        "not a mesh, but a G-code program: `grainpath inspect`, `render` and `strength` take it",
     ),
     (
         &["vtu", "vtk", "frd", "msh", "inp", "csv", "npy", "npz"],
-        "not a mesh, but values at points: guide.import takes stress, guide.field directions, and `grainpath inspect` says which it is",
+        "not a mesh, but values at points: guide.import reads stress, guide.field reads directions, and `grainpath inspect` says which it holds",
     ),
 ];
 
-/// The job of a file that is sliced without one, and what it takes the file for, where that is more than its kind.
+/// The text of the default job for a file, and, for a photograph or scan, the assumptions that the job makes about it.
 fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
     let file = serde_json::Value::from(model.display().to_string());
     if is_picture(model) {
-        // Skins would hide the grain, and sparse lines along it would touch nothing beside them.
+        // No skins, since they would hide the grain; dense infill, since sparse lines along the grain would not touch.
         let job = format!(
             "[shape.photo]\nfiles = [{file}]\n# size_mm = [200, 100]    # width and height of the board: measure it\n# thickness_mm = 6\n\n\
              [guide]\nkind = \"grain\"\n\n[fill]\npattern = \"stripes\"\ndensity = 1\n\n\
@@ -52,14 +52,14 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     }
     if model != Path::new("-") && inspect_scan::is_scan(model)? {
         let assumed =
-            "a scan: the part is what is brighter than Otsu's threshold, with spacing and unit of its header";
+            "a scan: voxels above Otsu's threshold are the part, spacing and unit are those of its header";
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
     }
     Ok((String::new(), None))
 }
 
-/// The text of a job that plans a file as [`slice`] does, with the profiles to choose from; `None` for a file that is
-/// none of mesh, drawing, photograph and scan.
+/// The text of a job that plans a file as [`slice`] does, with the default profiles named in it; `None` for a file that
+/// is not a mesh, drawing, photograph or scan.
 #[cfg(feature = "studio")]
 pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     let file = serde_json::Value::from(model.display().to_string());
@@ -81,7 +81,7 @@ pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     let profile = |kind: &str, name: &str| {
         let own = format!("[{kind}]\n");
         match shape.split_once(&own) {
-            // A photograph's job has a table of the process already.
+            // The job of a photograph already has a [process] table.
             Some(_) => String::new(),
             None => format!("\n{own}profile = \"{name}\"\n"),
         }

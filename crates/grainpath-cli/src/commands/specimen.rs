@@ -1,4 +1,4 @@
-//! `grainpath specimen`: pieces to print and read, and test pieces of standards with their jobs.
+//! `grainpath specimen`: writes calibration pieces, and test pieces of standards with their jobs.
 
 use std::path::{Path, PathBuf};
 
@@ -34,10 +34,10 @@ pub(crate) fn specimen(args: &Specimen) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes a test piece, with a drawing and a job that tests it beside the mesh.
+/// Writes the mesh of a test piece and, in the same folder, a drawing and a job that tests the piece.
 fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
     write_mesh(output, &[&piece.mesh()])?;
-    // The job names the mesh, so both follow the name the user gave.
+    // The job refers to the mesh by name, so job and drawing take the file name that the user chose for the mesh.
     let file = output.file_stem().map_or_else(|| piece.name.into(), |s| s.to_string_lossy().into_owned());
     let (job, drawing) = (output.with_extension("toml"), output.with_extension("svg"));
     outputs::save(&job, piece.job(&file).as_bytes())?;

@@ -1,4 +1,4 @@
-//! `grainpath strength`: the load that a part carries until it breaks.
+//! `grainpath strength`: computes the load that a part carries until it breaks.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::inputs::{
 };
 use crate::{Failure, files, memory, outputs, progress};
 
-/// A tested job or program.
+/// The result of testing a job or a program.
 pub struct Done {
     /// File name without its extension.
     pub name: String,
@@ -64,19 +64,19 @@ pub(crate) fn is_job(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
-/// The job of an input: the input itself, or the job a program is tested with.
+/// The job of an input: the input itself if it is a job, otherwise the job that the G-code is tested with.
 pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
     let none = || {
         Failure::usage(format!(
-            "{}: no job (.toml), and G-code needs --job JOB.toml, whose part, loads and material it is tested with",
+            "{}: this is not a job (.toml); G-code needs --job JOB.toml for part, loads and material",
             input.display()
         ))
     };
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
-/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass that a job's part should have; `note`
-/// receives the first answer.
+/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted;
+/// `note` receives a first result early.
 pub(crate) fn test_one(
     input: &Path,
     job: Option<&Path>,
@@ -101,12 +101,12 @@ pub struct TestedJob {
     pub folder: PathBuf,
     /// Its name in errors.
     pub name: String,
-    /// What is handed over instead of read from its files.
+    /// Inputs that the caller passes in memory, so that their files are not read.
     pub given: Given,
 }
 
 impl TestedJob {
-    /// Tests the part as the job prints it, or as the bytes of a program do. `input` is the job or the program.
+    /// Tests the part as the job prints it, or, with `theirs`, as this G-code prints it. `input` is the path of either.
     pub fn test(
         mut self,
         input: &Path,
@@ -118,7 +118,7 @@ impl TestedJob {
         let given = std::mem::take(&mut self.given);
         let settings = &self.settings;
         let program = theirs.map(|bytes| read(settings, bytes, input)).transpose()?;
-        // A shape that is handed over need not be named in the job.
+        // A shape passed in memory need not be named in the job.
         let named_shape = shape_of(settings, &self.folder);
         let shape = named_shape.or_else(|| given.shape.is_some().then(|| PathBuf::from(&self.name)));
         let tested = match (program, shape) {
@@ -128,8 +128,8 @@ impl TestedJob {
             }
             (Some(program), Some(shape)) => {
                 let setup = self.setup_for_program(&shape, given, diagnostics)?;
-                // Without a shift the test finds the part on the bed by itself, since another slicer may
-                // have placed it anywhere.
+                // Another slicer may have placed the part anywhere on the bed, so no shift is given: the test
+                // then finds the part by itself.
                 let wanted = strength_settings(settings);
                 let tested = test_noting(&wanted, &setup, &program, None, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
@@ -143,7 +143,7 @@ impl TestedJob {
         Ok(Done { name, tested, warnings, program })
     }
 
-    /// The part's side of a test of another slicer's program.
+    /// The test setup (mesh, layers, fixtures and loads of the part) for another slicer's program.
     fn setup_for_program(
         &self,
         shape: &Path,
@@ -157,7 +157,7 @@ impl TestedJob {
             let (planned, _) = plan_given(settings, given, shape, &self.folder, diagnostics)?;
             return planned.test.ok_or_else(not_enabled);
         }
-        // For others the fill need not be planned: section, fixtures and loads are enough.
+        // For meshes and outlines the fill need not be planned: sections, fixtures and loads are enough.
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let file = match given.shape {
             Some(Handed::Mesh(mesh)) => mesh,
@@ -184,8 +184,8 @@ impl TestedJob {
         let (planned, _) = plan_given(&self.settings, given, shape, &self.folder, diagnostics)?;
         let setup = planned.test.as_ref().ok_or_else(not_enabled)?;
         let mut bytes = Vec::new();
-        // The plan is written and read back, so that the test sees the rounding of the program as for
-        // any other.
+        // The plan is written as G-code and read back, so that the test includes the rounding of the
+        // program, as for any other slicer.
         write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         let program = read(&self.settings, &bytes, input)?;
@@ -196,7 +196,7 @@ impl TestedJob {
     }
 }
 
-/// Tests a program of which no model is known: the part is what it prints, in its own coordinates.
+/// Tests a program without a model: the part is what the program prints, in the program's coordinates.
 fn test_printed(
     settings: &Settings,
     program: &Program,

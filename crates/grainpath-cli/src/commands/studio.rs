@@ -1,7 +1,7 @@
-//! `grainpath studio`: the web application on this computer.
+//! `grainpath studio`: serves the web application on this computer.
 //!
-//! The server is `grainpath-studio`; runs are done here by the code of `run` and `strength`, so that the page and the
-//! command line give the same bytes. Every file that a job names is checked against the studio's folders first.
+//! The crate `grainpath-studio` is the server; this file runs its jobs with the code of `run` and `strength`, so that the
+//! page and the command line give the same bytes. Every file that a job names is checked against the studio's folders first.
 
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ use crate::claims::Claims;
 use crate::inputs::{Given, claim_inputs, no_shape, plan_given, shape_of};
 use crate::{Failure, files, interrupt, memory, outputs};
 
-/// Name of the folder below the current one that the studio writes to.
+/// Name of the folder inside the current folder to which the studio writes.
 const WORK: &str = "grainpath-studio";
 
 /// `grainpath studio`
@@ -44,7 +44,7 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
     let ready = |address: &str| {
         files::print(&format!("{address}\n"));
         eprintln!(
-            "grainpath: the studio is at this address until Ctrl-C; it can be opened from this computer alone"
+            "grainpath: the studio is at this address until Ctrl-C; it can be opened only from this computer"
         );
         if !args.no_open {
             open(address);
@@ -72,10 +72,10 @@ fn open(address: &str) {
     }
 }
 
-/// The commands of this program as the studio's engine.
+/// The engine of the studio: it runs the commands of this program.
 #[derive(Default)]
 struct Commands {
-    /// The stress that was solved last: new settings of paths do not solve it again.
+    /// The stress solved last: it is reused if only settings change that do not affect it.
     known: Arc<KnownStress>,
 }
 
@@ -89,7 +89,7 @@ fn refusal(failure: Failure) -> Refusal {
     Refusal { message: failure.message.replace('\n', " "), code: failure.code }
 }
 
-/// The settings of a job whose files all lie where the studio may read.
+/// The settings of a job. Profiles and other texts are read only from folders that the studio may read.
 fn settings(job: &JobText, roots: &Roots) -> Result<Settings, Refusal> {
     let load = |path: &str| {
         let real = roots.readable(&job.folder.join(path)).map_err(|r| r.message)?;
@@ -105,7 +105,7 @@ fn settings(job: &JobText, roots: &Roots) -> Result<Settings, Refusal> {
     Ok(settings)
 }
 
-/// Checks all files that were claimed.
+/// Checks that the studio may read all claimed inputs and write all claimed outputs.
 fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
     let (read, written) = claims.paths();
     read.iter().try_for_each(|path| roots.readable(path).map(drop))?;
@@ -113,7 +113,7 @@ fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
     claims.check().map_err(refusal)
 }
 
-/// The settings of a job that is only looked at, and the file of its shape.
+/// The settings and the shape file of a job that is shown without planning it.
 fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusal> {
     let settings = settings(job, roots)?;
     if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
@@ -197,7 +197,7 @@ impl Engine for Commands {
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;
-        // What is measured is read back, so the program is there.
+        // `outputs::write` was called with `measured`, so it has read the program back.
         let program = program.into_inner().unwrap_or_default();
         let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
         let outputs = outputs.filter(|(_, path)| path.is_file());

@@ -1,7 +1,7 @@
-//! The part in the studio: its shape with faces and defects, and what its loads do to it.
+//! The part in the studio: its shape with faces and defects, its poses and supports, and the stress under its loads.
 //!
-//! The shape is placed and mended as a run does it, so that the page shows what is printed and names the faces that a job
-//! means. Loads are solved as `grainpath run --check` solves them.
+//! The shape is placed and mended as in a run, so that the page shows the part that is printed, with the same face names
+//! as in a job. Loads are solved as `grainpath run --check` solves them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,17 +28,17 @@ use super::support::supported;
 use crate::Failure;
 use crate::inputs::{read_body, read_deck, read_stress};
 
-/// Faces that are told by name and measures. Source: chosen; a part of a thousand faces is rare, and the names of n faces
-/// cost n squared.
+/// Most faces that are listed with name and measures. Source: chosen; a part with a thousand faces is rare, and the time
+/// for naming n faces grows with n squared.
 const MOST_FACES: usize = 1000;
-/// Faces above which only a few are named: such a mesh has noise and hardly a face that is meant. Source: chosen, as
+/// Number of faces above which only [`FEW_FACES`] are named: the faces of such a mesh are mostly noise. Source: chosen, as
 /// [`MOST_FACES`].
 const TOO_MANY_FACES: usize = 5000;
-/// Faces that are named then. Source: as many as `grainpath inspect --faces` lists.
+/// Faces that are named in a mesh with more than [`TOO_MANY_FACES`]. Source: as many as `grainpath inspect --faces` lists.
 const FEW_FACES: usize = 200;
 
-/// Faults of a file that are drawn. Source: chosen; more than these hide the part, and a soup of a million triangles has
-/// three million.
+/// Most faulty edges of a file that are drawn. Source: chosen; more would hide the part, and a million unconnected
+/// triangles have three million.
 const MOST_FAULTS: usize = 100_000;
 
 fn single(p: DVec3) -> [f32; 3] {
@@ -84,7 +84,7 @@ pub(super) fn shape(
     diagnostics.begin(Stage::Slice, 0);
     diagnostics.check().map_err(grainpath::Error::from)?;
     let standing = config::standing(settings, lowered_mm);
-    // Faces of a million triangles take 1 to 2 s, and nobody waits for those of a closed page.
+    // Finding the faces of a million triangles takes 1 to 2 s, which must not delay a stop when the page is closed.
     let with_faces = move || {
         let faces = faces_as_in_file(&mesh, &standing);
         (mesh, faces)
@@ -109,7 +109,7 @@ pub(super) fn shape(
     add("edges_left", json!(faulty_edges.len()));
     let factor = unit.mm() * standing.scale;
     let placed = |p: DVec3| single(standing.rotation * (factor * p) + standing.shift());
-    // A mesh of noise has as many faces as triangles; borders between them would hide it.
+    // A noisy mesh has almost as many faces as triangles; drawing all their borders would hide it.
     let borders = if faces.len() > TOO_MANY_FACES { Vec::new() } else { borders(&mesh, &edges, &faces) };
     let surface = Surface {
         borders,
@@ -141,10 +141,10 @@ fn borders(mesh: &TriMesh, edges: &EdgeUses, faces: &Faces) -> Vec<[u32; 2]> {
     found
 }
 
-/// Faces with their names and measures, turned as the part stands.
+/// The faces with their names and measures, in the position in which the part stands on the plate.
 fn face_rows(faces: &Faces, rotation: DMat3, shift: DVec3) -> Value {
     let shown = if faces.len() > TOO_MANY_FACES { FEW_FACES } else { faces.len().min(MOST_FACES) };
-    // Faces are measured on the part as it is turned in its file; an unturned part is measured where it stands.
+    // A turned part has its faces measured in the pose of its file, so they are moved here; others need no move.
     let is_turned = rotation != DMat3::IDENTITY;
     let row = |i: usize| {
         let mut row = face_json(faces, i);
@@ -161,7 +161,7 @@ fn face_rows(faces: &Faces, rotation: DMat3, shift: DVec3) -> Value {
     (0..shown).map(row).collect()
 }
 
-/// The poses in which the part of a job stands, the best first.
+/// The poses in which the part of a job can stand, the best first.
 pub(super) fn orient(
     settings: &Settings,
     path: &Path,
@@ -175,14 +175,14 @@ pub(super) fn orient(
     Ok(Finished { report, warnings: diagnostics.warnings(), ..Finished::default() })
 }
 
-/// The supports of a job's part, and what each branch bears.
+/// The supports of a job's part, and the load on each branch.
 pub(super) fn supports(
     settings: &Settings,
     path: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<Finished, Failure> {
     let mut settings = settings.clone();
-    // Who asks wants to see some; a job may have none yet.
+    // The user asked to see supports, so they are grown even if the job has none.
     if settings.support.style == SupportStyle::None {
         settings.support.style = SupportStyle::Tree;
     }
@@ -239,7 +239,7 @@ pub(super) fn stress(
     };
     let guide = grainpath::run::check_loads(settings, inputs, diagnostics)?;
     let bottom_mm = config::placing(settings).lift_mm;
-    // All cases are solved on one mesh.
+    // All load cases are solved on the same mesh, so the first case gives the surface.
     let drawn: ResultSurface = guide.results.first().map(|r| r.surface(bottom_mm)).unwrap_or_default();
     let volume: ResultVolume = guide.results.first().map(|r| r.volume(bottom_mm)).unwrap_or_default();
     let values = |result: &ResultMesh| {

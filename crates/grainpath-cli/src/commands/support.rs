@@ -1,4 +1,4 @@
-//! `grainpath support`: the support of a mesh by itself.
+//! `grainpath support`: grows the supports of a mesh and writes them as a mesh.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,13 +24,13 @@ use crate::{Failure, files, memory, outputs, progress};
 /// `grainpath support`
 pub(crate) fn support(args: &Support) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
-    // The default of a job is no support; whoever calls this command wants some.
+    // The default of a job is no support, but the user of this command wants supports.
     if settings.support.style == SupportStyle::None {
         settings.support.style = SupportStyle::Tree;
     }
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
-    // A wrong ending is refused before the work.
+    // A wrong file ending is refused before any work is done.
     MeshEnding::from_path(&output)?;
     let mut claims = Claims::default();
     claims.read("model", &args.model);
@@ -95,7 +95,7 @@ pub struct Grown {
     pub stack: LayerStack,
     /// The supports.
     pub support: Planned,
-    /// The surface of the supports; empty where nothing hangs over.
+    /// The surface of the supports; empty if the part has no overhang.
     pub surface: TriMesh,
     /// Seconds of slicing.
     pub slice_s: f64,
@@ -122,7 +122,7 @@ pub fn grow(
     Ok(Grown { mesh, stack, support: found, surface, slice_s, support_s })
 }
 
-/// A mesh, its layers, its supports without their surface, and the seconds of slicing and of growing.
+/// Slices a mesh and grows its supports. Returns the mesh, the layers, the supports, and the seconds of both steps.
 ///
 /// # Errors
 /// As [`grow`].
@@ -136,8 +136,8 @@ pub(super) fn supported(
     let Sliced { mesh, stack, painted, .. } = mesh_and_layers(&config::placing(settings), file, diagnostics)
         .map_err(|source| Error::Shape { path: name.to_owned(), source })?;
     let slice_s = start.elapsed().as_secs_f64();
-    // The bed limits jobs only, which know where the part stands on it; here the part stands where its
-    // file says.
+    // Only a job knows where the part stands on the bed. Here the part keeps the coordinates of its file,
+    // so the bed does not limit the supports.
     let wanted =
         config::support(settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;

@@ -1,9 +1,9 @@
-//! Spheres, cylinders and cones through points.
+//! Fits spheres, cylinders and cones to points by least squares.
 //!
-//! Cylinder and cone share one form: radius `r + s t` at the length `t` along the axis from a point
-//! of it, with `s = 0` for a cylinder. This form stays well conditioned for slender cones, whose
+//! Cylinder and cone share one form: a radius `r + s t` at the length `t` along the axis, measured from a
+//! point of the axis, with `s = 0` for a cylinder. This form stays well conditioned for slender cones, whose
 //! apex is far away. Levenberg and Marquardt's steps (`more1978`) minimise the distances of the
-//! points; the start is an axis from the normals and a linear fit of circles.
+//! points; they start from an axis found from the normals and a linear fit of circles.
 
 use glam::DVec3;
 
@@ -20,7 +20,7 @@ pub(super) enum Model {
     Turned {
         /// A point of the axis.
         point: DVec3,
-        /// Unit vector along it.
+        /// Unit vector along the axis.
         axis: DVec3,
         /// Radius at the point.
         radius: f64,
@@ -40,8 +40,8 @@ pub(super) enum Shape {
     Cone,
 }
 
-/// Steps of a fit. Source: derived: steps converge quadratically near the solution; what has not
-/// converged after 12 has no good start.
+/// Most steps of a fit. Source: derived: near the solution steps converge quadratically; a fit that has
+/// not converged after 12 steps started too far away.
 const STEPS: usize = 12;
 
 impl Model {
@@ -84,13 +84,13 @@ impl Model {
         }
     }
 
-    /// The model of a kind that fits points best, with normals of the surface at them by area.
-    /// `None` where the points do not determine one.
+    /// Fits a model of this kind to points. `normals` holds normals of the surface, each with its area as
+    /// weight. `None` if the points do not determine a model.
     pub(super) fn fitted(shape: Shape, points: &[DVec3], normals: &[(DVec3, f64)]) -> Option<Self> {
         let n = points.len() as f64;
         let middle = points.iter().sum::<DVec3>() / n;
         let size = points.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
-        // Coordinates about the middle and of size 1 keep the normal equations well scaled.
+        // The points are shifted to their middle and scaled to size 1, so that the normal equations are well scaled.
         let scaled: Vec<DVec3> = points.iter().map(|p| (*p - middle) / size).collect();
         let fit = match shape {
             Shape::Sphere => sphere(&scaled),
@@ -115,7 +115,7 @@ impl Model {
     }
 }
 
-/// The direction in which the normals vary least, about their mean (`centred`) or about zero.
+/// The direction in which the normals vary least: about their mean if `centred`, otherwise about zero.
 fn spread(normals: &[(DVec3, f64)], centred: bool) -> DVec3 {
     let total: f64 = normals.iter().map(|n| n.1).sum();
     let mean = normals.iter().map(|(n, w)| *n * *w).sum::<DVec3>() / total;
@@ -129,7 +129,7 @@ fn spread(normals: &[(DVec3, f64)], centred: bool) -> DVec3 {
     principal(&s).axes[2]
 }
 
-/// The sphere of a linear fit: `|p|² = 2 c·p + k`.
+/// The sphere from a linear fit of `|p|² = 2 c·p + k` with the centre `c`.
 fn sphere(points: &[DVec3]) -> Option<Model> {
     let (mut m, mut b) = ([[0.0; 4]; 4], [[0.0]; 4]);
     for p in points {
@@ -148,10 +148,10 @@ fn add<const N: usize>(m: &mut [[f64; N]; N], b: &mut [[f64; 1]; N], row: [f64; 
     }
 }
 
-/// A cylinder, or with `tapered` a cone, from a first axis.
+/// Fits a cylinder, or a cone if `tapered`; `axis` is the first estimate of its axis.
 fn turned(points: &[DVec3], axis: DVec3, tapered: bool) -> Option<Model> {
     let (e1, e2) = axis.any_orthonormal_pair();
-    // Squared distances from a straight cone's axis are linear in the place of the axis:
+    // The squared distances from the axis of a cone give an equation linear in the position `c` of the axis:
     // x² + y² = 2 c·(x, y) + k0 + k1 t + k2 t².
     let (mut m, mut b) = ([[0.0; 5]; 5], [[0.0]; 5]);
     for p in points {
@@ -182,7 +182,7 @@ fn turned(points: &[DVec3], axis: DVec3, tapered: bool) -> Option<Model> {
         }
     }
     let (point, axis, radius, slope) = best;
-    // A radius far above the size of the points is a plane.
+    // If the radius is far above the size of the points, they lie on a plane.
     let is_curved = radius.is_finite() && radius > 0.0 && radius < 1e4 && slope.abs() < 20.0;
     is_curved.then_some(Model::Turned { point, axis, radius, slope })
 }
@@ -203,8 +203,8 @@ fn step(points: &[DVec3], (point, axis, radius, slope): Turned, tapered: bool, d
         let q = v - t * axis;
         let d = q.length();
         let q = q.normalize_or_zero();
-        // Derivatives of d - (radius + slope t) by the turn of the axis towards e1 and e2, the shift
-        // of its point along both, the radius and the slope.
+        // Derivatives of d - (radius + slope t) with respect to the rotation of the axis towards e1 and e2,
+        // the shift of its point along e1 and e2, the radius and the slope.
         let arm = t + slope * d;
         let taper = if tapered { -t } else { 0.0 };
         let row = [-q.dot(e1) * arm, -q.dot(e2) * arm, -q.dot(e1), -q.dot(e2), -1.0, taper];

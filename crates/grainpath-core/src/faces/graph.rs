@@ -8,10 +8,10 @@ use crate::mesh::weld_targets;
 
 /// Label of a triangle that belongs to no face.
 pub(super) const NONE: u32 = u32::MAX;
-/// Neighbour of a side that has none, or more than one.
+/// Stands for the neighbour of a side if it has no neighbour or more than one.
 pub(super) const NO_NEIGHBOUR: u32 = u32::MAX;
 
-/// Triangles over welded vertices, with what growth looks up.
+/// Triangles over welded vertices, with the normals, areas and neighbours needed to grow faces.
 pub(super) struct Graph<'a> {
     vertices: &'a [DVec3],
     /// Welded vertices of each triangle.
@@ -22,7 +22,7 @@ pub(super) struct Graph<'a> {
     pub area: Vec<f64>,
     /// The triangle beyond each side (0 to 1, 1 to 2, 2 to 0); [`NO_NEIGHBOUR`] on borders.
     pub neighbours: Vec<[u32; 3]>,
-    /// Distance by which a vertex may lie off its surface through rounding.
+    /// Distance from its true surface by which rounding may move a vertex.
     pub tolerance: f64,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Graph<'a> {
     pub(super) fn new(mesh: &'a TriMesh, tolerance: f64) -> Self {
         let mut corners = mesh.triangles.clone();
         let mut neighbours = beyond(&corners, mesh.vertices.len());
-        // Files that repeat each vertex with its own rounding have open edges everywhere.
+        // In some files each triangle repeats its vertices with other rounding; then all edges are open.
         if neighbours.iter().flatten().any(|&n| n == NO_NEIGHBOUR) && tolerance > 0.0 {
             let target = weld_targets(mesh, tolerance);
             corners.iter_mut().for_each(|t| *t = t.map(|v| target[v as usize]));
@@ -58,12 +58,12 @@ impl<'a> Graph<'a> {
         self.corners[triangle].map(|v| self.vertices[v as usize])
     }
 
-    /// A vertex.
+    /// The position of a vertex.
     pub(super) fn vertex(&self, index: u32) -> DVec3 {
         self.vertices[index as usize]
     }
 
-    /// The middle of a triangle.
+    /// The centroid of a triangle.
     pub(super) fn centroid(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.points(triangle);
         (a + b + c) / 3.0
@@ -81,7 +81,7 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// The triangle beyond each side. Sides are bucketed by their lower vertex, which takes linear time.
+/// The triangle beyond each side. Sides are sorted into buckets by their lower vertex index, which takes linear time.
 fn beyond(corners: &[[u32; 3]], n_vertices: usize) -> Vec<[u32; 3]> {
     let side = |t: usize, s: usize| (corners[t][s], corners[t][(s + 1) % 3]);
     let mut start = vec![0u32; n_vertices + 1];
@@ -108,8 +108,8 @@ fn beyond(corners: &[[u32; 3]], n_vertices: usize) -> Vec<[u32; 3]> {
         let bucket = &mut sides[start[v] as usize..start[v + 1] as usize];
         bucket.sort_unstable();
         for edge in bucket.chunk_by(|a, b| a.0 == b.0) {
-            // Sides without length join nothing, and where more than two faces meet it is undefined
-            // which one continues which.
+            // A side without length joins nothing. A side with more than two triangles is left out too,
+            // since it is undefined which of them continue each other.
             if let &[(high, a), (_, b)] = edge
                 && high as usize != v
             {

@@ -1,4 +1,4 @@
-//! Curved faces: models fitted to small patches and grown while all vertices lie on them.
+//! Finds curved faces: a model is fitted to a small patch and the patch grown while all vertices lie on the model.
 
 use glam::DVec3;
 
@@ -8,19 +8,19 @@ use super::planes::Pieces;
 use super::surface::Surface;
 use crate::DisjointSets;
 
-/// What a face is, before it is measured.
+/// The kind of a face, before the face is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     /// A plane.
     Plane,
-    /// A model and whether the material lies outside it.
+    /// A curved model, and whether the material lies on its outer side, as around a hole.
     Curved(Model, bool),
-    /// No primitive.
+    /// A free surface, which fits no model.
     Free,
 }
 
 impl Kind {
-    /// The surface as users see it, for a face with this centroid and mean normal.
+    /// The public description of the surface, for a face with this centroid and mean normal.
     pub(super) fn surface(&self, centroid: DVec3, normal: DVec3) -> Surface {
         let (model, hollow) = match *self {
             Self::Plane => return Surface::Plane { normal },
@@ -45,46 +45,46 @@ impl Kind {
     }
 }
 
-/// Cosine of the angle from which an edge is sharp: 40 degrees. Exporters turn by at most 30 degrees
-/// from one facet to the next; a hexagon and an octagon have edges of 60 and 45 degrees.
+/// Cosine of the angle above which an edge is sharp: 40 degrees. Exporters let neighbouring facets of a
+/// curved face differ by at most 30 degrees; a hexagon and an octagon have edges of 60 and 45 degrees.
 /// Source: derived from these, midway.
 pub(super) const SHARP: f64 = 0.766;
 
-/// Pieces in the patches to try after strips. Source: derived: 6, 16 and 40 are one, two and three
+/// Numbers of pieces in the patches that are tried after strips. Source: derived: 6, 16 and 40 are one, two and three
 /// rings of triangles.
 const PATCHES: [usize; 3] = [6, 16, 40];
-/// Neighbours of a piece that are tried as strips. Source: derived: a facet has four sides.
+/// Most neighbours of a piece from which strips are formed. Source: derived: a facet has four sides.
 const MAX_SIDES: usize = 4;
-/// Ratio of squared bends up to which both sides of a strip bend alike. Source: derived: 25 % of the
-/// bend; the bend from a facet to a tangent plane is half of that between facets.
+/// Greatest ratio of the squared bends at both sides of a strip that counts as equal. Source: derived: the
+/// bends may differ by 25 %; the bend from a facet to a tangent plane is half of that between facets.
 const ALIKE: f64 = 1.6;
-/// Triangles of a piece above which it starts no patch: a plane. Source: derived: a strip of a curved
-/// surface has two triangles, or a few hundred when it was meshed anew.
+/// A piece with more triangles than this counts as a plane and starts no patch. Source: derived: a strip
+/// of a curved surface has two triangles, or a few hundred if the surface was remeshed.
 const MAX_OF_PIECE: usize = 256;
-/// Points looked at in vain after which the search ends. Source: derived: a step of a fit takes about
-/// 0.1 microseconds for each point and a fit 12 steps, so that this is half a second; the
-/// time allowed for a million triangles is two.
+/// The search ends after this many points in the fits of failed seeds. Source: derived: a step of a fit
+/// takes about 0.1 microseconds per point and a fit has 12 steps, so that this is half a second; for a
+/// million triangles two seconds are allowed.
 const MAX_IN_VAIN: usize = 400_000;
-/// Vertices that a fit looks at. Source: derived: with 400 points the error of a fit is a twentieth of
+/// Most vertices that a fit uses. Source: derived: with 400 points the error of a fit is a twentieth of
 /// the rounding of one vertex.
 const FIT_POINTS: usize = 400;
-/// Multiple of the rounding by which vertices may lie off. Source: derived: three standard deviations
-/// and more for rounding that is spread evenly.
+/// Vertices may lie off the model by this many times the rounding. Source: derived: for evenly distributed
+/// rounding this is more than three standard deviations.
 const OFF: f64 = 3.0;
-/// Share of the sagitta of a face by which its vertices may lie off; a patch of any smooth surface
-/// lies near some cylinder otherwise. Source: derived: 1 % of the radius.
+/// Vertices may lie off the model by at most this share of the face's sagitta; otherwise a small patch of
+/// any smooth surface would fit some cylinder. Source: derived: 1 % of the radius.
 const OFF_OF_SAGITTA: f64 = 0.01;
-/// Least cosine between a triangle and the model below it. Source: derived: 35 degrees; triangles of
-/// edges up to 40 degrees lie within half of them, and slender ones somewhat above.
+/// Least cosine of the angle between a triangle and the model at its centroid. Source: derived: 35 degrees;
+/// with edges of up to 40 degrees a triangle deviates by half of that, a slender one somewhat more.
 const ALONG: f64 = 0.82;
-/// How much further than those of the patch the middle of a facet may lie from the model: facets of
-/// one surface are of one width. Source: derived: 3 is a width of 1.7 times.
+/// The centre of a facet may lie off the model by this many times the median in the patch, since facets of
+/// one surface have about the same width. Source: derived: 3 allows 1.7 times the width.
 const WIDER: f64 = 3.0;
-/// Turn of the normals over a face from which it counts as curved, as a cosine: 15 degrees.
-/// Source: derived: half the widest facet of an exporter.
+/// Cosine of the angle by which normals must turn over a face for it to count as curved: 15 degrees.
+/// Source: derived: half of the widest angle between facets of an exporter.
 const TURNED: f64 = 0.966;
 
-/// Labels the triangles of curved faces in `label`; the kinds are those of the labels.
+/// Labels the triangles of curved faces in `label`. Returns the kind of the face for each label.
 pub(super) fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<Kind> {
     let mut search = Search { graph, pieces, stamp: vec![0; graph.len()], now: 0, looked_at: 0 };
     let mut kinds = Vec::new();
@@ -103,7 +103,7 @@ pub(super) fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<K
                 region.iter().for_each(|&t| label[t as usize] = kinds.len() as u32);
                 kinds.push(kind);
             }
-            // One more, so that seeds without neighbours count as well.
+            // The 1 makes seeds without neighbours count as well.
             None => in_vain += search.looked_at - before + 1,
         }
     }
@@ -111,7 +111,7 @@ pub(super) fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<K
     kinds
 }
 
-/// Ratio of bends and of lengths within which rings of facets form one curved profile. Source:
+/// Greatest ratio of bends, and of lengths, between rings of facets that form one curved profile. Source:
 /// derived: as [`ALIKE`], 25 %.
 const EVEN: f64 = 1.25;
 
@@ -119,13 +119,13 @@ const EVEN: f64 = 1.25;
 struct Ring {
     point: DVec3,
     axis: DVec3,
-    /// Angle of the profile to the axis, and length along it.
+    /// Angle between the profile and the axis, and length of the profile.
     angle: f64,
     length: f64,
 }
 
-/// Joins rings of facets around one axis that bend evenly from one to the next: a torus or another
-/// turned profile, each ring of which lies on a cone.
+/// Joins rings of facets around a common axis if the bend from ring to ring is even. They form a torus or
+/// another surface of revolution, of which each ring lies on a cone.
 fn join_chains(graph: &Graph, label: &mut [u32], kinds: &mut [Kind]) {
     let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); kinds.len()];
     let axis_of = |kind: &Kind| match kind {
@@ -185,10 +185,10 @@ fn join_chains(graph: &Graph, label: &mut [u32], kinds: &mut [Kind]) {
 struct Search<'a> {
     graph: &'a Graph<'a>,
     pieces: &'a Pieces,
-    /// Triangles seen in growth number `now`.
+    /// The number of the growth (`now`) that last visited each triangle.
     stamp: Vec<u32>,
     now: u32,
-    /// Points in all fits and triangles in all growths so far.
+    /// Number of points in all fits so far.
     looked_at: usize,
 }
 
@@ -198,7 +198,7 @@ struct Grown {
     hollow: bool,
     region: Vec<u32>,
     area: f64,
-    /// Mean distance of facet middles from the model, by area.
+    /// Mean distance of the facet centres from the model, weighted by area.
     chord: f64,
 }
 
@@ -214,7 +214,7 @@ impl Search<'_> {
             let patch = self.patch(seed, n_pieces, label)?;
             match self.best(&patch, label) {
                 (_, Some(found)) => return Some(found),
-                // A patch that fits nothing is part of every larger one.
+                // If no model fits this patch, none fits a larger one either, since that contains it.
                 (false, None) => return None,
                 (true, None) => {}
             }
@@ -230,8 +230,8 @@ impl Search<'_> {
             let Some(model) = self.fit(shape, patch) else { continue };
             fits = true;
             let Some(grown) = self.grown(shape, model, patch, label) else { continue };
-            // Of regions of equal size the one whose facets lie nearer to it: a ring of facets lies
-            // on a cylinder and on a sphere through both circles.
+            // Of regions of equal size, the model nearer to its facets is taken: the vertices of a ring of
+            // facets lie on a cylinder and also on a sphere through both circles.
             let better = best.as_ref().is_none_or(|b| {
                 grown.area > 1.02 * b.area || (grown.area > 0.98 * b.area && grown.chord < 0.9 * b.chord)
             });
@@ -242,7 +242,7 @@ impl Search<'_> {
         (fits, best.map(|g| (Kind::Curved(g.model, g.hollow), g.region)))
     }
 
-    /// The pieces beyond smooth edges of a piece, with the cosines of the bends.
+    /// The unlabelled neighbours of a piece across smooth edges, with the cosines of the bends.
     fn smooth_neighbours(&self, id: u32, label: &[u32]) -> Vec<(u32, f64)> {
         let mut found: Vec<(u32, f64)> = Vec::new();
         for &t in self.pieces.members[id as usize].iter().take(MAX_OF_PIECE) {
@@ -257,8 +257,8 @@ impl Search<'_> {
         found
     }
 
-    /// Patches of three pieces, the first in the middle, that bend alike on both sides: strips of a
-    /// cylinder or a cone, facets of a sphere. Beyond a blunt edge lies another face.
+    /// Patches of three pieces that bend equally on both sides of the middle one, the seed's: strips of a
+    /// cylinder or a cone, facets of a sphere. If the bends differ, another face begins there.
     fn strips(&self, seed: u32, label: &[u32]) -> Vec<Vec<u32>> {
         let id = self.pieces.piece_of[seed as usize];
         let around = self.smooth_neighbours(id, label);
@@ -276,8 +276,8 @@ impl Search<'_> {
         patches
     }
 
-    /// The triangles of the nearest `n_pieces` pieces around a triangle, over smooth edges. `None`
-    /// where there are fewer than three.
+    /// The triangles of the nearest `n_pieces` pieces around a triangle, reached across smooth edges. `None`
+    /// if there are fewer than three pieces.
     fn patch(&self, seed: u32, n_pieces: usize, label: &[u32]) -> Option<Vec<u32>> {
         let mut ids = vec![self.pieces.piece_of[seed as usize]];
         let mut patch = Vec::new();
@@ -296,7 +296,7 @@ impl Search<'_> {
         (ids.len() >= 3).then_some(patch)
     }
 
-    /// The model of a kind on which all vertices of the triangles lie.
+    /// Fits a model of this kind to triangles; `None` unless all their vertices lie on it.
     fn fit(&mut self, shape: Shape, triangles: &[u32]) -> Option<Model> {
         let (points, normals) = self.samples(triangles);
         self.looked_at += points.len();
@@ -312,7 +312,7 @@ impl Search<'_> {
         (model.worst(&points) <= OFF * self.graph.tolerance).then_some(model)
     }
 
-    /// Different vertices and normals of the triangles, evenly thinned to [`FIT_POINTS`].
+    /// Vertices of the triangles, without duplicates, and normals with areas; both thinned evenly to [`FIT_POINTS`].
     fn samples(&self, triangles: &[u32]) -> (Vec<DVec3>, Vec<(DVec3, f64)>) {
         let step = triangles.len().div_ceil(FIT_POINTS).max(1);
         let taken = || triangles.iter().step_by(step).map(|&t| t as usize);
@@ -324,7 +324,7 @@ impl Search<'_> {
         (points, taken().map(|t| (self.graph.normal[t], self.graph.area[t])).collect())
     }
 
-    /// Grows a model from a patch, fitting it anew whenever the region is four times as large.
+    /// Grows a region from a patch and refits the model whenever the region is four times as large.
     fn grown(&mut self, shape: Shape, first: Model, patch: &[u32], label: &[u32]) -> Option<Grown> {
         let sign = |model: &Model| {
             let along = |t: &u32| {
@@ -338,7 +338,7 @@ impl Search<'_> {
             let mut all: Vec<f64> =
                 patch.iter().map(|&t| model.distance(self.graph.centroid(t as usize)).abs()).collect();
             all.sort_unstable_by(f64::total_cmp);
-            // The widest facet of a patch may be a plane that runs into it; the middle one is not.
+            // The median is used, since the widest facet of a patch may belong to a plane that runs into the face.
             WIDER * all[all.len() / 2] + self.graph.tolerance
         };
         let mut chord = widest(&first);
@@ -353,7 +353,7 @@ impl Search<'_> {
             (model, chord) = (refit, widest(&refit));
             if complete {
                 rounds += 1;
-                // The better fit may reach further; three rounds are enough for all but the last facet.
+                // The better fit may reach further. After three rounds at most a last facet is missing.
                 if region.len() == before || rounds > 3 {
                     break;
                 }
@@ -364,8 +364,8 @@ impl Search<'_> {
         self.judged(shape, model, side, region)
     }
 
-    /// The triangles around a patch whose vertices lie on a model, up to about `limit` of them.
-    /// `None` when the patch itself does not belong.
+    /// The connected triangles around a patch whose vertices lie on a model, up to about `limit` of them.
+    /// `None` if the patch itself does not lie on it.
     fn reach(
         &mut self,
         model: &Model,
@@ -408,7 +408,7 @@ impl Search<'_> {
         Some(region)
     }
 
-    /// Whether a region counts as a curved face.
+    /// The finished region if it counts as a curved face, otherwise `None`.
     fn judged(&self, shape: Shape, model: Model, side: f64, mut region: Vec<u32>) -> Option<Grown> {
         let graph = self.graph;
         region.sort_unstable();
@@ -416,7 +416,7 @@ impl Search<'_> {
         ids.sort_unstable();
         ids.dedup();
         let (points, normals) = self.samples(&region);
-        // Redundancy: more vertices than unknowns, so that lying on the model says something.
+        // Least numbers of pieces and vertices. With more vertices than unknowns, a close fit is no coincidence.
         let needed = match shape {
             Shape::Cylinder => (3, 8),
             Shape::Sphere => (6, 8),
@@ -431,10 +431,10 @@ impl Search<'_> {
         let mean_normal = normals.iter().map(|(n, w)| *n * *w).sum::<DVec3>().normalize_or_zero();
         let heights = points.iter().map(|p| (*p - points[0]).dot(mean_normal));
         let (low, high) = heights.fold((0.0f64, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-        // A closed ring has no mean normal; its sagitta is its size.
+        // The normals of a closed ring cancel; its size is taken for the sagitta.
         let sagitta = if mean_normal == DVec3::ZERO { extent } else { high - low };
         let worst = model.worst(&points);
-        // A wide cylinder of many facets is one as well when its vertices follow it closely.
+        // A face of many facets that turns by less is curved too if its sagitta is far above the tolerance.
         let bent = turn < TURNED || (ids.len() >= 12 && sagitta > 20.0 * OFF * graph.tolerance);
         if !bent || worst > OFF_OF_SAGITTA * sagitta {
             return None;
@@ -445,7 +445,7 @@ impl Search<'_> {
             area += graph.area[t];
             chord += graph.area[t] * model.distance(graph.centroid(t)).abs();
         }
-        // A cone that widens by little more than the rounding over its length is a cylinder.
+        // A cone whose radius changes by little more than the rounding is a cylinder.
         if shape == Shape::Cone && model.half_angle().abs() * extent < 10.0 * OFF * graph.tolerance {
             return None;
         }

@@ -1,37 +1,37 @@
-//! Planes and free surfaces: what no curved primitive took.
+//! Sorts the pieces that belong to no curved face into planes and free surfaces.
 
 use super::graph::{Graph, NONE};
 use super::grow::{Kind, SHARP};
 use super::planes::Pieces;
 use crate::DisjointSets;
 
-/// Cosine below which edges between free pieces are joined only inside a chain of equal bends: 20
-/// degrees. Source: derived: half of the angle at which an edge is sharp.
+/// Below this cosine (an edge of 20 degrees) free pieces are joined only inside a chain of equal bends.
+/// Source: derived: half of the angle at which an edge is sharp.
 const BLUNT: f64 = 0.94;
-/// Ratio of areas from which a piece is a plane beside its smooth neighbours, and not a facet among
-/// facets. Source: derived: facets of one surface differ by less.
+/// If the areas of two pieces differ by more than this factor, they are not two facets of one surface.
+/// Source: derived: facets of one surface differ by less.
 const LARGER: f64 = 8.0;
-/// Ratio of bends within which a chain continues. Source: derived: the bend from a plane to the first
-/// facet of a fillet is half of the bend between facets; 3 takes in what rounding does to it.
+/// Greatest ratio of two successive bends in a chain. Source: derived: the bend from a plane to the first
+/// facet of a fillet is half of the bend between facets; 3 leaves room for rounding.
 const EQUAL_BENDS: f64 = 3.0;
-/// Area below which a free face joins its neighbour, as a share of the whole. Source: derived: a
-/// thousandth part of a face of a hundredth of the surface.
+/// A free face with less than this share of the whole area joins its neighbour. Source: derived: a
+/// thousandth of a face that covers a hundredth of the surface.
 const SPLINTER: f64 = 1e-5;
-/// Bends below this are rounding, radians. Source: derived: 0.1 degrees.
+/// Bends below this are mere rounding, radians. Source: derived: 0.1 degrees.
 const FLAT_RAD: f64 = 2e-3;
 
-/// A smooth edge from a piece to another.
+/// A smooth edge from one piece to another.
 #[derive(Clone, Copy)]
 struct Bend {
     to: u32,
-    /// Angle between the two, radians.
+    /// Angle between the normals of both pieces, radians.
     rad: f64,
 }
 
 /// Labels the triangles that have no label yet.
 pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &mut Vec<Kind>) {
     let n = pieces.members.len();
-    // A piece is left over as a whole: growth took all of its triangles or, at a ragged border, some.
+    // A piece is left over if any of its triangles is: at a ragged border growth may have taken only some.
     let left = |id: usize, label: &[u32]| pieces.members[id].iter().any(|&t| label[t as usize] == NONE);
     let is_left: Vec<bool> = (0..n).map(|id| left(id, label)).collect();
     let mut bends: Vec<Vec<Bend>> = vec![Vec::new(); n];
@@ -42,7 +42,7 @@ pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &m
         }
         for other in graph.around(t) {
             let to = pieces.piece_of[other];
-            // Normals of whole pieces: those of slender triangles are inexact.
+            // The normals of whole pieces are used, since those of slender triangles are inexact.
             let cosine = pieces.normal[id].dot(pieces.normal[to as usize]);
             let is_new = to as usize != id && bends[id].iter().all(|b| b.to != to);
             if label[other] == NONE && is_new && cosine > SHARP {
@@ -79,12 +79,12 @@ pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &m
     splinters(graph, label, kinds);
 }
 
-/// Whether a piece is a plane of its own: no smooth neighbour of its size goes on bending alike.
+/// Whether a piece is a plane: none of its smooth edges belongs to a chain of equal bends.
 fn is_plane(id: usize, pieces: &Pieces, bends: &[Vec<Bend>]) -> bool {
     !bends[id].iter().any(|b| continues(id, b, pieces, bends))
 }
 
-/// Whether the bend from a piece to another is one of several alike, among pieces of like size.
+/// Whether the bend between two pieces belongs to a chain of about equal bends, between pieces of similar size.
 fn continues(id: usize, bend: &Bend, pieces: &Pieces, bends: &[Vec<Bend>]) -> bool {
     let alike = |a: f64, b: f64, ratio: f64| a <= ratio * b && b <= ratio * a;
     let to = bend.to as usize;
@@ -101,8 +101,8 @@ fn continues(id: usize, bend: &Bend, pieces: &Pieces, bends: &[Vec<Bend>]) -> bo
     goes_on(id, to) || goes_on(to, id)
 }
 
-/// Gives triangles without area, and free faces of next to none, to the neighbour with which they
-/// share the most edges.
+/// Gives triangles without area, and free faces with almost none, to the neighbouring face across their
+/// smoothest edge.
 fn splinters(graph: &Graph, label: &mut [u32], kinds: &[Kind]) {
     let total: f64 = graph.area.iter().sum();
     let mut area = vec![0.0; kinds.len()];
@@ -110,7 +110,8 @@ fn splinters(graph: &Graph, label: &mut [u32], kinds: &[Kind]) {
     let is_small =
         |l: u32| l == NONE || (kinds[l as usize] == Kind::Free && area[l as usize] < SPLINTER * total);
     let mut waiting: Vec<usize> = (0..graph.len()).filter(|&t| is_small(label[t])).collect();
-    // From the borders inwards, each round from the labels of the last: the order does not matter.
+    // Labels spread from the borders inwards. Each round uses only labels of earlier rounds, so the result does
+    // not depend on the order.
     while !waiting.is_empty() {
         let taken: Vec<(usize, u32)> = waiting
             .iter()

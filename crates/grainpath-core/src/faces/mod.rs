@@ -6,17 +6,17 @@
 //! the vertices by Levenberg and Marquardt's least squares (`more1978`) and grown over neighbours as
 //! long as all vertices lie on it; a larger region gives a better fit, which lets it grow further.
 //! Growth from seeds with a test of the fit follows `besl1988`. Exporters place the vertices of a
-//! curved surface exactly on it whatever their chord error, so the vertices tell a fillet from the
-//! plane that it runs into, which angles between triangles do not. (4) Flat pieces that do not
-//! continue as a chain of equal bends are planes. (5) What is left is joined across edges below 20
+//! curved surface exactly on it for any chord error. Vertices therefore tell a fillet from the plane that
+//! it runs into; the angles between triangles do not. (4) Flat pieces that do not
+//! continue as a chain of equal bends are planes. (5) The other pieces are joined across edges below 20
 //! degrees, and across edges below 40 degrees inside such a chain (hysteresis, as in `canny1986`).
 //!
-//! A region counts as curved with three pieces or more: two planes that meet in a blunt edge always
-//! lie on some cylinder. A prism of 10 sides and more is therefore told as a cylinder; one of 9
-//! sides and fewer (edges of 40 degrees) as planes.
+//! A region needs at least three pieces to count as curved: two planes that meet in a blunt edge always
+//! lie on some cylinder. A prism of 10 sides or more is therefore reported as a cylinder; one of 9
+//! sides or fewer (edges of 40 degrees or more) as planes.
 //!
-//! Units: those of the mesh, mm after scaling; angles in radians. Cost: linear in the triangles but
-//! for one sort; the number of failed seeds is bounded. Limits: surfaces with noise above 5e-6 of
+//! Units: those of the mesh, mm after scaling; angles in radians. Cost: linear in the triangles,
+//! plus a sort; the number of failed seeds is bounded. Limits: surfaces with noise above 5e-6 of
 //! their coordinates (scans) fit no primitive and stay free surfaces; tori and splines are free. Cones and cylinders
 //! of meshes with a chord error of 3e-5 mm and less may fall into pieces.
 //!
@@ -45,11 +45,11 @@ pub use surface::Surface;
 pub struct Face {
     /// Kind and measures of its surface.
     pub surface: Surface,
-    /// Its triangles, by their index in the mesh, ascending.
+    /// The indices of its triangles in the mesh, ascending.
     pub triangles: Vec<u32>,
     /// Sum of their areas.
     pub area_mm2: f64,
-    /// Centroid of that area; for a full cylinder a point of the axis.
+    /// Centroid of its surface; for a full cylinder this is a point of the axis.
     pub centroid: DVec3,
 }
 
@@ -78,8 +78,8 @@ pub struct Faces {
     of_triangle: Vec<u32>,
 }
 
-/// Rounding of coordinates in mesh files, as a share of the largest one: 32-bit floats keep 6e-8, texts
-/// of six digits 5e-7 to 5e-6. Source: derived: half a unit in the sixth digit of 1.00000.
+/// Rounding error of coordinates in mesh files, as a share of the largest coordinate: 6e-8 for 32-bit
+/// floats, 5e-7 to 5e-6 for text of six digits. Source: derived: half a unit in the sixth digit of 1.00000.
 const ROUNDING: f64 = 5e-6;
 
 impl Faces {
@@ -115,7 +115,7 @@ impl Faces {
         self.of_triangle.get(triangle).filter(|&&f| f != NONE).map(|&f| f as usize)
     }
 
-    /// The name of a face: the shortest that finds it, or the longest where none does.
+    /// The name of a face: the shortest name that finds it. If none does, the longest name.
     ///
     /// # Panics
     /// When there is no such face.
@@ -133,8 +133,8 @@ impl Faces {
     /// The face that a name means.
     ///
     /// # Errors
-    /// [`FaceError`] for text that is no name, and for names that mean no face or several; it lists the
-    /// nearest ones.
+    /// [`FaceError`] for text that is not a name, and for names that mean no face or several faces; it lists
+    /// the nearest faces.
     pub fn find(&self, text: &str) -> Result<usize, FaceError> {
         self.find_name(&text.parse()?)
     }
@@ -161,14 +161,14 @@ impl Faces {
         Ok(face)
     }
 
-    /// Faces in words, for errors.
+    /// A list of faces as text for error messages.
     fn listed(&self, faces: impl Iterator<Item = usize>) -> String {
         let mut text = String::new();
         for face in faces {
             let f = &self.faces[face];
             let c = f.centroid;
             let join = if text.is_empty() { "" } else { ", " };
-            // Writing to a text cannot fail.
+            // Writing to a `String` cannot fail.
             let _ = write!(
                 text,
                 "{join}{} ({} of {:.1} mm2 at {:.2}, {:.2}, {:.2})",
@@ -201,8 +201,8 @@ impl Faces {
                 continue;
             }
             let centroid = moment / area;
-            // Twice the integral of normal times place over the area: radius times area for a whole
-            // cylinder, negative where it is a hole, zero for a plane.
+            // The surface integral of the normal times the position about the centroid: radius times area for a
+            // whole cylinder, negative for a hole, zero for a plane.
             let flux: f64 = triangles
                 .iter()
                 .map(|&t| graph.area[t as usize] * graph.normal[t as usize])

@@ -1,21 +1,22 @@
-//! Names of faces: `f:9c1e`.
+//! Names of faces, such as `f:9c1e`.
 //!
-//! A name is a coarse description of its face, written in hexadecimal digits. It can be read without
-//! the mesh that it came from, and is looked up in another export of the part by distance, so that a
-//! value on the edge of a bin finds its face whichever way it is rounded.
+//! A name is a coarse description of its face in hexadecimal digits. It can be decoded without the mesh
+//! that it came from. In another export of the part, the face nearest to the description is looked up, so
+//! that the name finds it even if a value lies at the edge of an interval and is rounded the other way.
 //!
 //! A description has eight numbers: the centroid in the part's bounding box, measured from its middle
 //! in units of its diagonal; the mean normal, which is zero for a whole cylinder or sphere; the
-//! logarithm of the area over the squared diagonal; and the bulge, which is the mean of normal times
-//! place about the centroid: the radius of a cylinder over the diagonal, negative for a hole. None of
+//! logarithm of the area over the squared diagonal; and the bulge, which is the mean of the normal
+//! times the position about the centroid: the radius of a cylinder over the diagonal, negative for a hole. None of
 //! them depends on the origin, the unit, the order of triangles or the kind of primitive that was
 //! fitted, and chord errors change them little. Names do depend on how the part is turned in its file.
 //!
-//! Each digit halves four of the intervals in which the numbers lie, the widest ones first, each
-//! measured in its tolerance. A name is a box of intervals. The distance of a face from it is zero
-//! inside and counts tolerances outside. A name means the one face within a distance of 1, if the
-//! next one is at least 0.5 further away. Names are printed with as few digits (four or more) as keep
-//! all other faces at least 1.5 away; equal faces have no name that finds them.
+//! Each digit stands for four halvings of the intervals in which the numbers lie. Each time, the interval
+//! that is widest in units of its tolerance is halved. A name is thus a box of eight intervals. The
+//! distance of a face from the box is zero inside; outside it is measured in tolerances. A name means the
+//! one face within a distance of 1, provided that the next face is at least 0.5 further away. Names are
+//! printed with the fewest digits (at least four) that keep all other faces at least 1.5 away. If two
+//! faces are equal, no name finds either.
 
 use std::fmt;
 use std::str::FromStr;
@@ -24,21 +25,21 @@ use glam::DVec3;
 
 use crate::math::ln;
 
-/// The eight numbers, each over its tolerance.
+/// The eight numbers that describe a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Description([f64; N]);
 
-/// Source: the list of numbers in the module's text.
+/// Length of a description. Source: the list of numbers in the module's text.
 const N: usize = 8;
 
-/// Range and tolerance of each number.
+/// Lower end, upper end and tolerance of each number.
 ///
 /// Source: derived from a chord error of 0.2 mm on parts of 20 mm and more: centroids and radii move
 /// by less than 0.01 of the diagonal, areas of holes with eight facets shrink by 10 %. Normals of
 /// coarse half cylinders change by less than 0.15. The smallest area is that of a square of 0.03 %
-/// of the diagonal. Ranges are half as long again as they have to be: 0 and the upper end, which
-/// symmetric parts are full of, then lie at one and two thirds, and a third is as far from the edges of
-/// its bin as can be, however often ranges are halved. Rounding therefore seldom shows in a name.
+/// of the diagonal. Most ranges are 1.5 times as long as necessary, so that the values 0 and the true
+/// upper end, which are frequent in symmetric parts, lie at one and two thirds of the range. However often
+/// a range is halved, thirds stay far from the edges of intervals, so rounding seldom changes a name.
 const RANGES: [(f64, f64, f64); N] = [
     (-0.5, 1.0, 0.01),
     (-0.5, 1.0, 0.01),
@@ -55,7 +56,7 @@ const RANGES: [(f64, f64, f64); N] = [
 pub(super) const DIGITS: (usize, usize) = (4, 15);
 /// Greatest distance at which a name still means a face. Source: derived: one tolerance.
 pub(super) const MAX_DISTANCE: f64 = 1.0;
-/// Least distance by which the second nearest face has to be further away. Source: derived: half a tolerance.
+/// The second nearest face has to be further away than the nearest by at least this. Source: derived: half a tolerance.
 pub(super) const MIN_MARGIN: f64 = 0.5;
 
 impl Description {
@@ -86,14 +87,14 @@ impl Description {
                 intervals[axis] = if upper { (middle, high) } else { (low, middle) };
                 digit = 2 * digit + u8::from(upper);
             }
-            // A digit below 16 always has a character.
+            // `from_digit` gives a character for every digit below 16.
             text.extend(char::from_digit(u32::from(digit), 16));
         }
         FaceName { digits: text, intervals }
     }
 }
 
-/// The interval that is widest in its tolerance, the first of equal ones.
+/// The interval that is widest in units of its tolerance; of equal ones the first.
 fn widest(intervals: &[(f64, f64); N]) -> usize {
     let width = |i: usize| (intervals[i].1 - intervals[i].0) / RANGES[i].2;
     (1..N).fold(0, |best, i| if width(i) > width(best) { i } else { best })
@@ -170,7 +171,7 @@ pub enum FaceError {
     NotFound {
         /// The name.
         name: String,
-        /// Faces that are nearest, described.
+        /// Descriptions of the nearest faces.
         candidates: String,
     },
     /// Two or more faces are about equally near.
@@ -180,7 +181,7 @@ pub enum FaceError {
     Doubtful {
         /// The name.
         name: String,
-        /// These faces, described.
+        /// Descriptions of these faces.
         candidates: String,
     },
 }

@@ -8,8 +8,8 @@ use super::graph::Graph;
 pub(super) struct Pieces {
     /// The piece of each triangle.
     pub piece_of: Vec<u32>,
-    /// The triangles of each piece, from the one that it grew from; in descending order of that one's
-    /// area.
+    /// The triangles of each piece; the first is the seed from which it grew. Pieces are sorted by the area
+    /// of their seeds, largest first.
     pub members: Vec<Vec<u32>>,
     /// Unit normal of each piece.
     pub normal: Vec<DVec3>,
@@ -17,17 +17,17 @@ pub(super) struct Pieces {
     pub area: Vec<f64>,
 }
 
-/// Not yet in a piece.
+/// Marks a triangle that is not yet in a piece.
 const FREE: u32 = u32::MAX;
 
-/// Least cosine of the angle between a triangle and the plane that it joins, about that of 45 degrees. It only keeps
-/// folds apart: whether a triangle is flat is told by the distances of its corners, since the normal of a triangle
-/// narrower than the rounding says nothing. Source: derived. A fold back lies at more than 90 degrees, and corners
-/// within the tolerance turn a triangle of usual width by far less than 45.
+/// Least cosine of the angle between a triangle and the plane that it joins, about 45 degrees. This test only excludes
+/// folds. Whether a triangle lies in the plane is decided by the distances of its corners, since the normal of a
+/// triangle narrower than the rounding is meaningless. Source: derived. A fold turns by more than 90 degrees, and
+/// corners within the tolerance turn a triangle of usual width by far less than 45.
 const NO_FOLD: f64 = 0.7;
 
-/// Grows planes from the largest triangles outwards. The plane is fitted anew whenever its area has
-/// doubled, for the normal of a small triangle is too inexact far away from it.
+/// Grows planes from the largest triangles outwards. The plane is refitted whenever its area has
+/// doubled, since the normal of a small triangle is too inexact far away from it.
 pub(super) fn flat_pieces(graph: &Graph) -> Pieces {
     let mut order: Vec<u32> = (0..graph.len() as u32).collect();
     order.sort_unstable_by(|&a, &b| {

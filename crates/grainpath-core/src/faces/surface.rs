@@ -1,4 +1,4 @@
-//! Kinds of surfaces.
+//! Kinds of surfaces of a face, with their measures.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 pub enum Surface {
     /// A plane.
     Plane {
-        /// Unit normal, away from the material where the mesh is wound right.
+        /// Unit normal; it points away from the material if the mesh is correctly oriented.
         normal: DVec3,
     },
     /// A circular cylinder, or a part of one.
@@ -43,12 +43,12 @@ pub enum Surface {
         /// Whether the material lies outside.
         hollow: bool,
     },
-    /// None of these: a torus, a spline, a scan.
+    /// Any other surface: a torus, a spline, a scan.
     Free,
 }
 
 impl Surface {
-    /// The word for it: "plane".
+    /// The word for the kind of surface, for example "plane".
     pub fn word(&self) -> &'static str {
         match self {
             Self::Plane { .. } => "plane",

@@ -1,7 +1,7 @@
-//! Layer stacks as bytes: compact, exact and the same for the same stack, for files and for other machines.
+//! Encodes layer stacks as bytes, for files and other machines: compact, exact, and the same bytes for the same stack.
 //!
 //! Format, version 1. Numbers called *varint* are LEB128: seven bits a byte, lowest first, the
-//! highest bit set on all bytes but the last; signed ones are zigzag-coded before (0, -1, 1, -2,
+//! highest bit set on all bytes but the last; signed numbers are first zigzag-coded (0, -1, 1, -2,
 //! ... become 0, 1, 2, 3, ...). An *f64* is eight bytes, little-endian.
 //!
 //! ```text
@@ -13,13 +13,13 @@
 //!          mode 1: x and y as steps of GRID_MM (1e-4 mm), signed varints, each less that of the point before
 //! ```
 //!
-//! Sections that went through a boolean lie on the grid, so nearly every contour has mode 1: a
-//! vertex takes 4 to 6 bytes instead of 16. Mode 1 is used only where multiplying the steps by
-//! [`GRID_MM`] gives back the very bits, so a decoded stack equals the encoded one in every bit and
-//! a plan made from it has the same G-code.
+//! Sections that result from a polygon boolean lie on the grid, so nearly every contour has mode 1, in
+//! which a vertex takes 4 to 6 bytes instead of 16. Mode 1 is used only if the steps times [`GRID_MM`]
+//! give exactly the original bits. A decoded stack therefore equals the encoded one in every bit, and a
+//! plan made from it has the same G-code.
 //!
-//! Reading costs time and memory in proportion to the bytes given (at most 48 bytes of memory a
-//! byte), whatever counts they promise.
+//! Time and memory for reading are proportional to the number of bytes (at most 48 bytes of memory per
+//! byte), even if the counts in them are false.
 
 use glam::DVec2;
 
@@ -34,13 +34,13 @@ const VERSION: u8 = 1;
 const RAW: u8 = 0;
 const ON_GRID: u8 = 1;
 
-/// Why bytes are not a layer stack.
+/// The reason why bytes are not a layer stack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum LayerStackError {
-    /// The bytes do not begin with the mark of the format.
+    /// The bytes do not begin with "GPLS".
     #[error("not a layer stack: the bytes do not begin with \"GPLS\"")]
     NotAStack,
-    /// A version that is not read.
+    /// The version is not supported.
     #[error("layer stack of version {version}; this program reads version 1")]
     Version {
         /// The version found.
@@ -54,10 +54,10 @@ pub enum LayerStackError {
         /// The value that should follow.
         wanted: &'static str,
     },
-    /// A value that no stack has.
+    /// A value that is not valid in a stack.
     #[error("the layer stack has {found} at byte {offset}")]
     Invalid {
-        /// Position behind the value.
+        /// Position of the first byte after the value.
         offset: usize,
         /// Description of the value.
         found: &'static str,
@@ -65,7 +65,7 @@ pub enum LayerStackError {
 }
 
 impl LayerStack {
-    /// The stack as bytes; see the [module](self) for the format.
+    /// Encodes the stack; see the [module](self) for the format.
     ///
     /// ```
     /// use grainpath_core::{DVec2, Layer, LayerStack, Region};
@@ -92,11 +92,11 @@ impl LayerStack {
         out
     }
 
-    /// The stack in these bytes.
+    /// Decodes a stack.
     ///
     /// # Errors
     /// [`LayerStackError`] for bytes of another kind or version, for bytes that end too early or go on after the stack,
-    /// and for values that no stack has: heights that do not rise, coordinates that are not finite.
+    /// and for invalid values, such as heights that do not rise or coordinates that are not finite.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, LayerStackError> {
         let mut reader = Reader { bytes, offset: 0 };
         if bytes.get(..4) != Some(MAGIC) {
@@ -140,21 +140,21 @@ const fn unzigzag(value: u64) -> i64 {
     (value >> 1) as i64 ^ -((value & 1) as i64)
 }
 
-/// The number of grid steps whose product with the grid has the bits of `v`.
+/// The number of grid steps that, times [`GRID_MM`], gives exactly the bits of `v`; `None` if there is none.
 fn steps(v: f64) -> Option<i64> {
     let steps = (v / GRID_MM).round();
     // Below this bound steps are exact in an `f64`, and the difference of two of them fits an
     // `i64`.
     let small = steps.abs() < (1u64 << 53) as f64;
-    // The test is on bits, because -0.0 and values off the grid by one rounding would compare equal
-    // or nearly so.
+    // The bits are compared, because -0.0 equals 0.0 as a number. A value off the grid by a single rounding
+    // error is refused too.
     (small && (steps as i64 as f64 * GRID_MM).to_bits() == v.to_bits()).then_some(steps as i64)
 }
 
 fn put_contour(out: &mut Vec<u8>, contour: &[DVec2]) {
     put_varint(out, contour.len() as u64);
-    // One coordinate off the grid makes the whole contour raw; mixed contours would need a mode for
-    // each point.
+    // If one coordinate is off the grid, the whole contour is stored raw; otherwise each point would need
+    // its own mode.
     let on_grid: Option<Vec<[i64; 2]>> = contour.iter().map(|p| Some([steps(p.x)?, steps(p.y)?])).collect();
     match on_grid {
         Some(points) => {
@@ -194,7 +194,7 @@ impl Reader<'_> {
         for shift in (0..64).step_by(7) {
             let byte = self.byte(wanted)?;
             let bits = u64::from(byte & 0x7f);
-            // The tenth byte has room for one bit of a 64-bit number.
+            // Only the lowest bit of the tenth byte belongs to a 64-bit number.
             if shift == 63 && bits > 1 {
                 break;
             }
@@ -216,8 +216,8 @@ impl Reader<'_> {
     fn layer(&mut self) -> Result<Layer, LayerStackError> {
         let z_top_mm = self.float("the height of a layer's top")?;
         let height_mm = self.float("the height of a layer")?;
-        // No memory is reserved from counts in the file: hostile bytes may promise any number, but
-        // each polygon costs them at least one byte.
+        // No memory is reserved by the counts in the file: malicious bytes may state any count, but each
+        // polygon needs at least one byte.
         let n_polygons = self.varint("a number of polygons")?;
         let mut polygons = Vec::new();
         for _ in 0..n_polygons {
@@ -248,7 +248,7 @@ impl Reader<'_> {
                 ON_GRID => {
                     for v in &mut at {
                         let step = unzigzag(self.varint(POINT)?);
-                        // Overflow needs hostile bytes; wrapping would give another valid-looking
+                        // Only malicious bytes overflow here. Wrapping would give a wrong but valid
                         // point.
                         *v = v.checked_add(step).ok_or_else(|| self.invalid("a point beyond all bounds"))?;
                     }

@@ -1,7 +1,7 @@
-//! The part as a stack of plane sections, whatever it was read from.
+//! The part as a stack of plane sections, independent of the file type it was read from.
 //!
-//! A mesh, a scan, a drawing and a photograph all become a [`LayerStack`]; walls, fills and
-//! supports know nothing else of the part. Heights are mm above the plate, regions are in part
+//! A mesh, a scan, a drawing and a photograph all become a [`LayerStack`]; walls, infill and
+//! supports use nothing else of the part. Heights are mm above the plate, regions are in part
 //! coordinates (mm). The stack can be kept or sent to another machine as bytes:
 //! [`LayerStack::to_bytes`], format in [`encoding`].
 
@@ -29,9 +29,9 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A layer that ends at `z_top_mm` above the plate and is `height_mm` high; `None` unless both
-    /// are finite, the height is positive and the layer starts at or above the plate (within 1e-6
-    /// mm).
+    /// A layer whose top is `z_top_mm` above the plate and which is `height_mm` high. `None` if a value is
+    /// not finite, the height is not positive, or the layer starts more than 1e-6 mm below the
+    /// plate.
     pub fn new(z_top_mm: f64, height_mm: f64, region: Region) -> Option<Self> {
         let sound = z_top_mm.is_finite() && height_mm > 0.0 && z_top_mm - height_mm > -1e-6;
         sound.then_some(Self { z_top_mm, height_mm, region })
@@ -53,7 +53,7 @@ impl Layer {
     }
 }
 
-/// A part as layers from the plate upwards. Invariant: `z_top_mm` rises strictly.
+/// A part as layers from the plate upwards. Invariant: each layer has a larger `z_top_mm` than the one below.
 ///
 /// ```
 /// use grainpath_core::{DVec2, Layer, LayerStack, Region};
@@ -70,7 +70,7 @@ pub struct LayerStack {
 }
 
 impl LayerStack {
-    /// The stack of these layers; `None` unless each ends higher than the one before.
+    /// A stack of layers; `None` unless the top of each layer is higher than that of the previous one.
     pub fn new(layers: Vec<Layer>) -> Option<Self> {
         layers.windows(2).all(|w| w[0].z_top_mm < w[1].z_top_mm).then_some(Self { layers })
     }
@@ -80,7 +80,7 @@ impl LayerStack {
         &self.layers
     }
 
-    /// Volume in mm3: the sum of area times height.
+    /// Volume in mm3: the sum of area times height over all layers.
     pub fn volume_mm3(&self) -> f64 {
         self.layers.iter().map(|l| l.region.area_mm2() * l.height_mm).sum()
     }

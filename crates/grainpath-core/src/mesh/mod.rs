@@ -1,4 +1,4 @@
-//! Triangle meshes as read from a file: vertices, triangles, and what is wrong with them.
+//! Triangle meshes as read from a file: vertices, triangles, and their defects.
 
 mod topology;
 mod weld;
@@ -8,8 +8,8 @@ use glam::DVec3;
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose, examine};
 pub use weld::{VertexWelder, weld_targets, weld_within};
 
-/// Triangles over shared vertices, in mm once read. The mesh may be open or wound either way;
-/// [`diagnose`] says so.
+/// Triangles over shared vertices; positions are in mm once the file is read. The mesh may have
+/// holes and triangles of either winding; [`diagnose`] counts such defects.
 ///
 /// ```
 /// use grainpath_core::{DVec3, TriMesh, mesh::diagnose};
@@ -24,7 +24,7 @@ pub use weld::{VertexWelder, weld_targets, weld_within};
 pub struct TriMesh {
     /// Vertex positions, `(n_vertices, 3)`.
     pub vertices: Vec<DVec3>,
-    /// Vertex indices, `(n_triangles, 3)`, counter-clockwise seen from outside where the file is right.
+    /// Vertex indices, `(n_triangles, 3)`; counter-clockwise seen from outside, unless the file winds them wrongly.
     pub triangles: Vec<[u32; 3]>,
 }
 

@@ -21,7 +21,7 @@ pub struct MeshHealth {
     pub open_edges: usize,
     /// Edges with more than two faces.
     pub nonmanifold_edges: usize,
-    /// Directed edges used more than once: neighbours wound against each other.
+    /// Edges that several triangles run along in the same direction: neighbouring triangles wound against each other.
     pub badly_wound_edges: usize,
     /// Triangles of practically no area (under 1e-12 of the longest extent squared).
     pub zero_area_facets: usize,
@@ -32,7 +32,7 @@ pub struct MeshHealth {
 }
 
 impl MeshHealth {
-    /// Whether every edge has exactly two opposite uses.
+    /// Whether every edge belongs to exactly two triangles, which run along it in opposite directions.
     pub fn is_closed(&self) -> bool {
         self.open_edges == 0 && self.nonmanifold_edges == 0 && self.badly_wound_edges == 0
     }
@@ -91,8 +91,8 @@ impl EdgeUses {
         all.filter(|uses| uses.len() != 2).map(|uses| [uses[0].low, uses[0].high])
     }
 
-    /// Edges whose triangles are not two that run along them in opposite directions, as pairs of vertices: those of
-    /// [`EdgeUses::faulty`], and those of triangles wound against each other.
+    /// Edges, as pairs of vertices, that do not belong to exactly two triangles running along them in opposite
+    /// directions: those of [`EdgeUses::faulty`], and those between triangles wound against each other.
     pub fn unsound(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let all = self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high));
         let is_sound = |uses: &[Use]| uses.len() == 2 && (uses[0].triangle ^ uses[1].triangle) & 1 == 1;
@@ -108,7 +108,8 @@ impl Shells {
     pub fn find(mesh: &TriMesh, edges: &EdgeUses) -> Self {
         let mut shells = DisjointSets::new(mesh.triangles.len());
         for mut edge in edges.edges() {
-            // Where more than two faces meet, bodies touch; which face continues into which is undefined.
+            // Bodies touch at edges of more than two faces, where no pair of faces belongs together; such
+            // an edge connects none.
             if let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) {
                 shells.union(first, other);
             }
@@ -116,7 +117,7 @@ impl Shells {
         Self(shells.names())
     }
 
-    /// The shell of a triangle, named by its lowest triangle.
+    /// The shell of a triangle, given as the lowest index of a triangle in it.
     pub fn shell(&self, triangle: usize) -> usize {
         self.0[triangle] as usize
     }
@@ -132,7 +133,7 @@ pub fn diagnose(mesh: &TriMesh) -> Option<MeshHealth> {
     examine(mesh).map(|(health, ..)| health)
 }
 
-/// As [`diagnose`], with the edges and shells that it was counted from.
+/// As [`diagnose`]; returns in addition the edges and shells from which the defects are counted.
 pub fn examine(mesh: &TriMesh) -> Option<(MeshHealth, EdgeUses, Shells)> {
     let bounds = mesh.bounds()?;
     let uses = EdgeUses::count(mesh);
@@ -145,7 +146,7 @@ pub fn examine(mesh: &TriMesh) -> Option<(MeshHealth, EdgeUses, Shells)> {
         }
         open += usize::from(up + down == 1);
         nonmanifold += usize::from(up + down > 2);
-        // In a sound mesh each edge is used once in either direction.
+        // In a sound mesh, triangles run along each edge once in either direction.
         badly_wound += usize::from(up > 1) + usize::from(down > 1);
     }
     let extent = (bounds.1 - bounds.0).max_element();

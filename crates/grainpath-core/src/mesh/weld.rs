@@ -1,13 +1,13 @@
-//! Merging vertices: equal ones while a file is read, near ones where a mesh has open edges.
+//! Merging of vertices: equal ones while a file is read, and ones close together in a mesh with open edges.
 
 use glam::DVec3;
 
 use super::TriMesh;
 
-/// Gives equal positions one index: exact to the bit, with -0 taken as 0.
+/// Gives equal positions the same index. Positions are equal if all their bits agree, with -0 taken as 0.
 ///
-/// An open-addressing table of indices into the vertices themselves: 4 bytes a slot, so that a soup
-/// of triangles never needs to be stored.
+/// A hash table with open addressing, whose slots of 4 bytes hold indices of vertices. It welds the
+/// vertices of triangles as they are read, so that unwelded triangles are never stored.
 #[derive(Debug, Clone)]
 pub struct VertexWelder {
     vertices: Vec<DVec3>,
@@ -34,8 +34,8 @@ impl VertexWelder {
         Self { vertices: Vec::with_capacity(n_vertices), slots: vec![EMPTY; slots] }
     }
 
-    /// The index of this position, which is new or one given before. `None` after 2^32 - 2
-    /// different positions.
+    /// The index of this position; a position that occurs for the first time gets a new index.
+    /// `None` when 2^32 - 1 positions have one.
     pub fn index(&mut self, p: DVec3) -> Option<u32> {
         // -0 and 0 are equal and have different hashes; adding 0 turns -0 into 0.
         let p = p + DVec3::ZERO;
@@ -100,7 +100,7 @@ pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
         let k = key(mesh.vertices[i as usize]);
         (k.x as i64, k.y as i64, k.z as i64)
     };
-    // Sorted by cell, the 27 cells around a vertex are nine ranges of the array.
+    // In an array sorted by cell, the 27 cells around a vertex are nine contiguous ranges.
     order.sort_by_cached_key(|&i| (cell(i), i));
     let keys: Vec<(i64, i64, i64)> = order.iter().map(|&i| cell(i)).collect();
     let mut target: Vec<u32> = (0..n as u32).collect();
@@ -114,8 +114,8 @@ pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
                 if *k > (cx + dx, cy + dy, cz + 1) {
                     break;
                 }
-                // Only vertices that stay themselves may be targets, or chains of near vertices
-                // would collapse into one point.
+                // Only vertices that do not move may be targets. Otherwise a chain of vertices,
+                // each near the next, would collapse into one point.
                 let free = target[j as usize] == j;
                 if j < best && free && mesh.vertices[j as usize].distance(p) <= tolerance_mm {
                     best = j;
@@ -124,8 +124,8 @@ pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
         }
         target[i as usize] = best;
     }
-    // A target is always lower than its vertex and stays in place itself, so one step leads to the
-    // final vertex.
+    // A vertex that another one moves to does not move itself, so a single step leads to the final
+    // vertex.
     target
 }
 

@@ -1,4 +1,4 @@
-//! Booleans of regions.
+//! Boolean operations on regions: union, intersection and difference.
 //!
 //! The work is done by a sweep over integer coordinates of `GRID_MM`; results are polygons with
 //! holes whose vertices lie on that grid. Cost: n log n in the vertices and crossings.
@@ -16,7 +16,7 @@ use super::{Contour, GRID_MM, Polygon, Region};
 pub enum FillRule {
     /// Points around which the lines wind an odd number of times.
     EvenOdd,
-    /// Points around which they wind at all.
+    /// Points whose winding number is not zero.
     NonZero,
     /// Points around which they wind counter-clockwise more often than clockwise.
     Positive,
@@ -39,8 +39,8 @@ fn run<'a>(
     fill: OverlayFill,
     capacity: usize,
 ) -> Region {
-    // The library drops small areas by default. Here even slivers are kept: whether they matter is
-    // for the caller to decide.
+    // The library drops small areas by default. Here even slivers are kept; the caller decides
+    // whether they matter.
     let options = IntOverlayOptions { min_output_area: 0, ..IntOverlayOptions::default() };
     let mut overlay =
         Overlay::<i64>::new_custom(capacity, options, i_overlay::core::solver::Solver::default());
@@ -71,12 +71,12 @@ impl Region {
     }
 
     fn with(&self, other: &Self, rule: OverlayRule) -> Self {
-        // All three rules agree for regions without overlap.
+        // The three rules give the same result for a region, whose polygons do not overlap.
         let capacity = self.n_vertices() + other.n_vertices();
         run(self.contours(), other.contours(), rule, OverlayFill::NonZero, capacity)
     }
 
-    /// The area in either of both.
+    /// The area that lies in at least one of the two regions.
     pub fn union(&self, other: &Self) -> Self {
         if self.is_empty() {
             return other.clone();
@@ -87,10 +87,10 @@ impl Region {
         self.with(other, OverlayRule::Union)
     }
 
-    /// The area in both.
+    /// The area that lies in both regions.
     pub fn intersection(&self, other: &Self) -> Self {
         match (self.bounds(), other.bounds()) {
-            // Boxes apart need no sweep; most pairs of islands are of this kind.
+            // Regions whose boxes do not meet need no sweep; this holds for most pairs of islands.
             (Some(a), Some(b)) if a.meets(b) => self.with(other, OverlayRule::Intersect),
             _ => Self::default(),
         }

@@ -1,8 +1,8 @@
 //! Clipping open lines by a region, and finding where a straight line crosses its border.
 //!
-//! Signs are exact (`shewchuk1997`), and a point on a line counts as on its right. Crossings
-//! therefore alternate between in and out, which clipping relies on. Lengths are in mm. Cost: a
-//! line visits the buckets along it, each with about one edge.
+//! The side of a line on which a point lies is computed exactly (`shewchuk1997`); a point on the line counts
+//! as on its right. Crossings therefore alternate between entering and leaving, which clipping relies on.
+//! Lengths are in mm. Cost: a line visits the buckets that it passes through, each with about one edge.
 
 use glam::DVec2;
 
@@ -59,7 +59,7 @@ impl LineClipper {
         }
         let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-6));
-        // About one edge a cell balances empty cells against crowded ones.
+        // With about one edge a cell, neither empty cells nor crowded ones cost much time.
         let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt();
         let cells = CellGrid::covering(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
         let buckets =
@@ -72,7 +72,7 @@ impl LineClipper {
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
         self.buckets.cells.for_each_passed(a, b, |cell| near.extend(self.buckets.members(cell)));
-        // An edge lies in every bucket it passes; each crossing may count only once.
+        // An edge is listed in every bucket that it passes through, so duplicates are removed: each crossing counts once.
         near.sort_unstable();
         near.dedup();
         let mut out: Vec<Crossing> = near
@@ -123,9 +123,9 @@ impl LineClipper {
         self.contains(a) && self.contains(b) && !self.meets(a, b)
     }
 
-    /// Whether a line begins inside, as its crossings count. For a first point on the border that is
-    /// not what [`Self::contains`] says: so the middle of the longest stretch without a crossing
-    /// is asked, and each crossing before it changes the side.
+    /// Whether a line begins inside, consistently with its crossings. For a first point on the
+    /// border [`Self::contains`] may disagree with them. Therefore the middle of the first segment's
+    /// longest stretch without a crossing is tested, and each crossing before it changes the side.
     fn begins_inside(&self, line: &[DVec2]) -> bool {
         let &[a, b, ..] = line else { return line.first().is_some_and(|&p| self.contains(p)) };
         let mut stops = vec![0.0];
@@ -170,16 +170,16 @@ impl LineClipper {
     }
 }
 
-/// The share of `a`-`b` at which it crosses `p`-`q`, with exact signs: a point on the line counts
-/// as on its right.
+/// The position at which `a`-`b` crosses `p`-`q`, as a share of `a`-`b`. Sides are exact; a point
+/// on a line counts as on its right.
 fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let side = |u: DVec2, v: DVec2, w: DVec2| {
         let c = |p: DVec2| robust::Coord { x: p.x, y: p.y };
         robust::orient2d(c(u), c(v), c(w))
     };
     let (sp, sq) = (side(a, b, p), side(a, b, q));
-    // Equal signs: the segment does not cross the line. Points on the line have a definite side by
-    // the half-open rule.
+    // Ends on the same side: the segment does not cross the line. By the half-open rule a point on
+    // the line has a definite side too.
     if (sp > 0.0) == (sq > 0.0) {
         return None;
     }
@@ -187,8 +187,8 @@ fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     if (sa > 0.0) == (sb > 0.0) {
         return None;
     }
-    // Both segments cross, so they are parallel only by rounding; the middle is as good as any
-    // point.
+    // The segments are known to cross, so a zero here is a rounding error; the middle is as good as
+    // any other point.
     let d = cross(b - a, q - p);
     Some(if d == 0.0 { 0.5 } else { (cross(p - a, q - p) / d).clamp(0.0, 1.0) })
 }

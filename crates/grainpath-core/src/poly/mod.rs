@@ -1,4 +1,4 @@
-//! Polygons with holes: booleans, offsets, clipping. Clipping libraries are named here alone.
+//! Polygons with holes: booleans, offsets, clipping. Only this module calls clipping libraries.
 //!
 //! Coordinates are mm as `f64` in every signature. Inside, booleans and offsets run on integers of
 //! [`GRID_MM`], so a result is reproducible to the bit and its vertices lie on that grid.
@@ -30,16 +30,16 @@ pub type Contour = Vec<DVec2>;
 /// Signed area of a closed line in mm2: positive when it runs counter-clockwise.
 pub fn signed_area_mm2(contour: &[DVec2]) -> f64 {
     let Some(&origin) = contour.first() else { return 0.0 };
-    // About the first vertex, so that a small contour far from the origin keeps its digits.
+    // Coordinates are taken from the first vertex, so that a small contour far from the origin loses no digits.
     contour[1..].windows(2).map(|w| cross(w[0] - origin, w[1] - origin)).sum::<f64>() * 0.5
 }
 
-/// The centre of the area that a contour encloses; its first point where it encloses none.
+/// The centroid of the area that a contour encloses; the first point of a contour that encloses no area.
 pub fn centroid(contour: &[DVec2]) -> DVec2 {
     let Some(&first) = contour.first() else { return DVec2::ZERO };
     let (mut area, mut moment) = (0.0, DVec2::ZERO);
     for (a, b) in edges(contour) {
-        // Triangles with the first point, so that coordinates far from the origin cost no digits.
+        // The area is split into triangles with the first point, so that a contour far from the origin loses no digits.
         let (a, b) = (a - first, b - first);
         let twice = cross(a, b);
         area += twice;
@@ -65,15 +65,15 @@ pub fn even_odd_contains<'a>(contours: impl IntoIterator<Item = &'a Contour>, p:
     crossings_left_are_odd(contours.into_iter().flat_map(|c| edges(c)), p)
 }
 
-/// Whether an odd number of edges passes left of `p`. Edges farther to the left may be left out in
-/// pairs.
+/// Whether a ray from `p` to the left crosses an odd number of edges. A caller may leave out an
+/// even number of the edges crossed.
 fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
     let mut odd = false;
     for (a, b) in edges {
         // Half-open in y, so a vertex at the height of `p` counts for one of its two edges.
         if (a.y > p.y) != (b.y > p.y) {
-            // From the lower end to the upper one: two polygons that share an edge compute the very
-            // same product.
+            // Every edge is taken from its lower end to its upper one, so that two polygons that
+            // share an edge compute the same product.
             let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
             odd ^= cross(high - low, p - low) < 0.0;
         }
@@ -94,7 +94,7 @@ fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2)
 pub struct Polygon {
     /// The outline.
     pub outer: Contour,
-    /// Lie inside the outline; no two overlap.
+    /// The holes. They lie inside the outline and do not overlap.
     pub holes: Vec<Contour>,
 }
 
@@ -104,7 +104,7 @@ impl Polygon {
         std::iter::once(&self.outer).chain(&self.holes)
     }
 
-    /// Area in mm2, holes taken off.
+    /// Area in mm2, without the holes.
     pub fn area_mm2(&self) -> f64 {
         self.contours().map(|c| signed_area_mm2(c)).sum()
     }
@@ -139,7 +139,7 @@ impl Polygon {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region {
-    /// In no particular but a reproducible order.
+    /// The polygons. Their order has no meaning, but is the same in every run.
     pub polygons: Vec<Polygon>,
 }
 
@@ -166,7 +166,7 @@ impl Region {
         self.polygons.iter().flat_map(Polygon::contours)
     }
 
-    /// Area in mm2, holes taken off.
+    /// Area in mm2, without the holes.
     pub fn area_mm2(&self) -> f64 {
         self.polygons.iter().map(Polygon::area_mm2).sum()
     }

@@ -10,20 +10,20 @@ use glam::DVec2;
 
 use super::{Contour, FillRule, GRID_MM, Region};
 
-/// The shape of an offset at the corners it opens.
+/// The shape of an offset at corners where its sides move apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Join {
     /// Arcs, as polylines within 0.005 mm.
     Round,
-    /// Sharp corners, cut off where the tip would lie farther away than this many offsets.
+    /// Sharp corners. A tip that would lie farther from the corner than this multiple of the distance is cut off.
     Miter(f64),
 }
 
-/// Largest error of a polyline that stands for an arc, mm. Source: derived. Half a microstep of a belt of 40 mm a turn on
-/// a motor of 200 steps, divided by 16 (0.0125 mm).
+/// Largest error of a polyline that stands for an arc, mm. Source: derived. Below half a microstep: a belt drive of 40 mm
+/// a turn with 200 steps of 16 microsteps moves 0.0125 mm a microstep.
 const ARC_TOLERANCE_MM: f64 = 0.005;
-/// Vertices nearer than this to the line without them are dropped, mm, so that repeated offsets do
-/// not collect vertices. Source: derived. Twice the last digit that G-code has, 0.001 mm.
+/// A vertex is dropped where the line without it passes within this distance, mm, so that repeated
+/// offsets do not collect vertices. Source: derived. Twice the last digit that G-code has, 0.001 mm.
 const SIMPLIFY_MM: f64 = 0.002;
 
 impl Region {
@@ -44,7 +44,7 @@ impl Region {
             join,
             c2::EndType::Polygon,
             limit,
-            // The library measures the tolerance in its own coordinates.
+            // The library takes the tolerance in its own units, not in mm.
             ARC_TOLERANCE_MM / GRID_MM,
         );
         from_grid(&grown)
@@ -83,7 +83,7 @@ fn to_grid(line: &[DVec2]) -> c2::Path64 {
     line.iter().map(|p| c2::Point64::new(rounded(p.x), rounded(p.y))).collect()
 }
 
-/// The region of offset contours. Those of neighbouring contours may cross; non-zero winding unites them.
+/// The region that offset contours enclose. Offsets of neighbouring contours may overlap; the non-zero rule unites them.
 fn from_grid(grown: &c2::Paths64) -> Region {
     let mm = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
     let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(mm).collect()).collect();

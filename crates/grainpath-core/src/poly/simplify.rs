@@ -8,9 +8,9 @@ use glam::DVec2;
 use super::{Contour, Polygon, Region, signed_area_mm2};
 use crate::segment;
 
-/// Marks the vertices of `line[lo..=hi]` that Douglas-Peucker keeps, ends excluded.
+/// Marks the vertices between `line[lo]` and `line[hi]` that Douglas-Peucker keeps.
 fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]) {
-    // A stack instead of recursion: a spiral may be as deep as it has vertices.
+    // A stack replaces recursion, whose depth may reach the number of vertices in a spiral.
     let mut stack = vec![(lo, hi)];
     while let Some((lo, hi)) = stack.pop() {
         let far = (lo + 1..hi)
@@ -24,7 +24,7 @@ fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]
     }
 }
 
-/// An open polyline with the vertices dropped that lie within `tolerance_mm` of what remains
+/// An open polyline without the vertices that lie within `tolerance_mm` of the simplified line
 /// (Douglas-Peucker). The ends stay.
 pub fn simplify_line(line: &[DVec2], tolerance_mm: f64) -> Vec<DVec2> {
     if line.len() < 3 {
@@ -64,8 +64,8 @@ pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
 }
 
 impl Region {
-    /// The region without the vertices that lie within `tolerance_mm` of what remains. Contours are
-    /// simplified one by one, so two that come closer than the tolerance may touch.
+    /// The region without the vertices that lie within `tolerance_mm` of the simplified contours.
+    /// Contours are simplified one by one, so two that come closer than the tolerance may touch.
     pub fn simplified(&self, tolerance_mm: f64) -> Self {
         let polygon = |p: &Polygon| {
             let outer = simplify_contour(&p.outer, tolerance_mm);

@@ -1,15 +1,17 @@
-//! How much work the union of closed lines would be, counted before it is begun.
+//! A test, before closed lines are united, of whether they cross too often for that.
 //!
-//! A union makes a point of every crossing of its edges, and its time grows with the points. Sections of sound parts
-//! have few: two for each pair of outlines of bodies that overlap. In sections of a damaged mesh every edge may cross
-//! every other, which is quadratic. [`crosses_more_than`] tells them apart at a cost that is bounded by the answer.
+//! A union makes a point of every crossing of edges, and its time grows with the number of points. Sections of sound
+//! parts have few crossings: about two for each pair of outlines that overlap. In sections of a damaged mesh every
+//! edge may cross every other one, so that the number grows with the square of the edges. [`crosses_more_than`] tells
+//! the two kinds apart in a bounded time.
 //!
 //! Method: edges are sorted into square cells, about one cell an edge. Two edges that cross do so in a cell that both
-//! pass, so the pairs in all cells are an upper bound; for sound sections it settles the question. Only where it does not,
-//! pairs are tested exactly ([`crate::segment::meeting`]), until the limit is reached.
+//! pass, so the number of pairs in all cells is an upper bound of the crossings. For most sound sections this bound is
+//! below the limit, and nothing more is done. Otherwise pairs are tested exactly ([`crate::segment::meeting`]) until the
+//! limit is reached.
 //!
-//! Cost: linear in the edges and the cells they pass, then at most a multiple of the limit in pairs. Degenerate cases:
-//! lines without an edge or without extent do not cross. Edges that only touch are not counted.
+//! Cost: linear in the edges and the cells they pass, then a multiple of the limit or of the edges in pairs.
+//! Degenerate cases: lines without an edge or without extent do not cross. Edges that only touch are not counted.
 
 use super::{Contour, edges};
 use crate::Bounds2;
@@ -18,15 +20,15 @@ use crate::buckets::{Buckets, CellGrid};
 use crate::segment::{Meeting, meeting};
 
 /// Pairs of edges tested for each crossing allowed: bounds the work where many edges share cells without crossing.
-/// Source: derived. Two edges of random direction through one cell cross in it with a probability of about 0.2 to 0.5; so many
-/// pairs without that many crossings are at least ten times rarer than in any tangle.
+/// Source: derived. Two edges of random direction through one cell cross in it with a probability of about 0.2 to 0.5; in a
+/// tangle the limit is therefore reached within a tenth of these tests.
 const PAIRS_PER_CROSSING: usize = 50;
-/// Cells in a direction at most: bounds memory for contours of many edges.
+/// The greatest number of cells in a direction; it bounds the memory for contours of many edges.
 /// Source: derived. 2000 x 2000 cells of a list each take 96 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
 
-/// Whether closed lines cross themselves and each other in more than `limit` places, or so nearly that finding out is as
-/// much work.
+/// Whether closed lines cross themselves and each other in more than `limit` places. It is also true where the count
+/// takes more tests than `PAIRS_PER_CROSSING` times the limit or the number of edges, whichever is larger.
 ///
 /// ```
 /// use grainpath_core::{DVec2, poly::crosses_more_than};

@@ -8,14 +8,14 @@ use grainpath_core::DVec2;
 use super::plane_mesh::PlaneMesh;
 use super::quadratic_triangle as element;
 
-/// A side of the border, or the stretch of it that carries a load.
+/// A side of an element on the border, and the stretch of it that carries a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadedSide {
-    /// Both ends and the middle node.
+    /// The nodes at both ends, then the node in the middle.
     pub nodes: [u32; 3],
     /// Where the load begins, as a share of the side. From 0 to 1.
     pub from: f64,
-    /// Where it ends.
+    /// Where the load ends, as a share of the side. From 0 to 1.
     pub to: f64,
 }
 

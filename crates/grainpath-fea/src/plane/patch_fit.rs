@@ -1,10 +1,10 @@
 //! Stress at the nodes from stress inside the elements: superconvergent patch recovery
 //! (`zienkiewicz1992`).
 //!
-//! Around each corner node a quadratic is fitted by least squares to the stresses at the
-//! integration points of the elements there, where they are most accurate. Stresses are in MPa,
-//! components xx, yy, xy. Cost: linear in the elements. Degenerate cases: patches with few samples
-//! borrow the elements around them; directions that the samples do not determine stay zero.
+//! For each corner node a quadratic is fitted by least squares to the stresses at the integration
+//! points of the elements around it. There the stresses of the elements are most accurate. Stresses are
+//! in MPa, components xx, yy, xy. Cost: linear in the elements. Degenerate cases: a patch with few
+//! samples also uses the elements around it; coefficients that the samples do not determine stay zero.
 
 use grainpath_core::DVec2;
 use rayon::prelude::*;
@@ -13,8 +13,8 @@ use super::plane_problem::PlaneProblem;
 use super::quadratic_triangle::{self as element, POINTS};
 use crate::principal::PlaneTensor;
 
-/// Samples below which a patch borrows the elements around it. Source: derived: a quadratic in the
-/// plane has six coefficients; twice as many samples keep a single one from deciding a coefficient.
+/// A patch with fewer samples than this also uses the elements around it. Source: derived: a quadratic in
+/// the plane has six coefficients; with twice as many samples no single sample decides a coefficient.
 const ENOUGH: usize = 12;
 
 /// Stress at every node, and at the integration points of every element. Each corner's quadratic is
@@ -54,8 +54,8 @@ pub(super) fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTens
             if patch.is_empty() {
                 return None;
             }
-            // Three rings at most: a corner that belongs to a single element starts with three
-            // samples.
+            // A patch is extended by three rings of elements at most: a corner that belongs to a
+            // single element starts with three samples.
             for _ in 0..3 {
                 if 3 * patch.len() >= ENOUGH {
                     break;
@@ -96,7 +96,7 @@ pub(super) fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTens
     (nodal, samples.into_iter().map(|s| s.map(|(_, stress)| stress)).collect())
 }
 
-/// A quadratic in x and y around a point for each component.
+/// A quadratic in x and y about a point, for each stress component.
 struct Fit {
     origin: DVec2,
     scale: f64,

@@ -1,10 +1,10 @@
-//! Fixtures and loads of a part on the plate that its section makes.
+//! Fixtures and loads of a part, applied to the plate with the part's section.
 //!
 //! Selections are evaluated at the mid-height of the plate. A node of the mesh is selected when its
 //! point at that height lies in the selection. Loads act on the sides of the border whose midpoint is
 //! selected; a side that a box, a cylinder or a sphere cuts carries them up to the cut, so that the
-//! loaded length does not depend on the mesh. (A bar of 10 mm width bends visibly under a pull that
-//! is 0.05 mm off its axis, which is what half an element on one edge makes.)
+//! loaded length does not depend on the mesh. (Half an element more at one edge moves a pull by 0.05
+//! mm off the axis, under which a bar of 10 mm width bends visibly.)
 
 use std::collections::BTreeMap;
 
@@ -19,11 +19,11 @@ use crate::resultant::Resultant;
 use grainpath_core::selection::Selection;
 
 const SEARCHED: &str = "the plate's border";
-/// A load on less than this share of a side is left out. Source: derived. The tolerance of selections, 1 um, reaches that
-/// far around a corner on sides of 0.1 mm and more.
+/// A load on less than this share of a side is left out. Source: derived. On a side of 0.1 mm, the tolerance of
+/// selections (1 um) reaches this share around a corner, and less on longer sides.
 const LEAST_SHARE: f64 = 0.01;
 
-/// A meshed section between the lowest and the highest point of its part.
+/// A meshed section of a part, with the height of the part's lowest and highest point.
 #[derive(Debug, Clone, Copy)]
 pub struct Plate<'a> {
     mesh: &'a PlaneMesh,
@@ -73,7 +73,7 @@ impl<'a> Plate<'a> {
                         Hold { node, along, displacement_mm }
                     }));
                 }
-                // Parts that are held so are solved as solids.
+                // Parts with such fixtures are solved as solids.
                 Held::Turned { .. } => {}
                 Held::Axes(fixed) => {
                     for (axis, along) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
@@ -112,7 +112,7 @@ impl<'a> Plate<'a> {
             }
             Action::Pressure { on, mpa } => traction_n(self.mesh, &caught(on)?, t, &|_, n| -*mpa * n),
             Action::Moment { on, total_nmm } => self.moment_n(&caught(on)?, total_nmm.z),
-            // Never in the plane, so plates are not asked for these.
+            // Loads of these kinds never act in the plane, so this function is not called for them.
             Action::Bearing { .. }
             | Action::Torque { .. }
             | Action::RemoteForce { .. }
@@ -135,7 +135,7 @@ impl<'a> Plate<'a> {
                 (self.length_mm(&sides) * self.thickness_mm(), self.centroid(&sides))
             }
             None => {
-                // The centre of parallel forces: about this point they have no moment.
+                // The centre of the parallel forces, about which their moment is zero.
                 let along = forces_n.iter().sum::<DVec2>().normalize_or_zero();
                 let total: f64 = forces_n.iter().map(|f| f.dot(along)).sum();
                 let sum: DVec2 = self.mesh.nodes.iter().zip(&forces_n).map(|(p, f)| *p * f.dot(along)).sum();
@@ -170,7 +170,7 @@ impl<'a> Plate<'a> {
         (0..self.mesh.nodes.len() as u32).filter(is_on).collect()
     }
 
-    /// Both ends of what is loaded of a side, mm.
+    /// Both ends of the loaded stretch of a side, mm.
     fn ends(&self, side: &LoadedSide) -> [DVec2; 2] {
         let [a, b] = [side.nodes[0], side.nodes[1]].map(|i| self.mesh.nodes[i as usize]);
         [a.lerp(b, side.from), a.lerp(b, side.to)]
@@ -197,14 +197,15 @@ impl<'a> Plate<'a> {
         let turned = |p: DVec2| DVec2::new(-(p - centroid).y, (p - centroid).x);
         let unit = traction_n(self.mesh, sides, self.thickness_mm(), &|p, _| turned(p));
         let sum: f64 = unit.iter().zip(&self.mesh.nodes).map(|(f, p)| cross(*p - centroid, *f)).sum();
-        // Scaled by the moment that the discrete forces have, so that the total is exact on any
-        // mesh.
+        // Forces are scaled by the ratio to the moment that they have on the mesh, so that the
+        // total is exact on any mesh.
         unit.into_iter().map(|f| f * (moment_nmm / sum)).collect()
     }
 
-    /// What a selection holds of the border's sides.
+    /// The sides of the border, or the parts of them, that lie in a selection.
     fn sides(&self, on: &Selection) -> Vec<LoadedSide> {
-        // Planes, triangles and patches select whole faces; at their rims they touch the next ones.
+        // Planes, triangles and patches select whole faces; at the ends they only touch the
+        // neighbouring sides, which are not cut.
         let cuts = matches!(
             on,
             Selection::Box { .. }
@@ -215,7 +216,7 @@ impl<'a> Plate<'a> {
         self.mesh.border.iter().filter_map(|&nodes| self.loaded(nodes, on, cuts)).collect()
     }
 
-    /// What a selection holds of a side; with `cuts` up to where it is cut.
+    /// The stretch of a side that lies in a selection; without `cuts` it is the whole side.
     fn loaded(&self, nodes: [u32; 3], on: &Selection, cuts: bool) -> Option<LoadedSide> {
         let [a, b, m] = nodes.map(|i| self.mesh.nodes[i as usize]);
         let holds = |p: DVec2| on.contains(self.at_mid_height(p));
@@ -223,8 +224,8 @@ impl<'a> Plate<'a> {
             return holds(m).then(|| nodes.into());
         }
         let at = |s: f64| (1.0 - s) * (1.0 - 2.0 * s) * a + s * (2.0 * s - 1.0) * b + 4.0 * s * (1.0 - s) * m;
-        // Places are convex, so a side is held over one stretch; one that is shorter than a quarter of a side and lies
-        // between these points is missed.
+        // Selections are convex, so a side lies in one over a single stretch. A stretch shorter than a quarter of the
+        // side is missed if it lies between these points.
         let shares = [0.0, 0.25, 0.5, 0.75, 1.0];
         let inside = shares.map(|s| holds(at(s)));
         let first = inside.iter().position(|i| *i)?;

@@ -31,7 +31,7 @@ impl PlaneMesh {
                 sides.push((a.min(b), a.max(b), t as u32, k as u32));
             }
         }
-        // Sorted by their ends, the two copies of a shared side lie next to each other.
+        // After sorting by end nodes, the two copies of a shared side are neighbours in the list.
         sides.sort_unstable();
         let mut elements: Vec<[u32; 6]> =
             triangles.triangles.iter().map(|&[a, b, c]| [a, b, c, 0, 0, 0]).collect();
@@ -78,7 +78,7 @@ impl PlaneMesh {
     }
 }
 
-/// The mesh of a region with sides of at most `longest_mm`, finer around small holes.
+/// Meshes a region with element sides of at most `longest_mm`, and smaller ones around small holes.
 ///
 /// # Errors
 /// When the region cannot be cut into triangles.

@@ -1,4 +1,4 @@
-//! A plate with its fixtures, and the test whether these hold it.
+//! A plate with its supports, and the check that the supports prevent rigid motion.
 //!
 //! Lengths are in mm, stresses in MPa.
 
@@ -57,7 +57,7 @@ pub struct PlaneProblem<'a> {
     pub max_mib: f64,
 }
 
-/// Refuses a plate of which a piece can move as a whole.
+/// Returns an error if a piece of the plate can move as a rigid body.
 pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     let mesh = problem.mesh;
     let (piece, n_pieces) = mesh.pieces();
@@ -66,11 +66,11 @@ pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     for p in 0..n_pieces {
         let centre = mesh.nodes[first[p]];
         let members = || (0..piece.len()).filter(|&i| piece[i] as usize == p);
-        // Arms are divided by the size of the piece, so that the turn has the same scale as the
-        // shifts.
+        // Lever arms are divided by the size of the piece, so that the rotation has the same scale
+        // as the translations.
         let size = members().map(|i| mesh.nodes[i].distance(centre)).fold(1e-12, f64::max);
-        // The row of each hold in terms of two shifts and a turn. The piece is held if the Gram
-        // matrix of all rows has full rank.
+        // Each support gives a row of three coefficients: two translations and a rotation. The
+        // piece is held if the Gram matrix of all rows has full rank.
         let mut gram = [[0.0; 3]; 3];
         for hold in problem.holds.iter().filter(|h| piece[h.node as usize] as usize == p) {
             let r = (mesh.nodes[hold.node as usize] - centre) / size;
@@ -86,8 +86,8 @@ pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     Ok(())
 }
 
-/// The first rigid motion that a Gram matrix of holds leaves free, by elimination in the order x,
-/// y, turn.
+/// The first rigid motion that the supports leave free, found by elimination on their Gram matrix
+/// in the order x, y, rotation.
 pub(crate) fn loose(gram: &mut [[f64; 3]; 3]) -> Option<&'static str> {
     let scale = (gram[0][0] + gram[1][1] + gram[2][2]).max(1e-30);
     for k in 0..3 {

@@ -35,8 +35,8 @@ impl PlaneStress {
             let area = 0.5 * cross(b - a, c - a);
             for ((l, _), inside) in POINTS.iter().zip(stresses) {
                 let smooth = interpolated(&nodal, e, *l);
-                // The norm of the stress instead of the energy: it needs no compliance and differs
-                // by a bounded factor.
+                // The norm of the stress replaces the energy norm: it needs no compliance, and the
+                // two norms differ by a bounded factor only.
                 let square = |t: PlaneTensor| t[0] * t[0] + t[1] * t[1] + 2.0 * t[2] * t[2];
                 let off = [0, 1, 2].map(|k| smooth[k] - inside[k]);
                 missed += area * square(off);
@@ -127,7 +127,7 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     let double = cross(c[1] - c[0], c[2] - c[0]);
     let l = [cross(c[1] - p, c[2] - p) / double, cross(c[2] - p, c[0] - p) / double];
     let l = [l[0], l[1], 1.0 - l[0] - l[1]];
-    // Points on a shared side belong to both elements in spite of rounding.
+    // The limit of -1e-12 allows for rounding, so that points on a shared side belong to both elements.
     if l.iter().all(|v| *v >= -1e-12) {
         return (0.0, l.map(|v| v.max(0.0)));
     }
@@ -145,8 +145,8 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     best
 }
 
-/// Components between the nodes. They are linear in the four triangles between corners and middles
-/// of sides, so that no value overshoots those of the nodes.
+/// Stress components between the nodes. They are linear in each of the four triangles between
+/// corners and middle nodes, so no value overshoots the nodal values.
 fn interpolated(nodal: &[PlaneTensor], e: &[u32; 6], l: [f64; 3]) -> PlaneTensor {
     let (at, w): ([usize; 3], [f64; 3]) = if l[0] >= 0.5 {
         ([0, 3, 5], [2.0 * l[0] - 1.0, 2.0 * l[1], 2.0 * l[2]])

@@ -1,8 +1,8 @@
 //! The equations of a plate: assembled and factored once, solved for any number of load cases.
 //!
-//! Degrees of freedom of held nodes are eliminated; a node held along a slanted direction gets a
-//! frame of its own, so that each hold fixes exactly one unknown. Forces are in N, displacements in
-//! mm. Cost: one sparse Cholesky factorization, then two triangular solves a case.
+//! Degrees of freedom of held nodes are eliminated; a node held along a slanted direction gets its
+//! own coordinate frame, so that each hold fixes exactly one unknown. Forces are in N, displacements
+//! in mm. Cost: one sparse Cholesky factorization, then two triangular solves for each load case.
 
 use std::collections::BTreeMap;
 
@@ -39,7 +39,7 @@ pub struct PlaneSystem<'a> {
     number: Vec<[usize; 2]>,
     matrix: Symmetric,
     factor: Cholesky,
-    /// Part of the right side that comes from prescribed displacements.
+    /// Part of the right-hand side that comes from prescribed displacements.
     prescribed_n: Vec<f64>,
     /// Prescribed displacement of each node in its frame.
     prescribed_mm: BTreeMap<u32, DVec2>,
@@ -57,8 +57,8 @@ impl<'a> PlaneSystem<'a> {
         let mut held = vec![[false; 2]; mesh.nodes.len()];
         for hold in problem.holds {
             let i = hold.node as usize;
-            // The first hold of a node gives its frame; a second one in another direction then
-            // fixes the second axis as well.
+            // The first support of a node defines its frame. A second support in another direction
+            // then fixes the second axis as well.
             let e = *frames.entry(hold.node).or_insert(hold.along);
             let given = prescribed_mm.entry(hold.node).or_insert(DVec2::ZERO);
             let quarter = DVec2::new(-e.y, e.x);
@@ -68,8 +68,8 @@ impl<'a> PlaneSystem<'a> {
                 given.x = hold.displacement_mm;
             } else if s.abs() > 1e-6 && !held[i][1] {
                 held[i][1] = true;
-                // The second hold prescribes a mixture of both axes; the first axis is known
-                // already.
+                // The second support prescribes a combination of both axes, of which the first is
+                // known already.
                 given.y = (hold.displacement_mm - c * given.x) / s;
             }
         }
@@ -130,13 +130,13 @@ impl<'a> PlaneSystem<'a> {
     pub fn reactions_n(&self, solution: &PlaneSolution, forces_n: &[DVec2]) -> Vec<DVec2> {
         let mesh = self.problem.mesh;
         let is_held = |i: u32| self.number[i as usize].contains(&NONE);
-        // Reactions are stiffness times displacements less the loads. Held rows were eliminated, so
-        // their elements are assembled anew.
+        // Reactions are stiffness times displacements minus the loads. The rows of held nodes were
+        // eliminated, so the stiffness of their elements is computed again.
         let mut reactions = vec![DVec2::ZERO; mesh.nodes.len()];
         for e in mesh.elements.iter().filter(|e| e.iter().any(|&i| is_held(i))) {
             let p = e.map(|i| mesh.nodes[i as usize]);
             let c = (self.problem.stiffness)((p[0] + p[1] + p[2]) / 3.0);
-            // These elements were assembled before, so none of them is turned inside out.
+            // The same elements were assembled before without an error, so none of them is turned inside out.
             let Some(k) = element::stiffness(&p, &c, self.problem.thickness_mm) else { continue };
             let u = e.map(|i| solution.displacement_mm[i as usize]);
             for (a, &i) in e.iter().enumerate().filter(|(_, i)| is_held(**i)) {
@@ -222,7 +222,7 @@ fn assemble(
                 }
                 for b in 0..12 {
                     let column = number[e[b / 2] as usize][b % 2];
-                    // A prescribed displacement moves to the right side.
+                    // A prescribed displacement moves to the right-hand side.
                     if column == NONE {
                         let given = prescribed_mm.get(&e[b / 2]).map_or(0.0, |u| u[b % 2]);
                         rhs[row] -= ke[a][b] * given;

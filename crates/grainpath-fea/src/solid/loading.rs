@@ -18,10 +18,10 @@ use grainpath_core::selection::Selection;
 
 const SEARCHED: &str = "the part's surface";
 
-/// Least cosine between a boundary face and the facet of the part below it for the face to hold
-/// along its normal. A face below that bevels a sharp edge, and would hold the part at a slant.
-/// Source: derived: 0.94 is 20 degrees, less than half of the 45 degrees by which a face bevels a
-/// right-angled edge.
+/// Least cosine of the angle between the normals of a boundary face and of the facet of the part
+/// below it, for the face to hold the part along its normal. A face with a smaller cosine bevels a
+/// sharp edge, and its normal is slanted. Source: derived: 0.94 is 20 degrees, less than half of
+/// the 45 degrees by which a face bevels a right-angled edge.
 const MIN_COS_TO_FACET: f64 = 0.94;
 
 /// A meshed part under its boundary conditions.
@@ -33,7 +33,7 @@ pub struct LoadedSolid<'a> {
 }
 
 impl<'a> LoadedSolid<'a> {
-    /// The tetrahedra `mesh` that were made from `surface`, under `conditions`.
+    /// Puts the boundary conditions `conditions` on `mesh`, the tetrahedra made from `surface`.
     pub fn new(mesh: &'a TetMesh, surface: &'a TriMesh, conditions: &'a BoundaryConditions) -> Self {
         Self { mesh, surface, conditions }
     }
@@ -49,8 +49,8 @@ impl<'a> LoadedSolid<'a> {
             let faces = self.caught(&fixture.name, &fixture.on)?;
             match fixture.held {
                 Held::Normal => {
-                    // At a node between several faces the normals are added by area, so small faces
-                    // hardly turn the direction.
+                    // At a node between several faces, the normals are added with the face areas as
+                    // weights, so small faces hardly turn the direction.
                     for (node, normal) in self.normals(&faces) {
                         let normal = normal.normalize_or_zero();
                         let value_mm = fixture.displacement_mm.dot(normal);
@@ -79,8 +79,9 @@ impl<'a> LoadedSolid<'a> {
         Ok(supports)
     }
 
-    /// The nodes that a fixture holds, ascending: those of its faces, or for single points those of the face nearest to each.
-    /// A single node of a mesh holds less the finer the mesh is, and multigrid does not converge on it.
+    /// The nodes that a fixture holds, ascending: the nodes of its faces. For single points they are the nodes of the face
+    /// nearest to each point, because the support of a single node weakens as the mesh gets finer and stops multigrid from
+    /// converging.
     fn held_nodes(&self, on: &Selection, faces: &[usize]) -> Vec<u32> {
         let Selection::Points(points) = on else { return self.mesh.nodes_of(faces) };
         let search = nodal_forces::flat_faces(self.mesh);
@@ -89,7 +90,8 @@ impl<'a> LoadedSolid<'a> {
         self.mesh.nodes_of(&faces)
     }
 
-    /// The share of the area of a place on another mesh of the part that lies on this one; `None` for other places.
+    /// The share of a patch's area that lies on this mesh, where the patch comes from another mesh of the part; `None` for
+    /// other selections.
     pub fn covered_share(&self, on: &Selection) -> Option<f64> {
         let Selection::Patch(patch) = on else { return None };
         let mut forces = vec![DVec3::ZERO; self.mesh.nodes.len()];
@@ -183,7 +185,7 @@ impl<'a> LoadedSolid<'a> {
     /// # Errors
     /// [`CatchesNothing`] for a fixture without a face.
     pub fn reactions(&self, reactions_n: &[DVec3]) -> Result<Vec<Resultant>, CatchesNothing> {
-        // Taking a node's reaction out of the rest counts it once.
+        // Each node's reaction is taken out of `rest` once it has been counted, so that it is counted once.
         let mut rest = reactions_n.to_vec();
         let mut all = Vec::with_capacity(self.conditions.fixtures.len());
         for fixture in &self.conditions.fixtures {
@@ -203,7 +205,8 @@ impl<'a> LoadedSolid<'a> {
         self.held_nodes(on, &self.faces_in(on))
     }
 
-    /// The boundary faces in a selection, by the point of the part's surface below each and its normal there.
+    /// The boundary faces in a selection. For a patch, the point of the part's surface below a face must lie on it, and the
+    /// normal there must fit.
     fn faces_in(&self, on: &Selection) -> Vec<usize> {
         let mut faces = self.mesh.faces_in(on);
         if matches!(on, Selection::Patch(_)) {
@@ -221,7 +224,7 @@ impl<'a> LoadedSolid<'a> {
         (q - p).cross(r - p).normalize_or_zero()
     }
 
-    /// The boundary faces in a selection; an error where there are none. Points make no face.
+    /// The boundary faces in a selection; an error where there are none, except for single points.
     fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
         let faces = self.faces_in(on);
         match faces.is_empty() && !matches!(on, Selection::Points(_)) {
@@ -230,8 +233,8 @@ impl<'a> LoadedSolid<'a> {
         }
     }
 
-    /// Nodes of the faces that lie along the part's surface, with the sums of their normals (not of
-    /// unit length).
+    /// Nodes of the faces that lie along the part's surface, each with the sum of the face normals
+    /// around it (not of unit length).
     fn normals(&self, faces: &[usize]) -> BTreeMap<u32, DVec3> {
         let mut normals = BTreeMap::new();
         for &f in faces {
@@ -248,7 +251,7 @@ impl<'a> LoadedSolid<'a> {
     }
 }
 
-/// Nodes with the forces on them.
+/// Each node's position with the force on it.
 fn pairs<'a>(nodes: &'a [DVec3], forces: &'a [DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
     nodes.iter().copied().zip(forces.iter().copied())
 }

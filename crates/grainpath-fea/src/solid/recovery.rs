@@ -34,8 +34,8 @@ pub struct Recovered {
 /// coefficients.
 const FOR_QUADRATIC: usize = 30;
 
-/// Stresses of a displacement. `initial_strain` is the strain that no stress causes (heat), with
-/// engineering shears.
+/// Recovers the stresses of a displacement field. `initial_strain` is the strain that exists without
+/// stress (thermal expansion), with engineering shears.
 ///
 /// # Errors
 /// A material whose stiffness is not positive definite.
@@ -86,7 +86,7 @@ pub fn recover(
             patch.sort_unstable();
             patch.dedup();
         }
-        // The stresses of another material follow another function.
+        // Elements of another material are left out, because their stresses follow another function.
         let own = model.material(first[0] as usize);
         if first.iter().all(|&t| model.material(t as usize) == own) {
             patch.retain(|&t| model.material(t as usize) == own);
@@ -97,7 +97,7 @@ pub fn recover(
     let mut ends = vec![[u32::MAX; 2]; mesh.nodes.len()];
     for tet in &mesh.tets {
         for (e, &(i, j)) in EDGES.iter().enumerate() {
-            // Ends in ascending order: the sum below is the same whichever element comes last.
+            // The ends are stored in ascending order, so it does not matter which element wrote them last.
             ends[tet[4 + e] as usize] = [tet[i].min(tet[j]), tet[i].max(tet[j])];
         }
     }
@@ -167,11 +167,11 @@ fn powers(d: DVec3) -> [f64; 10] {
 impl Fit {
     fn new(origin: DVec3, samples: impl Iterator<Item = (DVec3, Stress)> + Clone) -> Self {
         let reach = samples.clone().map(|s| s.0.distance(origin)).fold(0.0, f64::max);
-        // Coordinates of at most 1 keep the terms of the normal equations of the same order.
+        // Coordinates are scaled to at most 1, so that the normal equations have terms of similar size.
         let scale = 1.0 / reach.max(f64::MIN_POSITIVE);
         let n_terms = match samples.clone().count() {
             n if n >= FOR_QUADRATIC => 10,
-            // Four terms need as many samples, and twice as many to be stable.
+            // A linear fit has four terms and needs at least four samples; eight make it stable.
             n if n >= 8 => 4,
             _ => 1,
         };

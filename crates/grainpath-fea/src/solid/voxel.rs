@@ -4,9 +4,9 @@
 //! It serves parts that are too large or too intricate for tetrahedra, and parts whose cells change
 //! stiffness from one solution to the next, as in a strength test. After a change only the nodes
 //! around it are corrected first (`easing`); the whole part is solved again where that is not
-//! enough. The preconditioner is the multigrid of the tetrahedra on grids of doubled cells. Lengths
-//! are in mm, forces in N, stresses in MPa. Cost: linear in the nodes in use. Limits: slanted
-//! surfaces are stair-stepped.
+//! enough. The preconditioner is the same multigrid as for tetrahedra, on grids whose cells double
+//! in width. Lengths are in mm, forces in N, stresses in MPa. Cost: linear in the nodes in use.
+//! Limits: slanted surfaces are stair-stepped.
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
@@ -48,17 +48,17 @@ pub struct VoxelPart {
     pub scale: Vec<f32>,
 }
 
-/// A part ready to be solved any number of times.
+/// A part prepared for any number of solutions.
 pub struct VoxelSystem {
     cells: VoxelCells,
     multigrid: Multigrid,
-    /// Number of iterations of the first solution since the preconditioner was made.
+    /// Number of iterations that the first solution with the current preconditioner took.
     usual: Option<usize>,
     stale: bool,
     prepared: usize,
     /// The last solution.
     last: Option<Last>,
-    /// Nodes around cells that have changed since.
+    /// Nodes around cells that have changed since the last solution.
     changed: Vec<u32>,
 }
 
@@ -67,12 +67,12 @@ struct Last {
     displacement: Vec<DVec3>,
     /// Residual forces; zero along supports.
     residual: Vec<DVec3>,
-    /// Size of the load that the residual is compared with, including the forces of prescribed
+    /// Size of the load with which the residual is compared, including the forces of prescribed
     /// displacements.
     load_size: f64,
 }
 
-/// Effort of a solution that started from the one before.
+/// How much work a solution took that started from the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
     /// Iterations over the whole part; 0 where correcting the nodes around the changes was enough.
@@ -81,14 +81,14 @@ pub struct Followed {
     pub cells: Option<Vec<usize>>,
 }
 
-/// Nodes within this many cells of a change are corrected first, but no more than about `NEAR` of
-/// all nodes. With that share, thirty steps take as long as one iteration over the whole part.
+/// After a change, nodes within this many cells of it are corrected first, but no more than about the share
+/// `NEAR` of all nodes. With that share, thirty steps take as long as one iteration over the whole part.
 const REACH: usize = 20;
 const NEAR: f64 = 0.08;
 /// Largest number of steps of a correction.
 const MOST_EASING: usize = 60;
-/// A correction goes on until the residual inside is this share of the goal; the rest is left for
-/// the rim.
+/// A correction ends when the residual of the corrected nodes is this share of the goal; the rest
+/// is left for the nodes on their rim.
 const EASED: f64 = 0.25;
 
 struct VoxelCells {
@@ -96,13 +96,13 @@ struct VoxelCells {
     supports: Supports,
     /// Element matrices of the palette: `[corner][corner]` blocks.
     elements: Vec<[[DMat3; 8]; 8]>,
-    /// Coupling of a node between eight equal cells with its 27 neighbours.
+    /// Coupling of a node to its 27 neighbours if it lies between eight equal cells.
     stencils: Vec<[DMat3; 27]>,
     /// Number of each grid point among the nodes in use; `NONE` for the others.
     node_of: Vec<u32>,
     /// Grid points of the nodes.
     nodes: Vec<IVec3>,
-    /// The 27 nodes around each node, x fastest; the node itself where there is none.
+    /// The 27 nodes around each node, x fastest. Where a neighbour is missing, the node itself stands in its place.
     around: Vec<[u32; 27]>,
     /// Material and scale of the eight cells around each node, where all eight are alike.
     uniform: Vec<(u16, f32)>,
@@ -238,9 +238,9 @@ impl VoxelSystem {
         self.iterated(load, None, settings)
     }
 
-    /// Updates the last solution after cells have changed: first the nodes around them, with all
-    /// others fixed, then, where too much residual remains, all nodes. The residual becomes `gain`
-    /// times what the changes made it, and no more than the tolerance times the load.
+    /// Updates the last solution after cells have changed: first at the nodes around them with all
+    /// others fixed, then, if the residual is still too large, at all nodes. The residual falls to
+    /// `gain` times its value after the change, or to the tolerance times the load if that is less.
     ///
     /// # Errors
     /// No convergence.
@@ -250,7 +250,7 @@ impl VoxelSystem {
         gain: f64,
         settings: &SolveSettings,
     ) -> Result<Followed, SolidError> {
-        // Another load needs a solution of its own.
+        // The last solution can be updated for the same load only; any other load is solved from zero.
         let Some(mut last) = self.last.take().filter(|last| last.load == load) else {
             let iterations = self.iterated(load, None, settings)?.iterations;
             return Ok(Followed { iterations, cells: None });
@@ -302,8 +302,8 @@ impl VoxelSystem {
         if self.stale {
             let short =
                 SolveSettings { max_iterations: patience.min(settings.max_iterations), ..settings.clone() };
-            // The start is copied, because the attempt after a new preconditioner begins there
-            // again.
+            // The start is copied, because a second attempt with a new preconditioner begins from
+            // it again.
             match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
                 Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {
                     self.multigrid = self.cells.multigrid();
@@ -318,7 +318,7 @@ impl VoxelSystem {
             Some(solved) => solved,
             None => {
                 let solved = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
-                // The first solution after a preparation is the measure for later ones.
+                // The first solution with a new preconditioner sets the usual number of iterations for later ones.
                 self.usual.get_or_insert(solved.solution.iterations);
                 solved
             }
@@ -333,8 +333,8 @@ impl VoxelSystem {
         self.strain_at(displacement, cell, DVec3::ZERO)
     }
 
-    /// Strain of the displacement that is trilinear between the corners of a cell, at a place in it that runs from -1
-    /// to 1 along each axis; `None` for a void cell.
+    /// Strain at a point of a cell from the trilinear displacement between its corners. `place` runs from -1 to 1
+    /// along each axis; `None` for a void cell.
     fn strain_at(&self, displacement: &[DVec3], cell: usize, place: DVec3) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let c = part.at(cell);
@@ -352,9 +352,9 @@ impl VoxelSystem {
         Some(element::strain(&grad))
     }
 
-    /// How much the strain differs between the middle of a cell and its face at the upper end of an axis, in a wall
-    /// whose normal is that axis: strain in the plane of the wall changes as the corners say, the rest so that no
-    /// stress acts on the face. `None` for a void cell.
+    /// How much the strain differs between the middle of a cell and its face at the upper end of `axis`, in a wall
+    /// whose normal is that axis. The strain in the plane of the wall follows from the corners. The other
+    /// components are such that no stress acts on the face. `None` for a void cell.
     pub fn bending_strain(&self, displacement: &[DVec3], cell: usize, axis: usize) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let middle = self.strain_at(displacement, cell, DVec3::ZERO)?;
@@ -383,10 +383,10 @@ impl VoxelSystem {
 /// Source: derived. Wilson's incompatible modes, one for each axis.
 const MODES: usize = 11;
 
-/// Stiffness of a box of eight nodes that bends without locking, by 2 x 2 x 2 points. Three incompatible modes of
-/// displacement are added to the eight trilinear shape functions and condensed (`wilson1973` in docs/references.bib): without them a
-/// box under bending shears, and a wall a few cells thick is far too stiff. Boxes pass the patch test as they are,
-/// because the gradients of the modes add up to zero.
+/// Stiffness of a box of eight nodes that bends without locking, integrated at 2 x 2 x 2 points. Three incompatible modes of
+/// displacement are added to the eight trilinear shape functions and condensed (`wilson1973` in docs/references.bib):
+/// without them a box under bending deforms in shear, and a wall a few cells thick is far too stiff. Boxes pass the patch
+/// test as they are, because the gradients of the modes add up to zero.
 fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
     // Gauss points at 1 / sqrt 3 integrate the stiffness of a box exactly.
     let g = 1.0 / 3.0f64.sqrt();
@@ -468,7 +468,7 @@ impl VoxelCells {
         if nodes.is_empty() {
             return Err(SolidError::NothingInside);
         }
-        // Vectors of both levels, the stencils of the coarse one, and the tables of neighbours.
+        // Memory for the vectors of both levels, the stencils of the coarse level, and the tables of neighbours.
         let need_mib = |bytes: usize| (bytes * nodes.len() + 10 * n_cells) as f64 / BYTES_PER_MIB;
         let [roomy, tight] = NODE_BYTES.map(need_mib);
         if tight > settings.max_mib {
@@ -479,8 +479,8 @@ impl VoxelCells {
                 fitting_mm: fitting_edge_mm(part.cell_mm.max_element(), tight, settings.max_mib),
             });
         }
-        // Memory is saved here first: without the rough matrix the preconditioner is slower, not
-        // worse.
+        // If memory is short, the single-precision matrix is left out first: the preconditioner is
+        // then slower but equally good.
         let rough = if roomy > settings.max_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };
         let uniform = vec![(VOID, 0.0); nodes.len()];
         let supports = Supports::new(nodes.len());
@@ -490,13 +490,13 @@ impl VoxelCells {
             let inside = (0..3).all(|a| p[a] <= cells.part.n[a]);
             let p = IVec3::new(p[0] as i32, p[1] as i32, p[2] as i32);
             let node = if inside { cells.node_of[cells.part.point_index(p)] } else { NONE };
-            // A support beside the material holds nothing.
+            // A support at a point outside the material is left out.
             if node != NONE {
                 let place = cells.place(p);
                 cells.supports.prescribe_at(node, place, direction, value)?;
             }
         }
-        // A free piece makes the matrix singular, and the iterations would end without convergence.
+        // A piece that can move freely makes the matrix singular, and the iterations would not converge.
         cells.check()?;
         let all: Vec<u32> = (0..cells.nodes.len() as u32).collect();
         cells.update(&all);
@@ -567,7 +567,7 @@ impl VoxelCells {
         if self.rough.is_empty() {
             return;
         }
-        // Chunks bound the memory of rows that wait to be copied: a megabyte for 1024 rows.
+        // Rows that wait to be copied are computed in chunks to bound the memory: 1024 rows take a megabyte.
         for nodes in nodes.chunks(CHUNK) {
             let rows: Vec<[f32; ROW]> = nodes.par_iter().map(|&i| self.row(i as usize)).collect();
             for (&i, row) in nodes.iter().zip(&rows) {
@@ -596,7 +596,7 @@ impl VoxelCells {
     }
 
     fn force(&self, i: usize, u: &[DVec3]) -> DVec3 {
-        // Places without a node repeat the node itself; their blocks are zero.
+        // Where a neighbour is missing, the node itself stands in its place; the block there is zero.
         let near = self.around[i].map(|j| u[j as usize]);
         let (material, scale) = self.uniform[i];
         // Most nodes lie between eight equal cells, whose stencil is computed once for each
@@ -648,7 +648,7 @@ impl VoxelCells {
         }
         let row = &self.rough[ROW * i..][..ROW];
         let line = |k: usize| {
-            // Four sums side by side, as one vector instruction takes them.
+            // Four sums are computed side by side, to match the width of a vector instruction.
             let mut sums = [0.0f32; 4];
             for (a, b) in row[LINE * k..][..LINE].chunks_exact(4).zip(near.chunks_exact(4)) {
                 (0..4).for_each(|j| sums[j] += a[j] * b[j]);
@@ -658,8 +658,8 @@ impl VoxelCells {
         DVec3::new(line(0), line(1), line(2))
     }
 
-    /// The preconditioner: cells of twice the width, with matrices by Galerkin's product from
-    /// element to element, and grids below.
+    /// The preconditioner: a level of cells of twice the width, whose element matrices are the
+    /// Galerkin products of the cells in them, and coarser grids below it.
     fn multigrid(&self) -> Multigrid {
         // An odd number of cells leaves one half of the last coarse cell empty.
         let coarse_n = (self.part.size() + 1) / 2;
@@ -669,8 +669,8 @@ impl VoxelCells {
         let mut id = vec![NONE; points.as_u64vec3().element_product() as usize];
         let mut first = Transfer { start: vec![0], ..Transfer::default() };
         let weights = |p: IVec3| {
-            // Along each axis an even point lies on a coarse one, an odd point half-way between
-            // two.
+            // Along each axis, an even point coincides with a coarse one, and an odd point lies
+            // half-way between two.
             let (low, odd) = (p / 2, p - p / 2 * 2);
             let n = (0..8).filter(move |&k| (corner(k) - odd).cmple(IVec3::ZERO).all());
             let w = 0.5f64.powi(odd.x + odd.y + odd.z);
@@ -711,8 +711,8 @@ impl VoxelCells {
                 for x in 0..coarse_n.x {
                     let c = IVec3::new(x, y, z);
                     if (0..8).any(|k| self.part.solid(c * 2 + corner(k)).is_some()) {
-                        // The centre of the coarse cell is a node of every child, so all eight
-                        // corners are in use.
+                        // The centre of a coarse cell is a corner of each of its children, so all
+                        // eight corners of the coarse cell are in use.
                         hexes.push(std::array::from_fn(|k| id[index(c + corner(k))]));
                         origins.push(c * 2);
                     }
@@ -736,8 +736,8 @@ impl VoxelCells {
                 });
                 let mut own = &children[usize::from(material)][c];
                 let with_held;
-                // Supports change the element before it is gathered, so that the coarse level does
-                // not see supported motions.
+                // Supports are applied to an element before it is transferred, so that the coarse
+                // level does not see supported motions.
                 if held.iter().any(Option::is_some) {
                     let mut k = self.elements[usize::from(material)];
                     for a in 0..8 {
@@ -766,7 +766,7 @@ impl VoxelCells {
     }
 }
 
-/// An element matrix in terms of the corners of the coarse cell whose child `c` it is.
+/// The stiffness of a cell expressed in the corners of the coarse cell of which it is child `c`.
 fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
     let half: [[DMat3; 8]; 8] = std::array::from_fn(|a| {
         std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, b| s + k[a][b] * weight(c, b, q)))

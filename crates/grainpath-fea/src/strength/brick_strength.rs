@@ -3,7 +3,8 @@
 //!
 //! Cells are boxes with incompatible modes ([`crate::solid::voxel`]), solved by conjugate gradients with multigrid. Cells
 //! share stiffnesses from a library, in which directions, bonds and damage are rounded; failure indices use the exact
-//! values. Damage in a section through a beam whose layers part, white to black, and load over displacement:
+//! values. The figure shows the damage (white to black) in a section of a beam whose layers part, and its load over
+//! displacement:
 //!
 #![doc = include_str!("figures/solid.svg")]
 
@@ -35,7 +36,7 @@ pub type SolidHold = ([usize; 3], DVec3);
 pub struct SolidTest<'a> {
     /// The cells.
     pub bricks: &'a Bricks,
-    /// Whether each cell is an element.
+    /// Whether each cell takes part in the test as an element.
     pub active: &'a [bool],
     /// The fixtures.
     pub holds: &'a [SolidHold],
@@ -53,10 +54,11 @@ pub struct SolidTest<'a> {
     pub cancel: CancelFlag,
 }
 
-/// Step control of solid tests. A solution costs more than that of a plate, so the load rises before a crack has come
-/// quite to rest, a falling load is followed less far, and the peak is not searched in smaller steps. In return the
-/// overrelaxation is smaller, so that the test goes less far beyond the peak. Measured: peaks of a bar, notched bars and a
-/// layered beam lie within 1.7 % of those of steps of 1 % solved to rest (`long_steps_find_the_peak_that_small_ones_do`).
+/// Step control of solid tests. A solution costs more than for a plate. The load is therefore raised before a crack has
+/// quite stopped growing, a falling load is followed less far, and the peak is not refined in smaller steps. In return the
+/// overrelaxation is smaller, so that the test overshoots the peak less. Measured: peaks of a bar, notched bars and a
+/// layered beam lie within 1.7 % of the peaks found in steps of 1 % that are solved until all cracks stop
+/// (`long_steps_find_the_peak_that_small_ones_do`).
 const STEP_CONTROL: StepControl = StepControl {
     first_step: 0.05,
     min_step: 0.05,
@@ -72,31 +74,31 @@ const STEP_CONTROL: StepControl = StepControl {
 /// Residual over the load at which the first solution ends. Measured: with it bars of one raster break within 0.1 % of
 /// strength times section (`tests/strength.rs`).
 const FIRST_TOLERANCE: f64 = 1e-5;
-/// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] ends.
-/// Measured: with it walls of one and two cells are told from those of four and five (`tests/wall_bending.rs`).
+/// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] ends. Measured: it
+/// suffices to tell walls one or two cells thick from walls of four or five (`tests/wall_bending.rs`).
 const PROBE_TOLERANCE: f64 = 1e-3;
-/// Residual over the load at which later solutions end. They start from the one before, see `RESIDUAL_GAIN`.
-/// Measured: see [`STEP_CONTROL`]; the small steps of that comparison end at 1e-5.
+/// Residual over the load at which later solutions end. Each starts from the solution before it, see
+/// `RESIDUAL_GAIN`. Measured: see [`STEP_CONTROL`]; the small steps of that comparison end at 1e-5.
 const LATER_TOLERANCE: f64 = 1e-2;
 /// Later solutions also reduce the residual that new damage has caused to this share of it. Measured: see
 /// [`STEP_CONTROL`].
 const RESIDUAL_GAIN: f64 = 0.1;
-/// Number of bead directions in half a turn for which there is a stiffness. Failure indices use the exact direction.
-/// Source: derived. A direction is rounded by 2.8 degrees at most, which changes a modulus by less than a twentieth of the
-/// difference between that along and that across the beads: 0.2 % for PLA.
+/// Number of bead directions in half a turn for which the library holds a stiffness. Failure indices use the exact
+/// direction. Source: derived. A direction is rounded by 2.8 degrees at most, which changes a modulus by less than a
+/// twentieth of the difference between the moduli along and across the beads: 0.2 % for PLA.
 pub(super) const DIRECTIONS: f64 = 32.0;
-/// Number of steps of the share of a second ply, and of the bond, for which there is a stiffness. Source: derived. A share
-/// is rounded by a sixteenth at most; that shifts a modulus by a sixteenth of the difference between along and across.
+/// Number of steps to which the library rounds the share of a second ply, and the bond. Source: derived. A share is
+/// rounded by a sixteenth at most; that shifts a modulus by a sixteenth of the difference between along and across.
 pub(super) const SHARE_STEPS: f64 = 8.0;
-/// Number of steps of damage for which there is a stiffness: sixteenths of an octave, down to a thousandth. Source:
-/// derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
+/// Number of steps to which the library rounds the stiffness that damage leaves: sixteenths of an octave, down to a
+/// thousandth. Source: derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
 const DAMAGE_STEPS: u64 = 160;
-/// The largest number of stiffnesses in the library. Source: derived. Cells name them with 16 bits, the last of which is
-/// [`VOID`]; half of that are 138 MB of matrices of 24 x 24 numbers.
+/// The largest number of stiffnesses in the library. Source: derived. Cells refer to a stiffness by a 16-bit number, of
+/// which the last is [`VOID`]; half of these numbers make 138 MB of matrices of 24 x 24 numbers.
 const MAX_STIFFNESSES: usize = 30_000;
 
 impl SolidTest<'_> {
-    /// Loads the part until it fails. The lists of the outcome are in the order of the active cells.
+    /// Loads the part until it fails. Lists in the outcome are ordered like the active cells.
     ///
     /// # Errors
     /// [`TestError`] when it moves freely, is too large for the memory allowed, or nothing is strained.
@@ -104,8 +106,8 @@ impl SolidTest<'_> {
         self.run_with(&STEP_CONTROL, LATER_TOLERANCE)
     }
 
-    /// How much bending of thin walls the cells miss. One solution for the unit load where there are thin walls, none
-    /// elsewhere.
+    /// How much bending of thin walls the cells fail to resolve. It takes one solution for the unit load if there are
+    /// thin walls, none otherwise.
     ///
     /// # Errors
     /// [`TestError`] when the part moves freely, is too large for the memory allowed, or nothing is strained.
@@ -120,7 +122,7 @@ impl SolidTest<'_> {
         unresolved_bending(&solid.bending(&vec![whole; solid.n_plies()]))
     }
 
-    /// Full cells across the part at a cell along an axis, counted up to [`CELLS_ACROSS`] on either side.
+    /// Full cells across the part through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
     fn cells_across(&self, cell: usize, axis: usize) -> f64 {
         let bricks = self.bricks;
         let stride = [1, bricks.n[0], bricks.n[0] * bricks.n[1]][axis];
@@ -134,7 +136,7 @@ impl SolidTest<'_> {
         f64::from(bricks.filled[cell]) + above + below
     }
 
-    /// Whether a cell lies in a wall that is thin for its size.
+    /// Whether any breakable cell lies in a wall that has few cells across.
     fn has_thin_walls(&self) -> bool {
         let cells =
             (0..self.active.len()).into_par_iter().filter(|c| self.active[*c] && !self.unbreakable[*c]);
@@ -214,7 +216,7 @@ impl SolidTest<'_> {
     }
 }
 
-/// Stiffnesses by what they are made of, each once.
+/// The stiffnesses in use, each stored once under the properties that it was made from.
 struct Library {
     elastic: Orthotropic,
     known: BTreeMap<u64, u16>,
@@ -267,7 +269,7 @@ impl Library {
                 (0..6).for_each(|j| sum[i][j] += weight * c[i][j]);
             }
         }
-        // Rounding of the turn leaves it a hair off symmetric.
+        // Rotation leaves the matrix slightly asymmetric because of rounding.
         let c = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (sum[i][j] + sum[j][i])));
         if self.all.len() >= MAX_STIFFNESSES {
             let remaining = damage.iter().flatten().fold(1.0, |m: f64, l| m.min(1.0 - l));
@@ -293,7 +295,7 @@ struct LoadedSolid<'a> {
     /// Element of each cell.
     element_of: Vec<Option<u32>>,
     starts: Vec<u32>,
-    /// Each ply among those of the bricks.
+    /// The index of each ply in the list of the bricks.
     plies: Vec<u32>,
     library: Library,
     system: VoxelSystem,
@@ -319,7 +321,7 @@ impl LoadedSolid<'_> {
             let own = strain_along(strain, test.bricks.plies[self.plies[p] as usize].angle_rad);
             let damage = states[p].damage();
             let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
-            // The stress of the area that still carries, as strengths are those of whole material.
+            // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
             let remaining = remaining_shares(damage, bond);
             let stress: [f64; 6] = std::array::from_fn(|i| {
                 stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
@@ -327,7 +329,7 @@ impl LoadedSolid<'_> {
             let plane = [stress[0], stress[1], stress[3]];
             let ([through, between], mode) = test.card.indices(plane);
             let (apart, slides) = test.card.layer_index([stress[2], stress[4], stress[5]]);
-            // The plies of a brick part together from the layer below: the first one stands for both.
+            // All plies of a brick separate from the layer below together, so the first one stands for all.
             let apart = if k == 0 { apart } else { 0.0 };
             FailureIndices {
                 index: [through, between, apart],
@@ -442,7 +444,7 @@ impl LoadedPart for LoadedSolid<'_> {
             for (own, p) in damage.iter_mut().zip(self.plies(e)) {
                 *own = states[p].damage();
             }
-            // Layers part across the whole brick.
+            // Layers part over the whole brick, so both plies get the same damage.
             damage[1][2] = damage[0][2];
             let known = self.library.all.len();
             let (material, factor) = self.library.find(self.test.bricks, cell, damage)?;
@@ -477,7 +479,7 @@ impl LoadedPart for LoadedSolid<'_> {
         3 * self.system.n_nodes()
     }
 
-    /// Iterations times nodes.
+    /// Number of iterations times number of nodes.
     fn solver_work(&self) -> f64 {
         (self.iterations * self.system.n_nodes()) as f64
     }
@@ -491,7 +493,7 @@ impl LoadedPart for LoadedSolid<'_> {
     }
 }
 
-/// Cells that hang together over their faces, numbered from 0; `None` for cells that are not `active`.
+/// The number, from 0, of the face-connected piece of each cell; `None` for cells that are not `active`.
 pub fn connected_cells(n: [usize; 3], active: &[bool]) -> (Vec<Option<u32>>, usize) {
     let mut piece = vec![None; active.len()];
     let mut count = 0;
@@ -564,8 +566,8 @@ mod tests {
         }
     }
 
-    /// Outcomes with the step control of solids and with small steps, held at x = 0 and pulled at the far end, on the upper side
-    /// only where it is to bend open.
+    /// Outcomes with the step control of solids and with small steps, held at x = 0 and pulled at the far end, on the upper
+    /// side only where it is to bend open.
     fn peaks(bricks: &Bricks, active: &[bool], pull: DVec3) -> [Outcome; 2] {
         let [nx, ny, nz] = bricks.n;
         let face = |x: usize| (0..=nz).flat_map(move |z| (0..=ny).map(move |y| [x, y, z]));

@@ -2,9 +2,9 @@
 //! share of it rests on the layer below.
 //!
 //! A cell is one bead wide or a multiple of it, and as high as a whole number of layers, or as a whole fraction of one.
-//! Each layer is laid as ribbons, as for a laminate ([`super::laminate`]), and what falls into a cell is added up. Of the
-//! directions in a cell the two with most material are kept. The share that rests on the layer below is found on cells of
-//! half the width; it scales the stiffness between layers.
+//! Each bead is spread as a ribbon, as for a laminate ([`super::laminate`]), and the material that falls into each cell
+//! is added up. Of the directions in a cell, the two with most material are kept. The share that rests on the layer below
+//! is found on cells of half the width; it scales the stiffness between layers.
 //!
 //! Lengths are in mm, angles in radians. Cost: linear in the cells that ribbons cover; at most [`MAX_BRICKS`] cells.
 
@@ -34,11 +34,11 @@ pub struct Bricks {
     pub cell_mm: DVec3,
     /// How full each cell is, 0 to 1.
     pub filled: Vec<f32>,
-    /// Share of each cell's layers that lies on the layer below, 0 to 1; 1 on the plate.
+    /// Share of the layers' area in each cell that rests on the layer below, 0 to 1; 1 on the plate.
     pub bond: Vec<f32>,
     /// `plies[starts[cell]..starts[cell + 1]]` are those of a cell: none, one or two.
     pub starts: Vec<u32>,
-    /// Plies, cell by cell, the greater first.
+    /// Plies, cell by cell; in each cell the one with more material comes first.
     pub plies: Vec<BrickPly>,
     /// Material in the cells, mm3.
     pub volume_mm3: f64,
@@ -49,13 +49,13 @@ pub struct Bricks {
 /// The largest number of cells of a part, empty ones included. Source: derived. Filling, bond and the place of
 /// plies take 12 bytes a cell, 290 MB.
 pub const MAX_BRICKS: usize = 24_000_000;
-/// A second direction with less than this share of a brick is left to the first. Source: derived. Shares are told apart by
-/// eighths (`SHARE_STEPS` of solid tests); less would count as an eighth.
+/// A second direction with less than this share of a brick is added to the first. Source: derived. Shares are rounded to
+/// eighths (`SHARE_STEPS` of solid tests), and a smaller one would count as an eighth.
 const LEAST_SHARE: f64 = 0.12;
 
 impl Bricks {
-    /// The cells of these beads, of this width and as high as the number of layers, or the fraction of a layer, that comes
-    /// nearest to the width. The first layer begins at `floor_mm`.
+    /// Makes cells of this width from beads. A cell is as high as the whole number of layers, or the whole fraction of a
+    /// layer, that comes nearest to the width. The first layer begins at `floor_mm`.
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
@@ -73,7 +73,7 @@ impl Bricks {
         let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
         heights.sort_unstable_by(f64::total_cmp);
         let usual = heights[heights.len() / 2];
-        // A whole number of layers to a brick, or of bricks to a layer.
+        // Either a whole number of layers makes a brick, or a whole number of bricks makes a layer.
         let per = if cell_mm < usual { 1.0 / (usual / cell_mm).round() } else { (cell_mm / usual).round() };
         let nz = (tall / (per * usual)).round().max(1.0) as usize;
         let n = [grid.nx, grid.ny, nz];
@@ -83,7 +83,7 @@ impl Bricks {
             return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_BRICKS });
         }
         let high = tall / nz as f64;
-        // The bond is found on quarters of cells, because a cell may rest on the layer below in part.
+        // The bond is found on cells of half the width, because a cell may rest on the layer below in part.
         let fine = CellGrid { cell_mm: 0.5 * cell_mm, nx: 2 * grid.nx, ny: 2 * grid.ny, ..grid };
         let mut bricks = Self {
             n,
@@ -99,7 +99,7 @@ impl Bricks {
         let mut slab = Slab::new(&grid);
         let mut below = vec![0f32; fine.nx * fine.ny];
         let (mut z, mut at) = (0.0, 0);
-        // A few layers at a time: together, but not all in memory.
+        // Layers are processed in parallel, a few at a time to bound the memory.
         for some in sheets.chunks(32) {
             let laid: Vec<_> = some.par_iter().map(|s| layer(&fine, FANS, s)).collect();
             for (sheet, shares) in some.iter().zip(&laid) {
@@ -114,7 +114,7 @@ impl Bricks {
                     let (low, top) = (at as f64 * high, (at + 1) as f64 * high);
                     let part = (to.min(top) - from.max(low)).max(0.0);
                     if part > 1e-9 {
-                        // The layer's own foot belongs to the brick in which it begins.
+                        // The contact of a layer with the one below counts in the brick in which the layer begins.
                         let foot = (from >= low - 1e-9 && !ground).then_some(&below);
                         slab.add(shares, part / sheet.height_mm, &own, foot, &fine);
                     }
@@ -159,7 +159,7 @@ impl Bricks {
         self.origin + self.cell_mm * (at + 0.5)
     }
 
-    /// The cells around one, and which way they lie, mm.
+    /// The 26 cells around a cell and the vectors to them, mm.
     pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec3, usize)> {
         let n = self.n;
         let at = [cell % n[0], cell / n[0] % n[1], cell / n[0] / n[1]];
@@ -171,17 +171,17 @@ impl Bricks {
         })
     }
 
-    /// Share of the laid volume that the cells miss or have too much.
+    /// Difference between the volume of the cells and that of the beads, as a share of the latter.
     pub fn volume_error(&self) -> f64 {
         (self.volume_mm3 / self.laid_mm3 - 1.0).abs()
     }
 }
 
-/// One height of bricks as it fills.
+/// All bricks at one height, while they are filled.
 struct Slab {
     nx: usize,
     fans: Vec<[f32; 3]>,
-    /// The area that rests on the layer below, and the area that could.
+    /// The area that rests on the layer below, and the area of all material that could rest on it.
     bond: Vec<[f32; 2]>,
 }
 
@@ -196,7 +196,7 @@ impl Slab {
         self.bond.fill([0.0; 2]);
     }
 
-    /// Adds a part of a layer, and what it lies on where its foot is in here.
+    /// Adds a part of a layer, and its contact with the layer `below` if that is given.
     fn add(
         &mut self,
         shares: &[super::laminate::Share],
@@ -222,18 +222,18 @@ impl Slab {
     }
 }
 
-/// The cell that a quarter belongs to.
+/// The cell to which a cell of half the width belongs.
 fn coarse(i: usize, fine_nx: usize, nx: usize) -> usize {
     i / fine_nx / 2 * nx + i % fine_nx / 2
 }
 
-/// The two greatest directions of a brick; the rest is shared out between them.
+/// The two directions of a brick with most material; the other material is shared out between them.
 fn plies(fans: &[[f32; 3]]) -> [Option<BrickPly>; 2] {
     let total: f64 = fans.iter().map(|f| f64::from(f[0])).sum();
     if total <= 0.0 {
         return [None; 2];
     }
-    // Neighbouring fans are one direction where beads turn: they are taken together with the greater.
+    // Where beads turn, one direction spreads over neighbouring fans. They are counted with the fullest fan.
     let n = fans.len();
     let wide = |k: usize| fans[k][0];
     let first = (0..n).fold(0, |best, k| if wide(k) > wide(best) { k } else { best });

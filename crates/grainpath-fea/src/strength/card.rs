@@ -59,7 +59,7 @@ impl StrengthCard {
         let x = if s1 >= 0.0 { self.xt_mpa } else { self.xc_mpa };
         let y = if s2 >= 0.0 { self.yt_mpa } else { self.yc_mpa };
         let terms = [s1 / x, s2 / y, s12 / self.s12_mpa].map(|t| t * t);
-        // The product of Tsai and Hill holds for stresses of one sign. With opposite signs it would lower the index.
+        // The product of Tsai and Hill holds for stresses of the same sign; for opposite signs it is left out.
         let product = (s1 * s2).max(0.0) / (x * x);
         let sum = (terms[0] + terms[1] + terms[2] - product).max(0.0);
         let mode = if terms[0] >= terms[1].max(terms[2]) {
@@ -86,22 +86,22 @@ impl StrengthCard {
         (if through { [all, between.min(all)] } else { [along, all] }, mode)
     }
 
-    /// Whether shear along the beads is a larger part of the index between beads than opening.
+    /// Whether shear along the beads contributes more than opening to the index between beads.
     pub fn is_sliding(&self, [_, s2, s12]: [f64; 3]) -> bool {
         let y = if s2 >= 0.0 { self.yt_mpa } else { self.yc_mpa };
         s12.abs() / self.s12_mpa > s2.abs() / y
     }
 
-    /// The failure index between layers of stresses 33, 23, 13 (MPa), and whether shear is the larger part of it.
-    /// Pressure has no effect.
+    /// The failure index between layers for stresses 33, 23, 13 (MPa), and whether shear contributes more than
+    /// opening. Compression between layers has no effect.
     pub fn layer_index(&self, [s33, s23, s13]: [f64; 3]) -> (f64, bool) {
         let opens = s33.max(0.0) / self.zt_mpa;
         let slides = (s23 * s23 + s13 * s13).sqrt() / self.s_il_mpa;
         ((opens * opens + slides * slides).sqrt(), slides > opens)
     }
 
-    /// The strains at which an element of this width and height carries nothing. Elements that are too large for the
-    /// fracture energy fail at once.
+    /// The strains at which an element of this width and height has lost all its stress. Elements that are too large
+    /// for the fracture energy fail at once.
     pub fn final_strains(&self, cell_mm: f64, height_mm: f64) -> FinalStrains {
         let [e1, e2, e3] = self.elastic.e_mpa;
         let [g12, _, g13] = self.elastic.g_mpa;
@@ -121,8 +121,8 @@ impl StrengthCard {
     }
 }
 
-/// Strain at which a band carries nothing, over the strain at which it failed: for tearing through beads, parting
-/// between them, and parting of layers. Opening and sliding spend the same energy per area.
+/// Strain at which a crack band has lost all its stress, over the strain at which it failed: for tearing through
+/// beads, parting between them, and parting of layers. Opening and sliding spend the same energy per area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinalStrains {
     /// Under opening.

@@ -12,8 +12,8 @@ use crate::plane::PlaneStiffness;
 /// this share of its load, which is below the accuracy of a peak, and the matrix stays definite.
 pub const MIN_REMAINING: f64 = 1e-4;
 
-/// Share of the stiffness that is lost at a damage strain: 0 up to a strain of 1, and all but [`MIN_REMAINING`] from
-/// the final strain on. Stress falls on a straight line in between.
+/// Share of the stiffness that is lost at a damage strain: 0 up to a damage strain of 1, and all but
+/// [`MIN_REMAINING`] from the final strain on. In between, stress falls on a straight line.
 pub fn damage(damage_strain: f64, final_strain: f64) -> f64 {
     if damage_strain <= 1.0 {
         return 0.0;
@@ -24,7 +24,7 @@ pub fn damage(damage_strain: f64, final_strain: f64) -> f64 {
 
 /// Share of the fracture energy that is spent at a damage strain, 0 to 1.
 pub fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
-    // The triangle under the softening line, less what unloading to the origin gives back.
+    // The triangle under the softening line, minus the energy that unloading to the origin gives back.
     let strain = damage_strain.clamp(1.0, final_strain);
     ((strain - 1.0) / (final_strain - 1.0)).clamp(0.0, 1.0)
 }
@@ -34,7 +34,7 @@ pub fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
 pub fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Result<PlaneStiffness, Unstable> {
-    // Torn beads carry nothing across either.
+    // Torn beads carry no stress across their direction either.
     let (l1, l2) = (1.0 - damage[0], 1.0 - damage[1].max(damage[0]));
     let [e1, e2, _] = elastic.e_mpa;
     let n12 = elastic.nu[0];
@@ -47,14 +47,14 @@ pub fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Resul
     Ok([[s[2] / det, -s[1] / det, 0.0], [-s[1] / det, s[0] / det, 0.0], [0.0, 0.0, g]])
 }
 
-/// Shares that remain of the stresses 11, 22, 33, 12, 23, 13. `damage` is along the beads, between them and between
-/// layers; `bond` is the share of a layer that lies on the one below.
+/// The share of each of the stresses 11, 22, 33, 12, 23, 13 that remains. `damage` is given along the beads,
+/// between beads and between layers; `bond` is the share of a layer that rests on the one below.
 pub fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {
     let (along, across, up) = (1.0 - damage[0], 1.0 - damage[1].max(damage[0]), (1.0 - damage[2]) * bond);
     [along, across, up, across, across.min(up), up]
 }
 
-/// Stiffness of a ply in space, order 11, 22, 33, 12, 23, 13, with the shares lost of [`remaining_shares`].
+/// Stiffness of a ply in space, order 11, 22, 33, 12, 23, 13, reduced to its [`remaining_shares`].
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.

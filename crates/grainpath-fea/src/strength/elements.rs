@@ -25,12 +25,12 @@ pub struct PlateElements {
     pub cells: Vec<u32>,
     /// Corners of each element, counter-clockwise from the lowest.
     pub corners: Vec<[u32; 4]>,
-    /// Place of each node on the grid's corners.
+    /// Column and row of each node among the corners of the grid.
     pub places: Vec<[u32; 2]>,
 }
 
 impl PlateElements {
-    /// Elements for the cells that are `active`.
+    /// Makes elements of the cells that are `active`.
     pub fn from_cells(grid: &CellGrid, active: &[bool]) -> Self {
         let row = grid.nx + 1;
         let mut number = vec![NONE; row * (grid.ny + 1)];
@@ -58,8 +58,8 @@ impl PlateElements {
     }
 }
 
-/// The number of the piece that each cell belongs to, and how many pieces there are. Cells belong together over their
-/// sides; `None` for cells that are not `active`.
+/// For each cell the number of the piece that it belongs to, and the number of pieces. Cells that share a side belong
+/// together; `None` for cells that are not `active`.
 pub fn connected_cells(grid: &CellGrid, active: &[bool]) -> (Vec<Option<u32>>, usize) {
     let mut piece = vec![None; active.len()];
     let mut n = 0;
@@ -83,7 +83,7 @@ pub fn connected_cells(grid: &CellGrid, active: &[bool]) -> (Vec<Option<u32>>, u
     (piece, n as usize)
 }
 
-/// The motion that holds (places and directions) leave free, in words; `None` where they leave none.
+/// The rigid motion that supports (places and directions) leave free, in words; `None` where they leave none.
 pub fn free_motion(holds: &[(DVec2, DVec2)]) -> Option<&'static str> {
     let Some(&(centre, _)) = holds.first() else { return Some("move along x") };
     let size = holds.iter().map(|h| h.0.distance(centre)).fold(1e-9, f64::max);
@@ -105,8 +105,9 @@ pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
     [dx.x, dy.y, dx.y + dy.x]
 }
 
-/// How much the strain differs between the middle of a square and its side at the upper end of an axis, in a strip whose
-/// normal is that axis: strain along the strip changes as the corners say, the rest so that no stress acts on the side.
+/// How much the strain differs between the middle of a square and its side at the upper end of `axis`, in a strip whose
+/// normal is that axis. The strain along the strip follows from the corners; the rest is such that no stress acts on the
+/// side.
 pub fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &PlaneStiffness) -> [f64; 3] {
     let twist = (u[0] - u[1] + u[2] - u[3]) * (0.5 / cell_mm);
     // Components along the strip, across it, and shear.
@@ -121,10 +122,10 @@ pub fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &Plan
     strain
 }
 
-/// Stiffness of a square element, `(8, 8)`, N/mm, from membrane stiffness in N/mm: bilinear with Wilson's
-/// incompatible modes condensed, so that it bends without locking. The same for squares of any size.
+/// Stiffness of a square element, `(8, 8)`, N/mm, from the membrane stiffness in N/mm. It is bilinear with Wilson's
+/// incompatible modes condensed, so it bends without locking. It does not depend on the size of the square.
 pub fn square(membrane: &PlaneStiffness) -> [[f64; 8]; 8] {
-    // Source: 1 / sqrt(3), the points of Gauss's rule of two.
+    // Source: 1 / sqrt(3), the points of the two-point Gauss rule.
     const GAUSS: f64 = 0.577_350_269_189_625_8;
     let mut k = [[0.0; 12]; 12];
     for (xi, eta) in [(-GAUSS, -GAUSS), (GAUSS, -GAUSS), (GAUSS, GAUSS), (-GAUSS, GAUSS)] {

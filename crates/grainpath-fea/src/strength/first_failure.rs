@@ -1,13 +1,14 @@
-//! Where printed material fails first under a stress that is known: without loading its cells and solving for them.
+//! Where printed material fails first under a known stress, without a finite-element solution on its cells.
 //!
-//! Method: the stress of a homogeneous part acts on each cell of a [`Laminate`] or of [`Bricks`], on the share of it that
-//! is filled. All plies of a cell strain alike, so the inverse of their mean stiffness gives the strain, and each ply's
-//! own stiffness its stress; the indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are those of
-//! the virtual test. Indices grow with the load, so one over the highest is the factor on the load at first failure.
+//! Method: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of [`Bricks`]. All
+//! plies of a cell have the same strain, so the inverse of their mean stiffness gives the strain, and the stiffness of each
+//! ply gives its stress. The failure indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are
+//! those of the virtual test. Indices grow with the load, so the load at first failure is the load divided by the highest
+//! index.
 //!
-//! Limits: load that moves between soft and stiff places of a part is known only as far as the share filled tells it;
-//! the virtual test solves for it. Stresses are in MPa, order xx, yy, xy for plates and xx, yy, zz, xy, yz, zx for solids,
-//! in the directions of the grid. Cost: linear in cells; bricks share stiffnesses by direction, share and bond.
+//! Limits: load moves from soft to stiff places of a part. Here only the filled share of a cell accounts for that; the
+//! virtual test solves for it. Stresses are in MPa, order xx, yy, xy for plates and xx, yy, zz, xy, yz, zx for solids, in
+//! the directions of the grid. Cost: linear in cells; bricks share stiffnesses by direction, share and bond.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -28,7 +29,7 @@ use crate::plane::PlaneStiffness;
 /// The ply of a part that fails first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstFailure {
-    /// Its failure index under the stress given: the load times one over it is the load at first failure.
+    /// Its failure index under the given stress: the load divided by the index is the load at first failure.
     pub index: f64,
     /// The cell that it lies in.
     pub cell: usize,
@@ -39,7 +40,7 @@ pub struct FirstFailure {
 }
 
 impl FirstFailure {
-    /// The one of the higher index, of equal ones that of the first cell.
+    /// The failure with the higher index; of equal ones that in the cell with the lower number.
     fn worse(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         match (a, b) {
             (Some(a), Some(b)) => {
@@ -50,15 +51,15 @@ impl FirstFailure {
     }
 }
 
-/// The first failure for each of several strengths of one material: of its card's corners.
+/// The first failure for each of several cards of one material, for example with low, nominal and high strengths.
 type OfCards<const N: usize> = [Option<FirstFailure>; N];
 
 fn worst<const N: usize>(cells: impl ParallelIterator<Item = OfCards<N>>) -> OfCards<N> {
-    // The order of the comparison does not matter, since equal indices are told apart by their cells.
+    // The order of the comparison does not matter, since the cell number decides between equal indices.
     cells.reduce(|| [None; N], |a, b| std::array::from_fn(|k| FirstFailure::worse(a[k], b[k])))
 }
 
-/// The mode of the highest of the indices through beads, between them and between layers.
+/// The mode of the highest of three indices: through the beads, between them, and between layers.
 fn mode_of([through, between, apart]: [f64; 3], slides: bool, mode: FailureMode) -> FailureMode {
     if apart > through.max(between) {
         FailureMode::Layers
@@ -73,8 +74,8 @@ fn mode_of([through, between, apart]: [f64; 3], slides: bool, mode: FailureMode)
     }
 }
 
-/// The first failure of a plate for each of `N` corners of its cards; `cards[k]` are the materials at a corner, in the
-/// numbering of the plies. `stress` gives the stress on the filled share of a cell, `None` for cells that are left out.
+/// The first failure of a plate for each of `N` sets of cards: `cards[k]` holds the cards of set `k` in the numbering
+/// of the plies' materials. `stress` gives the stress on the filled share of a cell, `None` for cells to be left out.
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
@@ -114,7 +115,8 @@ pub fn first_failure_of_plate<const N: usize>(
     })))
 }
 
-/// The mean stiffness of plies that strain alike: the own stiffness of each, its direction, and its share of the thickness.
+/// The mean stiffness of plies that have the same strain: from the own stiffness, the direction and the share of the
+/// thickness of each.
 fn mean_stiffness_of_plies<'a>(
     plies: impl Iterator<Item = (&'a PlaneStiffness, f64, f64)>,
 ) -> PlaneStiffness {
@@ -126,13 +128,13 @@ fn mean_stiffness_of_plies<'a>(
     mean
 }
 
-/// The stress in the axes of a ply under the strain of all plies.
+/// The stress in the axes of a ply under the strain that all plies share.
 fn stress_of_ply(own: &PlaneStiffness, mean_strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
     let along = plane_strain_along(mean_strain, angle_rad);
     std::array::from_fn(|i| own[i].iter().zip(along).map(|(c, e)| c * e).sum())
 }
 
-/// Plies of one material that lie on each other and strain alike in their plane, at any directions and shares.
+/// Stacked plies of one material that have the same strain in their plane, with any directions and shares.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlyJudge {
     card: StrengthCard,
@@ -140,12 +142,12 @@ pub(super) struct PlyJudge {
 }
 
 impl PlyJudge {
-    /// Plies of the material of a card.
+    /// Makes the judge for plies of one card's material.
     pub(super) fn new(card: &StrengthCard) -> Result<Self, Unstable> {
         Ok(Self { card: *card, own: damaged_plane_stiffness(&card.elastic, [0.0; 2])? })
     }
 
-    /// The failure index of the ply that fails first, under each of several plane stresses on all of them. `plies` has the
+    /// The failure index of the ply that fails first, for each of several plane stresses on the stack. `plies` gives the
     /// direction of each ply and its share of the thickness.
     pub(super) fn indices(&self, plies: &[(f64, f64)], stresses: &[[f64; 3]], out: &mut Vec<f64>) {
         out.clear();
@@ -161,7 +163,7 @@ impl PlyJudge {
     }
 }
 
-/// The strains under stresses.
+/// The strain under a stress.
 fn strain<const K: usize>(stiffness: &[[f64; K]; K], stress: [f64; K]) -> [f64; K] {
     solve_spd(*stiffness, stress.map(|s| [s])).map(|[e]| e)
 }
@@ -188,12 +190,12 @@ fn mean_stiffness(
     let own = damaged_stiffness(elastic, [0.0; 3], f64::from(bond) / SHARE_STEPS)?;
     let turned = |a: u8| rotated_about_z(&own, f64::from(a) / DIRECTIONS * std::f64::consts::PI);
     let (a, b, w) = (turned(first), turned(second), f64::from(share) / SHARE_STEPS);
-    // Rounding of the turn leaves it a hair off symmetric.
+    // Rotation leaves the matrix slightly asymmetric because of rounding.
     let mean = |i: usize, j: usize| (1.0 - w) * a[i][j] + w * b[i][j];
     Ok(std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (mean(i, j) + mean(j, i)))))
 }
 
-/// The first failure of a solid for each of `N` corners of its card, as [`first_failure_of_plate`].
+/// The first failure of a solid for each of `N` cards, as [`first_failure_of_plate`].
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
@@ -220,7 +222,7 @@ pub fn first_failure_of_bricks<const N: usize>(
         let mean = strain(mean, stress);
         let bond = f64::from(bricks.bond[cell]).max(1.0 / SHARE_STEPS);
         let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
-        // The stress of the area that touches, as strengths are those of whole material.
+        // The strengths are those of whole material, so the stress is taken on the area that is in contact.
         let remaining = remaining_shares([0.0; 3], bond);
         for (k, ply) in bricks.plies_in(cell).iter().enumerate() {
             let along = strain_along(mean, ply.angle_rad);
@@ -230,7 +232,7 @@ pub fn first_failure_of_bricks<const N: usize>(
             let plane = [stress[0], stress[1], stress[3]];
             for (worst, card) in worst.iter_mut().zip(cards) {
                 let ([through, between], mode) = card.indices(plane);
-                // All plies of a brick come off the layer below at once, so the first ply is asked for them.
+                // All plies of a brick separate from the layer below together, so only the first is tested.
                 let apart = if k == 0 { card.layer_index([stress[2], stress[4], stress[5]]).0 } else { 0.0 };
                 let mode = mode_of([through, between, apart], card.is_sliding(plane), mode);
                 let index = through.max(between).max(apart);

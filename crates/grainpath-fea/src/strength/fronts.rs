@@ -3,10 +3,10 @@
 //! Method: the nodes are ordered by nested dissection (`george1973` in docs/references.bib) and eliminated in fronts
 //! (`duff1983`). A line of nodes divides the grid into two halves, further lines divide the halves, and so on. Both halves
 //! are eliminated before the line between them. A *front* is the dense matrix in which the nodes of one line are
-//! eliminated; what remains, the Schur complement on the nodes around, is added to the front of the next longer line,
-//! its parent. The fronts form a binary tree whose root is the first line.
+//! eliminated. The rest, a Schur complement on the surrounding nodes, is added to its parent, the front of the next longer
+//! line. The fronts form a binary tree whose root is the first line.
 //!
-//! When elements lose stiffness, only the fronts that hold them and the fronts on the way from there to the root are
+//! When elements lose stiffness, only the fronts that contain them and all fronts between these and the root are
 //! factored again.
 //!
 //! Stiffnesses are in N/mm, displacements in mm. Cost for n nodes: n^1.5 operations and n log n numbers for a whole
@@ -38,7 +38,7 @@ struct Front {
     /// Its nodes in the order of elimination. The first `own` are eliminated here, the others further up.
     nodes: Vec<u32>,
     own: usize,
-    /// Numbers of fronts in the first and in the second half; both stand directly before this one.
+    /// Number of fronts in the first and in the second half; both halves stand directly before this front in the list.
     halves: [usize; 2],
     /// Places of its other nodes among the nodes of its parent.
     up: Vec<u32>,
@@ -53,7 +53,8 @@ struct Front {
     rest: Vec<f64>,
     /// Forces on the nodes that are eliminated here, N.
     forces: Vec<f64>,
-    /// The forces after forward substitution: on its own nodes, then what the parent adds to its own.
+    /// The forces after forward substitution: first on its own nodes, then those that it adds to the nodes of its
+    /// parent.
     eased: Vec<f64>,
     /// Displacements of the nodes that are eliminated here, mm.
     found: Vec<f64>,
@@ -176,7 +177,7 @@ impl Fronts {
 }
 
 impl Front {
-    /// The numbers of its two children, where this front has the number `own`.
+    /// The indices of its two children, if the index of this front is `own`.
     fn children(&self, own: usize) -> [Option<usize>; 2] {
         let [first, second] = self.halves;
         [(first > 0).then(|| own - 1 - second), (second > 0).then(|| own - 1)].map(|c| c.filter(|c| *c < own))
@@ -217,7 +218,7 @@ impl Front {
         self.factor.clear();
         self.factor.extend_from_slice(&whole[..k * size]);
         self.rest.clear();
-        // Growing column by column would take up to twice the memory, and this is most of what a test holds.
+        // The exact size is reserved, because growth could take twice the memory and this is most of what a test holds.
         self.rest.reserve_exact((size - k) * (size - k + 1) / 2);
         for (j, column) in whole[k * size..].chunks_exact(size.max(1)).enumerate() {
             self.rest.extend_from_slice(&column[k + j..]);
@@ -243,7 +244,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Factors the stale fronts of a subtree, whose root is the last one.
+/// Factors the outdated fronts of a subtree; its root comes last.
 fn make(
     fronts: &mut [Front],
     stiffness: &[Lower],
@@ -266,7 +267,7 @@ fn make(
     Ok(())
 }
 
-/// Back substitution in a subtree, whose root is the last front. `above` are the displacements of the nodes of its parent.
+/// Back substitution in a subtree; its root comes last. `above` are the displacements of the nodes of the root's parent.
 fn back(fronts: &mut [Front], above: &[f64]) {
     let Some((last, before)) = fronts.split_last_mut() else { return };
     let size = 2 * last.nodes.len();
@@ -303,7 +304,7 @@ fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
         fronts.push(Front { nodes: nodes.to_vec(), ..Front::default() });
         return;
     }
-    // The line at the median node: halves even in number.
+    // The line through the median node divides the nodes into two halves of about equal number.
     let mut values: Vec<u32> = nodes.iter().map(|&i| place(i, axis)).collect();
     let half = values.len() / 2;
     let at = *values.select_nth_unstable(half).1;

@@ -1,9 +1,9 @@
 //! From beads to a laminate: how much material each cell of a grid holds, and in which directions its beads run.
 //!
-//! Each bead is a ribbon as wide as its volume over its length and the layer's height. The area that a ribbon covers of a
-//! cell, times its height, is the material in that cell. Directions are sorted into eight fans of 22.5 degrees; within a
-//! fan the mean axis is found from the double angle, whose sum does not depend on the sign of an axis. The plies of all
-//! layers are added up, one for each fan and material.
+//! Each bead is a ribbon whose width is the bead's volume divided by its length and the layer's height. The area of a
+//! cell that a ribbon covers, times the height, is the material that it adds to the cell. Directions are sorted into
+//! eight fans of 22.5 degrees; within a fan the mean axis is found from the double angle, whose sum does not depend on
+//! the sign of an axis. The plies of all layers are added up, one for each fan and material.
 //!
 //! Real beads overlap at turns and at walls. A cell that would hold more than the layer's height gives the rest to its
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
@@ -67,14 +67,17 @@ struct Ribbon {
     material: u8,
 }
 
-/// The largest width of a bead, mm. A piece with more volume on its length is a blob: the nozzle hardly moved while it was
-/// laid, so the blob is taken as higher instead of wider. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a margin of 2.5.
+/// The largest width of a bead, mm. A piece with more volume for its length is a blob, laid while the nozzle hardly moved;
+/// it is treated as higher instead of wider. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a
+/// margin of 2.5.
 const MAX_BEAD_WIDTH_MM: f64 = 10.0;
-/// Two pieces become one where the point between them lies at most this far from their common line, in widths of the
-/// bead. Measured: row `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
+/// A piece of a path that is too short for the turns at its ends is merged with a neighbour only if the point between them
+/// lies at most this far, in bead widths, from the line that joins their ends. Measured: row
+/// `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
 static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
-/// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path. Source: derived.
-/// The tip of a turn lies half a width over the cosine of half the turn away, which is 60 degrees then.
+/// Tangent of half the sharpest turn whose outer corner is filled; the tip of that corner is one bead width from the path.
+/// Source: derived. The tip lies half a width over the cosine of half the turn away, which is one width when half the turn
+/// is 60 degrees.
 const MAX_HALF_TURN_TANGENT: f64 = 1.732;
 
 /// The ribbons of a layer. A piece that begins where the one before it ended continues the same path.
@@ -122,8 +125,8 @@ fn turn(from: DVec2, to: DVec2) -> f64 {
     (cross(from, to) / (1.0 + from.dot(to)).max(1e-9)).clamp(-MAX_HALF_TURN_TANGENT, MAX_HALF_TURN_TANGENT)
 }
 
-/// The ribbons of one path. Where the path turns, both ribbons end at the bisector of the angle. Each loses on the inner
-/// side of the turn what it gains on the outer one, so its area stays the same.
+/// The ribbons of one path. Where the path turns, both ribbons end at the bisector of the angle. A ribbon loses as much
+/// area on the inner side of the turn as it gains on the outer side, so its area stays the same.
 fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
     let along: Vec<DVec2> = path.iter().map(|p| (p.b - p.a).normalize()).collect();
     let n = path.len();
@@ -133,7 +136,7 @@ fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
         let (length, half) = (p.a.distance(p.b), 0.5 * width(p, height_mm));
         let mut at_a = if k > 0 || closed { turn(along[(k + n - 1) % n], d) } else { 0.0 };
         let mut at_b = if k + 1 < n || closed { turn(d, along[(k + 1) % n]) } else { 0.0 };
-        // Between two sharp turns the inner side of a short piece would have a negative length.
+        // Without this limit, the inner side of a short piece between two sharp turns would have a negative length.
         let most = half * (at_a + at_b).abs();
         if most > length {
             at_a *= length / most;
@@ -209,12 +212,12 @@ impl CellGrid {
     }
 }
 
-/// Directions are kept apart in this many fans for each material, the first around x; a half turn has them all. Source:
-/// derived. Within a fan of 22.5 degrees directions are averaged; one at its edge is off by 11 degrees at most, which
-/// changes a modulus by 4 % of the difference between along and across at 0 degrees.
+/// Number of fans into which the directions of a half turn are sorted, for each material; the first fan lies around x.
+/// Source: derived. Within a fan of 22.5 degrees directions are averaged; one at its edge is off by 11 degrees at most,
+/// which changes a modulus by 4 % of the difference between along and across at 0 degrees.
 pub(super) const FANS: usize = 8;
 
-/// All layers of one direction in one cell.
+/// A ply: the beads of all layers that have one direction in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ply {
     /// Material over the area of the cell, mm.
@@ -227,7 +230,7 @@ pub struct Ply {
     pub material: u8,
 }
 
-/// All layers, seen from above: the plies of each cell.
+/// All layers of a part added up over the thickness, as plies in each cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laminate {
     /// The cells.
@@ -339,7 +342,7 @@ impl Laminate {
     }
 }
 
-/// The material of a layer in one fan of one cell: its thickness, and thickness times cosine and sine of the double angle.
+/// The material of a layer in one fan of a cell: thickness, and thickness times cosine and sine of twice the angle.
 pub(super) struct Share {
     pub slot: u32,
     pub sum: [f32; 3],
@@ -389,14 +392,14 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
             let mut near = [(0usize, 0f32); 8];
             let mut n = 0;
             for (_, other) in grid.around(cell) {
-                // Empty neighbours lie outside the part, and material does not leave it.
+                // Empty neighbours lie outside the part, and no material leaves the part.
                 if held[other] > 0.0 {
                     near[n] = (other, (full - held[other]).max(0.0));
                     n += 1;
                 }
             }
             let space: f32 = near[..n].iter().map(|n| n.1).sum();
-            // Where no neighbour has free space, half of the excess goes to all of them evenly; a later pass moves it on.
+            // If no neighbour has free space, half of the excess is spread over all; a later pass moves it on.
             let even = space <= 0.0;
             let moved = if even { excess * 0.5 } else { excess.min(space) };
             if n == 0 || moved <= 0.0 {
@@ -419,7 +422,7 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
     }
 }
 
-/// Calls `each` with every cell a convex quadrilateral covers, and the area covered in cells.
+/// Calls `each` with every cell that a convex quadrilateral covers, and with the covered area as a share of a cell.
 fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usize, f64)) {
     let (low, high) = (corners.iter().fold(DVec2::INFINITY, |m, p| m.min(*p)), {
         corners.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p))
@@ -463,8 +466,8 @@ impl Shape {
         self.cut(|p| at - p[axis])
     }
 
-    /// The part where `off` is not negative. A cut adds one corner at most, so eight are enough for four cuts of a
-    /// quadrilateral.
+    /// The part where `off` is not negative. Each cut adds one corner at most, so four cuts of a quadrilateral
+    /// give eight at most.
     fn cut(&self, off: impl Fn(DVec2) -> f64) -> Self {
         let mut out = Self { points: [DVec2::ZERO; 8], n: 0 };
         for k in 0..self.n {

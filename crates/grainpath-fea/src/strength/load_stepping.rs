@@ -1,17 +1,17 @@
-//! Load stepping: raises the load on a part until it fails, with damage that softens.
+//! Load stepping: raises the load on a part until the part fails, with damage that softens the plies.
 //!
 //! A [`LoadedPart`] (a plate or a solid) is linear for a given state of damage, so one solution for the unit load
-//! gives every failure index at every load: a ply fails further at the load factor `damage strain / index`, and the
-//! smallest such factor is what the part carries in that state. The steps are:
+//! gives every failure index at every load: the damage of a ply grows at the load factor `damage strain / index`,
+//! and the smallest such factor is the load that the part carries in that state. The steps are:
 //!
 //! 1. Solve for the unit load. The smallest load factor of all plies is the load of this state.
-//! 2. Where it reaches the level of the current step, the part is in equilibrium: the state is remembered and the
-//!    level rises by one step.
-//! 3. Otherwise every ply that fails below the level gets the damage strain that the level asks of it, and the
-//!    stiffness that is left at this strain on a straight softening line. Of elements side by side across one crack
-//!    only the weakest does so; the next solution tells whether it relieved the others.
-//! 4. Where the load falls or the part becomes soft, the peak lies within the last step: the test returns to the last
-//!    equilibrium and goes on in smaller steps, until the smallest step is reached.
+//! 2. If it reaches the level of the current step, the part is in equilibrium: the state is stored and the level
+//!    rises by one step.
+//! 3. Otherwise every ply that fails below the level gets the damage strain that the level demands, and the stiffness
+//!    that remains at this strain on a straight softening line. Of elements side by side across one crack only the
+//!    weakest is damaged; the next solution shows whether this relieved the others.
+//! 4. If the load falls or the part becomes soft, the peak lies within the last step: the test returns to the last
+//!    equilibrium and continues in smaller steps, until the smallest step is reached.
 //!
 //! The peak load is the largest load factor of any state that was solved. It is a lower bound that lies within one step
 //! of the peak: every state that counts was in equilibrium. This is a sequentially linear analysis with a secant
@@ -34,7 +34,7 @@ use super::{BROKEN_SHARE, Outcome, TestError};
 /// Damage of a ply, in this order: through its beads, between them, and between it and the layer below.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlyState {
-    /// The largest strain that the ply has seen, over the strain at which damage began: 1 where it is whole.
+    /// The largest strain that the ply has reached, over the strain at which damage began; 1 for a ply without damage.
     pub damage_strain: [f64; 3],
     /// The strain at which no stiffness is left, over the strain at which damage began.
     pub final_strain: [f64; 3],
@@ -62,7 +62,7 @@ pub(super) struct FailureIndices {
     pub mode: FailureMode,
 }
 
-/// A part made of elements with plies, held and loaded, that is solved again after each change of its damage.
+/// A part of elements with plies, under supports and a load, that is solved again after each change of damage.
 pub(super) trait LoadedPart: Sync {
     fn n_elements(&self) -> usize;
     fn n_plies(&self) -> usize;
@@ -78,7 +78,7 @@ pub(super) trait LoadedPart: Sync {
     /// Whether an element never fails, because it lies in a grip or under a roller.
     fn is_unbreakable(&self, element: usize) -> bool;
     /// The neighbours of an element that lie along the normal of a crack through one of its plies. Damage in them would
-    /// make the crack wider and not longer. `how` is the direction of the crack in the order of [`PlyState`].
+    /// widen the crack instead of lengthening it. `how` is the kind of damage, in the order of [`PlyState`].
     fn neighbours_across_crack(&self, _ply: usize, _element: usize, _how: usize) -> Vec<usize> {
         Vec::new()
     }
@@ -87,10 +87,10 @@ pub(super) trait LoadedPart: Sync {
     fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices>;
     /// Gives elements the stiffness that their states leave.
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError>;
-    /// Raises the damage of a state to the next one for which there is a stiffness.
+    /// Raises the damage of a state to the next step for which a stiffness is tabulated.
     fn round_up(&self, _: &mut PlyState) {}
     fn dofs(&self) -> usize;
-    /// The work of all solutions so far, for parts whose solutions differ in it.
+    /// The work of all solutions so far; 0 for parts whose solutions all cost the same.
     fn solver_work(&self) -> f64 {
         0.0
     }
@@ -100,30 +100,31 @@ pub(super) trait LoadedPart: Sync {
 
 /// The result of a solution for the unit load.
 pub(super) struct UnitSolution {
-    /// Sum of force times displacement, N mm: the flexibility, as the load is the unit load.
+    /// Sum of force times displacement, N mm. It serves as the flexibility, because the load is the unit load.
     pub force_times_displacement: f64,
     /// The elements whose strain or stiffness changed since the last solution, in order; `None` for all.
     pub changed: Option<Vec<usize>>,
 }
 
-/// How the load is stepped.
+/// How the load is raised step by step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StepControl {
     /// The first step of the load, as a share of it.
     pub first_step: f64,
-    /// Steps are not made smaller once they are at most this large.
+    /// Steps at most this large are not made smaller.
     pub min_step: f64,
-    /// The part counts as in equilibrium once all plies carry the level of the load but for this share.
+    /// The part counts as in equilibrium once all plies carry the level of the load, less this share of it.
     pub tolerance: f64,
-    /// Damage strain grows by this multiple of what the load asks, so that a crack arrests in fewer solutions.
+    /// The rise of the damage strain that the load demands is multiplied by this, so that a crack stops after fewer
+    /// solutions.
     pub overrelaxation: f64,
-    /// Damage strain grows to at least this multiple of its last value: smaller changes hardly move the stiffness and
-    /// only cost solutions.
+    /// Damage strain is raised to at least this multiple of its last value: smaller changes hardly change the
+    /// stiffness but still cost a solution.
     pub min_growth: f64,
     /// The part has failed when it carries less than this share of its highest load and is also as soft as
     /// `collapse_softening` says.
     pub collapse_load: f64,
-    /// Flexibility over that of the last equilibrium, see `collapse_load`.
+    /// Least flexibility of a failed part over that of the last equilibrium, see `collapse_load`.
     pub collapse_softening: f64,
     /// The largest number of solutions in a test.
     pub max_solutions: usize,
@@ -135,12 +136,12 @@ pub(super) struct StepControl {
 /// `long_steps_find_the_peak_that_small_ones_do`: without it the beam whose layers part slowly breaks at 19.1 N instead of
 /// the 34.5 N that small steps give; at 2.5 both agree within 2 %.
 const FAILED_FLEXIBILITY: f64 = 2.5;
-/// Steps become this many times smaller after the part has failed. Measured: row
+/// Each time the part has failed, the step is divided by this number. Measured: row
 /// `fea.strength.load_stepping.STEP_REFINEMENT` of `cargo xtask bench constants`.
 static STEP_REFINEMENT: Tuned<f64> = Tuned::new("fea.strength.load_stepping.STEP_REFINEMENT", 4.0);
 
-/// Raises the load on a part until it fails. `size_mm` is width and height of its elements; `load_n` is the load that
-/// a factor of 1 stands for.
+/// Raises the load on a part until the part fails. `size_mm` is the width and the height of its elements; `load_n` is
+/// the load at a factor of 1.
 ///
 /// # Errors
 /// [`TestError`] when the part cannot be solved, or when the load strains nothing that can fail.
@@ -179,7 +180,7 @@ pub(super) fn run_to_failure(
                 weakest[e] = new.1;
             }
         }
-        // The load factor at which the next ply fails further.
+        // The load factor at which the damage of the next ply grows.
         let critical = weakest.iter().map(|w| w.load_factor).fold(f64::INFINITY, f64::min);
         if !critical.is_finite() {
             if history.factors.is_empty() {
@@ -200,8 +201,8 @@ pub(super) fn run_to_failure(
             break !exhausted;
         }
         if failed {
-            // The peak lies within this step: back to the last equilibrium, and on in smaller steps.
-            // Plies that have not changed since the equilibrium are as they were then.
+            // The peak lies within this step: the test returns to the last equilibrium and continues
+            // in smaller steps. Plies that have not changed since the equilibrium need no reset.
             let before = std::mem::take(&mut equilibrium.before);
             before.iter().for_each(|(e, before)| states[part.plies(*e)].copy_from_slice(before));
             let changed: Vec<usize> = before.into_keys().collect();
@@ -223,13 +224,13 @@ pub(super) fn run_to_failure(
         }
         let grown = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
         let changed: Vec<usize> = grown.iter().map(|(e, _)| *e).collect();
-        // The first state after an equilibrium is the one to go back to; later ones are not.
+        // The first stored state of an element is that of the equilibrium; later ones must not replace it.
         for (e, before) in grown {
             equilibrium.before.entry(e).or_insert(before);
         }
         part.update_stiffness(&changed, &states)?;
         for &e in changed.iter().filter(|e| lost_share(part, &states, **e) >= BROKEN_SHARE) {
-            // The damage of now is that of the next state.
+            // The current damage takes effect in the next state that is solved.
             broke_at[e].get_or_insert(history.factors.len() as u32);
         }
     };
@@ -238,14 +239,14 @@ pub(super) fn run_to_failure(
     Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first_index, past_peak) })
 }
 
-/// Elements whose failure indices are found at once and then stored: their copies are all that is held twice. Source:
-/// chosen; it changes memory alone.
+/// Elements whose failure indices are computed together before they are stored; only these indices are held twice.
+/// Source: chosen; it changes only the memory.
 const EVALUATED_AT_ONCE: usize = 4096;
 
 /// The last state in which the part carried the level of the load.
 #[derive(Default)]
 struct Equilibrium {
-    /// The states of plies in it, by element, where they have changed since.
+    /// The states that plies had in this equilibrium, by element, for elements that have changed since.
     before: BTreeMap<usize, Vec<PlyState>>,
     factor: f64,
     /// Number of states in the history up to this one.
@@ -253,7 +254,7 @@ struct Equilibrium {
     flexibility: f64,
 }
 
-/// The ply of an element that fails further first, in which direction, and at which load factor.
+/// The ply of an element whose damage grows first, with the kind of damage and the load factor at which it grows.
 #[derive(Clone, Copy)]
 struct WeakestPly {
     load_factor: f64,
@@ -314,7 +315,7 @@ fn grow_damage(
     };
     for e in (0..weakest.len()).filter(|&e| weakest[e].load_factor < level && is_weakest_across(e)) {
         let mut element_changed = false;
-        // A few numbers for each element that fails, instead of a second copy of all plies.
+        // Only the states of an element that fails are copied, which is far less than a copy of all plies.
         let unchanged = states[part.plies(e)].to_vec();
         for (p, indices) in part.plies(e).zip(&indices[part.plies(e)]) {
             let state = &mut states[p];
@@ -349,7 +350,7 @@ fn grow_damage(
     changed
 }
 
-/// The share of its stiffness that an element has lost, by the most damaged direction of each ply.
+/// The share of its stiffness that an element has lost; for each ply the most advanced damage counts.
 fn lost_share(part: &dyn LoadedPart, states: &[PlyState], element: usize) -> f32 {
     let (mut lost, mut all) = (0.0, 0.0);
     for p in part.plies(element) {
@@ -382,7 +383,7 @@ fn outcome(
                 let spent = amount
                     * energies[k]
                     * energy_share(states[p].damage_strain[k], states[p].final_strain[k]);
-                // Through the beads means tension or crushing; between them any mode but tension along them.
+                // Damage through the beads is tension or crushing; between them, any mode but tension along them.
                 let mode = match (k, states[p].mode) {
                     (2, _) => FailureMode::Layers,
                     (0, FailureMode::Compression) => FailureMode::Compression,
@@ -473,7 +474,7 @@ impl History {
         both.map(move |(f, w)| CurvePoint { displacement_mm: f * w / load_n, load_n: f * load_n })
     }
 
-    /// Displacement and load at each new maximum of the load, and on the way down after the peak.
+    /// The points at which the load reaches a new maximum, and after the peak those on the way down.
     fn curve(&self, load_n: f64) -> Vec<CurvePoint> {
         let mut curve = vec![CurvePoint::default()];
         let max = self.max_factor();

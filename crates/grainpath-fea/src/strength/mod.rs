@@ -82,7 +82,7 @@ pub struct Outcome {
     pub first_failure_n: f64,
     /// Load over the displacement of the load, before anything fails, N/mm.
     pub stiffness_n_per_mm: f64,
-    /// Load over displacement, up to the peak and past it.
+    /// Load over displacement at each new maximum of the load, and beyond the peak.
     pub curve: Vec<CurvePoint>,
     /// Load and displacement of every state that was solved, in order: the curve and what lies below it.
     pub states: Vec<CurvePoint>,
@@ -119,7 +119,7 @@ impl Outcome {
     }
 }
 
-/// A neighbour of a failing element lies beside the crack where the cosine between its direction and the crack's normal
-/// is at least this, and ahead of the crack elsewhere. Measured: row `fea.strength.CRACK_NORMAL_COS` of `cargo xtask
-/// bench constants`.
+/// A neighbour of a failing element counts as beside the crack if the cosine between the direction to it and the
+/// crack's normal is at least this; otherwise it lies ahead of the crack. Measured: row `fea.strength.CRACK_NORMAL_COS`
+/// of `cargo xtask bench constants`.
 static CRACK_NORMAL_COS: Tuned<f64> = Tuned::new("fea.strength.CRACK_NORMAL_COS", 0.6);

@@ -2,8 +2,8 @@
 //!
 //! Cells are square elements with incompatible modes, which bend without locking (`wilson1973` in
 //! docs/references.bib), solved exactly by fronts. Failure is judged in the middle of a cell; thin walls that bend
-//! in the plane need four cells across ([`PlateTest::unresolved_bending`]). Damage, white to black, and load over
-//! displacement:
+//! in the plane need four cells across ([`PlateTest::unresolved_bending`]). The figure shows the damage (white to
+//! black) and the load over displacement:
 //!
 #![doc = include_str!("figures/plate.svg")]
 
@@ -49,12 +49,12 @@ pub struct PlateTest<'a> {
     pub cancel: CancelFlag,
 }
 
-/// A wall ends at a cell that is filled less than this share of the height. Source: derived. [`MIN_CELLS_ACROSS`] leaves
-/// half a cell of doubt, and four such cells on either side change the sum over a wall by a sixth of a cell at most.
+/// A wall ends at a cell that is filled to less than this share of the height. Source: derived. [`MIN_CELLS_ACROSS`] has
+/// a margin of half a cell; four such cells on either side change the sum over a wall by a sixth of a cell at most.
 const MIN_FILL: f64 = 0.02;
 
-/// Step control of plate tests. Measured: the peak of a notched bar moves by at most 3.3 % over two sizes and three places
-/// of the cells, 0.7 % on the finer ones (`tests/strength.rs`).
+/// Step control of plate tests. Measured: over two cell sizes and three positions of the grid, the peak of a notched bar
+/// moves by at most 3.3 %, with the smaller cells by 0.7 % (`tests/strength.rs`).
 const STEP_CONTROL: StepControl = StepControl {
     first_step: 0.04,
     min_step: 0.011,
@@ -78,8 +78,8 @@ impl PlateTest<'_> {
         run_to_failure(&mut plate, self.cards, [cell_mm; 2], self.load_n, &STEP_CONTROL, &self.cancel)
     }
 
-    /// How much bending of thin walls the cells miss. One solution for the unit load where there are thin walls, none
-    /// elsewhere.
+    /// How much bending of thin walls the cells fail to resolve. It takes one solution for the unit load if there are
+    /// thin walls, none otherwise.
     ///
     /// # Errors
     /// [`TestError`] when the plate moves freely, is too large for the memory allowed, or nothing is strained.
@@ -97,7 +97,7 @@ impl PlateTest<'_> {
         unresolved_bending(&plate.bending(&states, &membranes))
     }
 
-    /// Full cells across the plate at a cell along an axis, counted up to [`CELLS_ACROSS`] on either side.
+    /// Full cells across the plate through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
     fn cells_across(&self, cell: usize, axis: usize) -> f64 {
         let laminate = self.laminate;
         let grid = &laminate.grid;
@@ -126,8 +126,8 @@ impl PlateTest<'_> {
             .map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2]))
             .collect::<Result<_, _>>()?;
         let n = self.elements.cells.len();
-        // The stiffness of the plies together has 9 numbers, that of an element 64: all of those would be held while the
-        // system is factored, when memory is scarcest.
+        // The 9 numbers of the membrane stiffness of each element are kept instead of the 64 of its stiffness matrix,
+        // because memory is scarcest while the system is factored.
         let membranes: Vec<PlaneStiffness> = (0..n)
             .into_par_iter()
             .map(|e| self.membrane(e, |p| Ok(whole[self.material(p)])))
@@ -159,7 +159,7 @@ impl PlateTest<'_> {
         Ok(square(&self.membrane(element, own)?))
     }
 
-    /// Stiffness of an element's plies together, N/mm.
+    /// Membrane stiffness of an element, summed over its plies, N/mm.
     fn membrane(
         &self,
         element: usize,
@@ -210,7 +210,7 @@ impl LoadedPlate<'_> {
             let damage = in_plane(states[p].damage());
             let card = &test.cards[test.material(p)];
             let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
-            // The stress of the area that still carries, as strengths are those of whole material.
+            // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
             let across = 1.0 - damage[1].max(damage[0]);
             let remaining = [1.0 - damage[0], across, across];
             let stress: [f64; 3] = std::array::from_fn(|i| {

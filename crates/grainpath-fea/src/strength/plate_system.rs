@@ -1,8 +1,8 @@
 //! The equations of a plate under plane stress: assembled, factored, and solved again as elements lose stiffness.
 //!
 //! Fixtures are stiff springs along their directions (the penalty method), so that the pattern of the matrix does not
-//! depend on them. Stiffnesses are in N/mm, forces in N, displacements in mm. The factorization is that of `Fronts`;
-//! its cost stands there.
+//! depend on them. Stiffnesses are in N/mm, forces in N, displacements in mm. The factorization and its cost are
+//! described at `Fronts`.
 
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::tuned::Tuned;
@@ -11,11 +11,12 @@ use super::elements::{GridHold, PlateElements};
 use super::fronts::{Fronts, Lower};
 use crate::sparse::SparseError;
 
-/// Springs of fixtures are this much stiffer than the stiffest node. Source: derived. A held node gives way by a hundred-thousandth of
-/// what a free one would, and ten of the sixteen digits of the factor are left.
+/// Stiffness of the springs of fixtures over that of the stiffest node. Source: derived. A held node moves by a
+/// hundred-thousandth of what a free one would, and ten of the sixteen digits of the factor remain.
 const HOLD: f64 = 1e5;
-/// A spring at every node, as a share of the stiffest node, so that parts that hang on a single corner do not make the
-/// matrix singular. Measured: row `fea.strength.plate_system.LEAST` of `cargo xtask bench constants`.
+/// Stiffness of a weak spring at every node, as a share of the stiffest node. It keeps parts that hang on a single
+/// corner from making the matrix singular. Measured: row `fea.strength.plate_system.LEAST` of
+/// `cargo xtask bench constants`.
 static LEAST: Tuned<f64> = Tuned::new("fea.strength.plate_system.LEAST", 1e-10);
 
 /// The stiffness of a plate and how to solve it.
@@ -73,7 +74,7 @@ impl PlateSystem {
         Ok(Self { fronts, stiffness, dofs, factored: 1, solved: 0, stale: false })
     }
 
-    /// Unknowns.
+    /// Number of unknowns.
     pub fn dofs(&self) -> usize {
         self.dofs
     }

@@ -1,15 +1,16 @@
 //! The mix of directions that serves several load cases best, where layers take turns.
 //!
-//! A *family* of directions gives each node of a section an axis: family 0 is that of all cases together, family k that of
-//! case k, from 1. A *mix* is a list of up to `MOST_SLOTS` families that layers take in turn. Every mix is laid as plies of one
-//! card that strain alike, each with its share of the thickness, and the stress of every case in the plane of the layer acts on
-//! them at every node; the ply nearest to failure counts, by the criterion of [`first_failure`](super::first_failure). The mix
-//! whose highest index, over nodes and cases, is lowest has the largest least reserve. Of mixes within `TIE` of it the shortest is
-//! taken, of equally short ones that with the largest mean of the cases' reserves by their weights.
+//! A *family* of directions gives each node of a section an axis: family 0 follows the stress of all cases together, family
+//! k (from 1) that of case k. A *mix* is a list of up to `MOST_SLOTS` families that layers take in turn. A mix is judged as
+//! plies of one material with the same strain, each with its share of the thickness. The stress of every case in the plane
+//! of the layer acts on them at every node; the ply nearest to failure counts, by the criterion of
+//! [`first_failure`](super::first_failure). The reserve of a case is one over its highest failure index at any node. The
+//! best mix has the largest least reserve over all cases. Of mixes within `TIE` of it the shortest is taken; of equally
+//! short ones that with the largest weighted mean of the cases' reserves.
 //!
-//! Limits: failure between layers is not seen, which directions do not change. At most `MOST_CASES` cases are served by families
-//! of their own, those with the least reserve; all are judged. Cost: a small solve for each mix, node and case; a mix that is
-//! worse than the best so far is left at its first worse node, and nodes of the highest stress come first.
+//! Limits: failure between layers is left out, because directions do not change it. At most `MOST_CASES` cases are served by
+//! families of their own, those with the least reserve; all are judged. Cost: a small solve for each mix, node and case; a
+//! mix is dropped at the first node where it is worse than the best so far, and nodes of the highest stress come first.
 
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Interrupted;
@@ -19,11 +20,12 @@ use super::first_failure::PlyJudge;
 use crate::material::Unstable;
 use crate::principal::von_mises_plane;
 
-/// The most families that layers take in turn. Source: derived: four layers are 0.8 mm, about the thinnest plate that is printed.
+/// The most families that layers take in turn. Source: derived: four layers are 0.8 mm, about the thinnest plate that is
+/// printed.
 pub const MOST_SLOTS: usize = 4;
 /// The most cases with families of their own. Source: derived: as many as there are slots.
 const MOST_CASES: usize = MOST_SLOTS;
-/// Reserves within this share of the best count as equal. Source: derived: a fifteenth of what a reserve may miss.
+/// Reserves within this share of the best count as equal. Source: derived: a fifteenth of the error of a reserve.
 const TIE: f64 = 0.01;
 /// The most nodes at which mixes are judged: those of the highest stress. Source: derived. A plate of 60 x 60 mm with beads
 /// of 0.45 mm has as many; judging them takes less time than their fields.
@@ -34,25 +36,25 @@ const MOST_NODES: usize = 20_000;
 pub struct MixNode<'a> {
     /// The section that it lies in.
     pub section: usize,
-    /// Its number there.
+    /// Its number in that section.
     pub node: usize,
     /// The stress of each case, MPa, order xx, yy, xy.
     pub stresses: &'a [[f64; 3]],
 }
 
-/// The mixes of the families of some sections.
+/// Judges mixes of the direction families of some sections.
 pub struct PlyMixes<'a> {
     judge: PlyJudge,
     weights: Vec<f64>,
-    /// The axes of the nodes of each section in each family, radians.
+    /// The direction in radians at each node, by section and family.
     axes_rad: Vec<Vec<Vec<f64>>>,
-    /// Those of the highest stress first.
+    /// The nodes, those of the highest stress first.
     nodes: Vec<MixNode<'a>>,
 }
 
 impl<'a> PlyMixes<'a> {
-    /// Mixes of beads of a card under cases with these weights. `axes_rad` are the axes of the nodes of each section in each
-    /// family.
+    /// Prepares the judging of mixes for beads of one card, under cases with these weights. `axes_rad` gives the direction
+    /// at each node, by section and family.
     ///
     /// # Errors
     /// [`Unstable`] when the elastic constants are not those of a stable material.
@@ -91,8 +93,8 @@ impl<'a> PlyMixes<'a> {
         Some(highest)
     }
 
-    /// The mix of the largest least reserve: the numbers of the families that layers take in turn. `shares` gives the part of
-    /// the thickness of each of so many turns.
+    /// The best mix: the numbers of the families that layers take in turn. For a number of turns, `shares` returns the part
+    /// of the thickness that each turn has.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -106,11 +108,11 @@ impl<'a> PlyMixes<'a> {
         for mix in mixes(&self.picked()) {
             diagnostics.check()?;
             let shares = shares(mix.len());
-            // A part with fewer layers than the mix has turns would lack some of its families.
+            // With fewer layers than turns, some families of the mix would be missing.
             if shares.iter().any(|share| *share <= 0.0) {
                 continue;
             }
-            // Turns of one family are one ply: the order of layers does not count in the plane.
+            // All turns of a family form one ply, because the order of layers has no effect in the plane.
             let mut plies: Vec<(usize, f64)> = Vec::new();
             for (&family, share) in mix.iter().zip(shares) {
                 match plies.iter_mut().find(|p| p.0 == family) {
@@ -124,14 +126,14 @@ impl<'a> PlyMixes<'a> {
             }
         }
         found.retain(|(_, indices)| indices.iter().all(|index| *index <= least * (1.0 + TIE)));
-        // Layers that take turns serve a case each where that is as good: it is easier to tell and to check.
+        // Of equal mixes, one whose layers each serve a single case is preferred: it is easier to explain.
         let is_vague = |mix: &[usize]| mix.len() > 1 && mix.contains(&0);
         let order =
             |(mix, indices): &(Vec<usize>, Vec<f64>)| (mix.len(), self.steps_below(indices), is_vague(mix));
         Ok(found.into_iter().min_by_key(order).map_or_else(|| vec![0], |(mix, _)| mix))
     }
 
-    /// The families that may be mixed: that of all cases, and those of the cases with the least reserve under it.
+    /// The families that may be mixed: family 0, and those of the cases with the least reserve under family 0.
     fn picked(&self) -> Vec<usize> {
         let mut of_cases: Vec<usize> = (1..=self.weights.len()).collect();
         if of_cases.len() > MOST_CASES {
@@ -144,7 +146,8 @@ impl<'a> PlyMixes<'a> {
         std::iter::once(0).chain(of_cases).collect()
     }
 
-    /// How far the weighted mean of the cases' reserves falls short, in steps of `TIE`: the smaller the better.
+    /// The weighted mean of the cases' reserves on a falling logarithmic scale, in steps of `TIE`: the smaller, the
+    /// better.
     fn steps_below(&self, indices: &[f64]) -> i64 {
         let all: f64 = self.weights.iter().sum();
         let reserves = indices.iter().zip(&self.weights).filter(|(index, _)| **index > 0.0);
@@ -153,8 +156,8 @@ impl<'a> PlyMixes<'a> {
     }
 }
 
-/// Every list of up to `MOST_SLOTS` of these families whose turns are no shorter list repeated, shorter lists first. Those that come
-/// several times in one list are apart from each other.
+/// Every list of up to `MOST_SLOTS` of these families, shorter lists first. Lists that merely repeat a shorter list are left
+/// out. A family that comes several times in a list is spread over it.
 fn mixes(families: &[usize]) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = Vec::new();
     let mut longer: Vec<Vec<usize>> = vec![Vec::new()];
@@ -171,7 +174,7 @@ fn mixes(families: &[usize]) -> Vec<Vec<usize>> {
     all
 }
 
-/// Whether all families of a list come several times, by a common factor.
+/// Whether the numbers of times that the families occur in a list have a common divisor above 1.
 fn is_repeated(list: &[usize]) -> bool {
     let counts = list.chunk_by(|a, b| a == b).map(<[usize]>::len);
     let divides = |by: usize| counts.clone().all(|n| n.is_multiple_of(by));

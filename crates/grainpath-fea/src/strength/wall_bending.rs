@@ -1,11 +1,11 @@
 //! Whether the cells of a test resolve the bending of thin walls.
 //!
 //! Failure indices are taken from the strain in the middle of a cell. In a wall one cell thick that strain is zero under
-//! pure bending, and the wall would seem unbreakable; with two cells across a wall carries a third too much, with four
-//! and more the sum over the cells is that of the section. So before a test, one linear solution says for each element
-//! with fewer than [`CELLS_ACROSS`] cells across the part along some axis how high the failure index is in the middle
-//! and on the faces of the wall. Where the faces are higher in the elements that fail first, bending governs and the
-//! cells are too large.
+//! pure bending, and the wall would seem unbreakable; with two cells across, a wall carries a third too much; from four
+//! cells on, the sum over the cells equals the moment of the section. Before a test, one linear solution is therefore
+//! made. For each element with fewer than [`CELLS_ACROSS`] cells across the part along some axis, it gives the failure
+//! index in the middle and on the faces of the wall. If the faces have the higher index in the elements that fail first,
+//! bending governs and the cells are too large.
 //!
 //! The cost is one linear solution. Walls at an angle to the grid count as thicker than they are, by up to the square
 //! root of two in one plane.
@@ -15,18 +15,18 @@ use grainpath_core::tuned::Tuned;
 use super::TestError;
 use super::load_stepping::FailureIndices;
 
-/// Cells across a wall that resolve its bending. Source: derived. The moment of a section that yields is the sum over n cells of
-/// stress times lever arm; for even n it is exact, and for two cells the bending stiffness of each cell itself, which does not
-/// fail at its faces, adds a third.
+/// Number of cells across a wall that resolves its bending. Source: derived. The moment of a section that yields is the sum
+/// over n cells of stress times lever arm, which is exact for even n. With two cells, each cell's own bending stiffness adds
+/// a third, because a cell does not fail at its faces.
 pub const CELLS_ACROSS: f64 = 4.0;
 /// Walls with fewer full cells across count as thin. Source: derived. Half a cell is the rounding to whole cells: a wall
 /// meant to be [`CELLS_ACROSS`] thick that is a little underfilled has at least this, and one of three cells has less.
 pub(super) const MIN_CELLS_ACROSS: f64 = CELLS_ACROSS - 0.5;
-/// The share of the elements that are most loaded, over which indices are averaged so that a single corner does not
-/// decide. Measured: row `fea.strength.wall_bending.MOST_LOADED` of `cargo xtask bench constants`.
+/// Share of the elements, the most loaded ones, over which indices are averaged, so that a single corner does not
+/// decide the result. Measured: row `fea.strength.wall_bending.MOST_LOADED` of `cargo xtask bench constants`.
 static MOST_LOADED: Tuned<f64> = Tuned::new("fea.strength.wall_bending.MOST_LOADED", 1e-3);
 
-/// Bending that the cells of a test miss.
+/// Bending that the cells of a test fail to resolve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnresolvedBending {
     /// How much higher the failure index is on the faces of thin walls than in the middle of any cell, as a share: 0
@@ -41,9 +41,9 @@ pub struct UnresolvedBending {
 pub(super) struct BendingSample {
     /// In the middle.
     pub middle: f64,
-    /// The highest on the faces of a thin wall; that of the middle where the wall is not thin.
+    /// The highest one on the faces of a thin wall; equal to `middle` if the wall is not thin.
     pub face: f64,
-    /// Thickness of that wall, mm; 0 where the middle is as high.
+    /// Thickness of that wall, mm; 0 if the faces are no higher than the middle.
     pub wall_mm: f64,
 }
 
@@ -52,7 +52,7 @@ pub(super) fn highest_index(indices: &[FailureIndices]) -> f64 {
     indices.iter().flat_map(|i| i.index).fold(0.0, f64::max)
 }
 
-/// Compares the most loaded middles of elements with the most loaded faces.
+/// Compares the elements most loaded in their middle with those most loaded on their faces.
 pub(super) fn unresolved_bending(samples: &[BendingSample]) -> Result<UnresolvedBending, TestError> {
     let n = ((MOST_LOADED.value() * samples.len() as f64).ceil() as usize).clamp(1, samples.len().max(1));
     let highest = |value: fn(&BendingSample) -> f64| {

@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! The circle through the first, the middle and the last point of a run is compared with all its points
-//! and chords. The run is doubled until it fails; bisection then finds the longest run that fits. The
-//! greedy search starts again where an arc ends.
+//! and chords. The run is doubled until it no longer fits; bisection then finds the longest run that
+//! does. Where an arc ends, the search starts again.
 //!
 //! # Units, cost and limits
 //! Lengths in mm, angles in rad. The cost is n log n for n points in one arc. The points and the middles
@@ -27,23 +27,23 @@ pub(super) struct Arc {
     pub length_mm: f64,
 }
 
-/// Fewest points of an arc. Three points lie on a circle by chance, and an arc of a few chords saves no
-/// lines.
-/// Source: derived from the two reasons above: the fourth point is the first to confirm a circle, the fifth leaves
-/// less to chance.
+/// Fewest points of an arc. Any three points lie on a circle, and an arc that replaces
+/// only a few chords saves no lines. Source: derived from these two reasons: the fourth
+/// point is the first to confirm a circle, and the fifth makes a coincidence less
+/// likely.
 const MIN_POINTS: usize = 5;
-// Radii of arcs, mm. Source: derived. A smaller arc is at most 1.65 mm long (`MAX_SWEEP`), a few chords. Firmware
-// computes with 24 bits, in which the square of a larger radius has steps of more than 0.06 mm2, and the radius
-// itself steps of 0.00003 mm.
+// Smallest and largest radius of an arc, mm. Source: derived. An arc of a smaller radius is at most 1.65 mm long
+// (`MAX_SWEEP`), which is a few chords. Firmware computes with 24 bits, in which the square of a larger radius
+// has steps of more than 0.06 mm2, and the radius itself steps of 0.00003 mm.
 const RADIUS_MM: std::ops::RangeInclusive<f64> = 0.3..=1000.0;
 /// Largest sweep of an arc, rad (315 degrees). Source: derived. Firmware confuses an almost complete circle with an almost
 /// empty arc through rounding.
 const MAX_SWEEP: f64 = 5.5;
 
-/// The longest arc from point `start` within `tolerance_mm` of the points and of the chords between them.
+/// The longest arc from point `start` that stays within `tolerance_mm` of the points and the chords.
 ///
-/// Runs are tried with twice the length each time, then by bisection between the last that fits and the
-/// first that does not. That is n log n distance tests for n points instead of n squared.
+/// The length of a run is doubled while it fits; then bisection finds the limit between the last that
+/// fits and the first that does not. That takes n log n distance tests for n points instead of n squared.
 pub(super) fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
     let points = &points[start..];
     let try_run = |n: usize| {
@@ -54,7 +54,7 @@ pub(super) fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Opt
     let mut best = try_run(fits)?;
     let mut fails = points.len() + 1;
     while fits + 1 < fails {
-        // Doubling stops at the midpoint to the first failure, which turns the search into bisection.
+        // Doubling stops at the midpoint to the first failure; from then on the search is a bisection.
         let n = (2 * fits).min(fits.midpoint(fails)).max(fits + 1);
         match try_run(n) {
             Some(arc) => (fits, best) = (n, arc),
@@ -65,7 +65,7 @@ pub(super) fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Opt
 }
 
 fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
-    // A circle through the first, the middle and the last point: these are the least sensitive to noise.
+    // The circle is taken through the first, the middle and the last point, which makes it least sensitive to noise.
     let (a, m, b) = (points[0], points[points.len() / 2], points[points.len() - 1]);
     let centre = centre(a, m, b)?;
     let r = centre.distance(a);
@@ -74,14 +74,14 @@ fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
     }
     let left = cross(m - a, b - m) > 0.0;
     let mut sweep = 0.0;
-    // All points lie near the circle by now. The chords between them must do so too, and must all turn
-    // the same way.
+    // At this point all points lie near the circle. The chords between them must be near it as well,
+    // and must all turn the same way.
     for w in points.windows(2) {
         let (u, v) = (w[0] - centre, w[1] - centre);
         let turn = atan2(cross(u, v), u.dot(v)) * if left { 1.0 } else { -1.0 };
         // Distance between the arc and the chord at its middle.
         let bulge = r - (0.5 * (w[0] + w[1])).distance(centre);
-        // A chord over more than a radian would be a corner of the path.
+        // A chord that turns by more than a radian is a corner of the path.
         if turn <= 0.0 || turn > 1.0 || bulge > tolerance {
             return None;
         }

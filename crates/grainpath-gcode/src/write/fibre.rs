@@ -1,8 +1,8 @@
-//! Continuous fibre. It is fed where a run begins and cut at the cutter's distance before the end of the
-//! run, so that the rest of it is used up.
+//! Lays continuous fibre. It is fed where a run begins. It is cut before the end of the run, at the
+//! distance of the cutter, so that the fibre beyond the cutter is used up.
 //!
-//! A run is laid with one piece of fibre. It is a path, or several paths that follow each other without a
-//! travel between them, over layers too.
+//! A run is what is laid with one piece of fibre. It is one path, or several paths, even over several
+//! layers, that follow each other without a travel between them.
 
 use grainpath_core::PlannedPath;
 
@@ -44,7 +44,7 @@ fn values(
         ("feed_mm", format!("{:.3}", tool.cutter_mm)),
         ("fibre_mm", format!("{run_mm:.3}")),
         ("fibre_nozzle_temp_c", tool.material.nozzle_temp_c.to_string()),
-        // The tool that is taken may be either, so its temperature depends on the number.
+        // The template may select either tool, so the temperature depends on the tool number.
         ("tool_nozzle_temp_c", {
             let m = if Some(number) == tool.tool { &tool.material } else { &config.material };
             m.nozzle_temp_c.to_string()
@@ -63,15 +63,15 @@ impl Writer<'_> {
         } else {
             (config.machine.filament_mm, &config.material)
         };
-        // With one nozzle too, the material and its diameter change with the path.
+        // Material and filament diameter change with the path even if there is only one nozzle.
         self.filament_mm2 = 0.25 * std::f64::consts::PI * filament * filament;
         self.material = material;
         let Some(number) = tool.tool else { return };
         if fibre == self.fibre_tool {
             return;
         }
-        // The nozzle that is left must not drip. The fibre's nozzle needs no retraction, since fibre is
-        // cut.
+        // The nozzle that is left must not drip, so the matrix is retracted. Fibre is cut and needs no
+        // retraction.
         if fibre {
             self.retract();
         }
@@ -115,8 +115,8 @@ impl Writer<'_> {
             self.line(";FIBRE_START");
             self.program(&tool.feed_gcode, "fibre_feed_gcode", number, run_mm);
         }
-        // Measured from the start of the path. A run shorter than the cutter's distance is cut where it
-        // begins.
+        // The position of the cut, from the start of the path. A run shorter than the cutter's distance
+        // is cut at its start.
         let from_start = length + run.after_mm - tool.cutter_mm;
         let cut = if run.begins { from_start.max(0.0) } else { from_start };
         let anchored = tool.anchor_mm - run.before_mm;
@@ -136,7 +136,7 @@ impl Writer<'_> {
             for stop in stops {
                 let to = a + (b - a) * (stop / l.max(1e-12));
                 let v = if done + stop <= anchored + 1e-9 { slow } else { speed };
-                // A stop that rounds to the same place writes no move.
+                // Two stops that round to the same position need no move between them.
                 if micro(to.x) != micro(at.x) || micro(to.y) != micro(at.y) {
                     self.extrude(at, to, at.distance(to), area * per_mm, v);
                     at = to;

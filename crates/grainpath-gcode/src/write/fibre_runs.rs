@@ -1,8 +1,8 @@
 //! Runs of fibre: paths that are laid with one piece of fibre, and the position of each path in its run.
 //!
-//! The writer feeds fibre where a run begins. It cuts the fibre at the cutter's distance before the end,
-//! so that the rest is used up. Hence it has to know for every path how much of its run lies before and
-//! after it.
+//! The writer feeds fibre where a run begins. It cuts the fibre before the end, at the distance of the
+//! cutter, so that the fibre beyond the cutter is used up. It therefore needs to know, for every path,
+//! how much of its run lies before and after it.
 
 use grainpath_core::{Plan, PlannedPath, Role};
 

@@ -26,7 +26,7 @@ pub struct WriteConfig {
     pub cooling: Cooling,
     /// Retraction for travel moves.
     pub retraction: Retraction,
-    /// The tool for paths of fibre. Without it they are printed like all others.
+    /// The tool for fibre paths. Without it, fibre paths are printed like all others.
     pub fibre: Option<FibreTool>,
     /// Largest distance between an arc (G2, G3) and the path that it replaces, mm; `None` writes no arcs.
     pub arc_tolerance_mm: Option<f64>,
@@ -34,7 +34,7 @@ pub struct WriteConfig {
     pub header: Vec<String>,
 }
 
-/// A picture for the screen of the printer.
+/// A preview picture for the printer's screen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thumbnail {
     /// Width, pixels.
@@ -56,7 +56,7 @@ pub struct Written {
     pub extruded_mm3: f64,
     /// Length of filament used, mm.
     pub filament_mm: f64,
-    /// Mass of that filament, g.
+    /// Mass of the filament used, g.
     pub mass_g: f64,
     /// Estimated time, s.
     pub time_s: f64,
@@ -91,7 +91,7 @@ pub enum GcodeError {
 /// Checks that every bead and travel stays on the bed, before anything is written.
 ///
 /// # Errors
-/// [`GcodeError::OutsideBed`] with the axis that goes furthest out, [`GcodeError::NotANumber`].
+/// [`GcodeError::OutsideBed`] with the axis that exceeds the bed furthest, [`GcodeError::NotANumber`].
 pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
     let shift = plan.plate_from_part_mm;
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -125,11 +125,11 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
         ('Y', high[1], bed_low[1], bed_high[1]),
         ('Z', top, 0.0, machine.bed_mm[2]),
     ];
-    // The axis that is farthest out, so that moving the part once is enough.
+    // The axis that exceeds the bed furthest is reported, so that moving the part once is enough.
     let mut worst: Option<(f64, GcodeError)> = None;
     for (axis, at_mm, low_mm, high_mm) in reaches {
         let out = (at_mm - high_mm).max(low_mm - at_mm);
-        // A plan without paths has no extent; 1e-6 mm is rounding.
+        // A plan without paths has no finite extent. Up to 1e-6 mm beyond the bed is rounding.
         if at_mm.is_finite() && out > 1e-6 && worst.as_ref().is_none_or(|(most, _)| out > *most) {
             worst = Some((out, GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm }));
         }
@@ -144,7 +144,7 @@ fn widest_sound(planned: &PlannedPath) -> Option<f64> {
     let points = path.points.iter().chain(&planned.travel.via);
     let widths = match &path.width {
         BeadWidth::Constant(w) => std::slice::from_ref(w),
-        // A width for each vertex, or the writer would read past the list.
+        // Every vertex must have a width, or the writer would read past the end of the list.
         BeadWidth::PerVertex(w) if w.len() == path.points.len() => w.as_slice(),
         BeadWidth::PerVertex(_) => return None,
     };
@@ -158,7 +158,7 @@ fn widest_sound(planned: &PlannedPath) -> Option<f64> {
 /// Writes a plan. The same plan and settings give the same bytes.
 ///
 /// # Errors
-/// [`GcodeError`]: off the bed, an unknown placeholder, numbers that are none, or the writer's own.
+/// [`GcodeError`]: outside the bed, an unknown placeholder, values that are not numbers, or an error of the output.
 pub fn write_gcode(
     plan: &Plan,
     config: &WriteConfig,

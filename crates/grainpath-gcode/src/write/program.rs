@@ -18,8 +18,8 @@ use crate::machine::{Flavour, Material};
 /// Step in which filament is counted, mm. Source: E has five decimals in the G-code. Whole steps keep
 /// rounding from adding up over a print.
 const E_STEP_MM: f64 = 1e-5;
-/// Bytes that are collected before they are passed on. The value changes speed alone.
-/// Source: chosen; it changes speed alone, never the result.
+/// Number of bytes that are collected before they are written out. Source: chosen; it changes only
+/// the speed, never the result.
 const CHUNK: usize = 1 << 16;
 
 pub(super) struct Writer<'a> {
@@ -39,7 +39,7 @@ pub(super) struct Writer<'a> {
     pub(super) at: [Option<i64>; 3],
     /// Last known position of the nozzle.
     stood: DVec2,
-    /// Filament extruded up to now, exact.
+    /// Filament extruded so far, not rounded.
     e_exact_mm: f64,
     pub(super) e_steps: i64,
     /// Position of E at the last reset, for absolute E.
@@ -60,7 +60,7 @@ pub(super) struct Writer<'a> {
 /// Speed and cooling of a layer.
 struct Pace {
     first_layer: bool,
-    /// Factor on printing speeds that reaches the least layer time.
+    /// Factor on the printing speeds that stretches the layer to the least layer time.
     slow_down: f64,
     fan: f64,
     /// Whether the fan may run in this layer.
@@ -109,7 +109,7 @@ impl<'a> Writer<'a> {
     ) -> Result<Written, GcodeError> {
         self.head(plan, thumbnails);
         self.line(start.trim_end());
-        // After the start G-code, which may change modes.
+        // Set after the start G-code, because that may change modes.
         self.set_up();
         let runs = if self.config.fibre.is_some() { fibre_runs(plan) } else { Vec::new() };
         for (i, layer) in plan.layers.iter().enumerate() {
@@ -149,7 +149,7 @@ impl<'a> Writer<'a> {
         if let Some(fibre) = &self.config.fibre {
             self.line(&format!("; fibre_filament_mm = {}", fibre.filament_mm));
         }
-        // A text of several lines stays a comment in all of them.
+        // Each line of a text with several lines becomes a comment.
         header.iter().flat_map(|text| text.lines()).for_each(|text| self.line(&format!("; {text}")));
         for t in thumbnails {
             let text = base64::engine::general_purpose::STANDARD.encode(&t.png);
@@ -244,7 +244,7 @@ impl<'a> Writer<'a> {
             moving += at.distance(p.path.start()) / self.config.speeds.travel;
             at = p.path.end();
         }
-        // Travel is not slowed down, so printing alone has to fill the least time.
+        // Travels are not slowed down, so the printing moves alone have to fill the least layer time.
         let short = c.min_layer_time_s - moving;
         let slow_down = if printing > 0.0 && short > printing { printing / short } else { 1.0 };
         let time = printing / slow_down + moving;
@@ -259,7 +259,7 @@ impl<'a> Writer<'a> {
     /// Speed of a path before any slowing down: that of its role, limited by the melting rate.
     fn speed(&self, path: &Toolpath, height_mm: f64, first_layer: bool) -> f64 {
         let speed = self.config.speeds.speed_mm_s(path.role, path.speed, first_layer);
-        // The widest place decides, because the speed is the same along the path.
+        // The speed is the same along the path, so its widest place decides.
         let widest = match &path.width {
             grainpath_core::BeadWidth::Constant(w) => *w,
             grainpath_core::BeadWidth::PerVertex(w) => w.iter().copied().fold(0.0, f64::max),
@@ -283,7 +283,7 @@ impl<'a> Writer<'a> {
         self.travel(planned);
         self.announce(path, height_mm, pace);
         let full = self.speed(path, height_mm, pace.first_layer);
-        // A path that is slower than the least speed by its role stays so.
+        // A path that is slower than the least speed because of its role keeps its speed.
         let slow = (full * pace.slow_down).max(self.config.cooling.min_speed_mm_s.min(full));
         self.written.toolpaths += 1;
         if path.role == Role::Fibre && self.config.fibre.is_some() {
@@ -392,11 +392,11 @@ impl<'a> Writer<'a> {
             time.push(&lead_out);
             time.seconds()
         };
-        // Equal but for rounding counts as saved: an arc is one line instead of many.
+        // Equal times, within rounding, count as saved: an arc is one line instead of many.
         time(&pieces) <= time(&chords) * (1.0 + 1e-4)
     }
 
-    /// Pushes the filament that the last moves of a path, too short to write, have left over.
+    /// Feeds the filament that is left over from the last moves of a path if these were too short to write.
     fn settle(&mut self) {
         if self.e_owed() != 0 {
             self.buffer.extend_from_slice(b"G1");
@@ -404,7 +404,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Steps of filament that are not pushed yet.
+    /// Steps of filament (`E_STEP_MM`) that have not been fed yet.
     fn e_owed(&self) -> i64 {
         (self.e_exact_mm / E_STEP_MM).round() as i64 - self.e_steps
     }
@@ -418,7 +418,7 @@ impl<'a> Writer<'a> {
         }
         if self.raise != path.raise {
             self.raise = path.raise;
-            // Viewers read the height; our own reader, to which layer the bead belongs.
+            // Viewers read the height. Our own reader finds from the raise to which layer the bead belongs.
             let [bottom, top] = [path.raise.bottom_mm, path.raise.top_mm].map(trimmed);
             self.line(&format!(";HEIGHT:{}\n;RAISED:{bottom} {top}", trimmed(height_mm)));
         }
@@ -461,7 +461,7 @@ impl<'a> Writer<'a> {
             self.retract();
         }
         let limits: Limits = self.config.machine.limits;
-        // Upwards before the travel, so that the nozzle does not drag through the layer.
+        // The nozzle is lifted before the travel, so that it does not drag through the layer.
         if rises && !self.hopped {
             self.move_z(z);
         }
@@ -484,7 +484,7 @@ impl<'a> Writer<'a> {
             self.hopped = false;
             self.move_z(z);
         }
-        // While the fibre's tool is in use, the matrix's nozzle stays retracted.
+        // While the fibre tool is in use, the nozzle of the matrix stays retracted.
         if self.retracted && !self.fibre_tool {
             self.retracted = false;
             let r = self.config.retraction;
@@ -509,7 +509,7 @@ impl<'a> Writer<'a> {
 
     pub(super) fn retract(&mut self) {
         let r = self.config.retraction;
-        // Fibre is cut and not retracted. Before the first extrusion there is nothing to draw back.
+        // Fibre is cut, so it is not retracted. Before the first extrusion there is no filament to draw back.
         if self.retracted || self.fibre_tool || r.length_mm <= 0.0 || self.e_steps == 0 {
             return;
         }
@@ -523,7 +523,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Moves the filament alone. Retracted filament returns, so it is not counted as used.
+    /// Moves the filament alone. Retracted filament is fed again later, so it does not count as used.
     fn filament(&mut self, mm: f64, speed_mm_s: f64) {
         self.buffer.extend_from_slice(b"G1");
         let steps = (mm / E_STEP_MM).round() as i64;
@@ -537,7 +537,7 @@ impl<'a> Writer<'a> {
     pub(super) fn extrude(&mut self, a: DVec2, b: DVec2, length: f64, filament_per_mm: f64, speed: f64) {
         let to = b + self.shift;
         let filament = length * filament_per_mm;
-        // A move that rounds to nothing leaves its filament to the next one.
+        // The filament of a move that rounds to nothing is added to the next move.
         if self.at[0] == Some(micro(to.x)) && self.at[1] == Some(micro(to.y)) {
             self.e_exact_mm += filament;
             self.count(length, filament, speed, b - a);
@@ -579,7 +579,7 @@ impl<'a> Writer<'a> {
         push_fixed(&mut self.buffer, value, 5);
     }
 
-    /// Writes the coordinates that change; the unchanged ones are implied.
+    /// Writes only the coordinates that change.
     fn xyz(&mut self, to: [Option<f64>; 3]) {
         for (k, letter) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
             let Some(mm) = to[k].map(micro) else { continue };
@@ -594,7 +594,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Sets the acceleration for firmware that has one for printing and travel.
+    /// Sets the acceleration if the firmware has a common one for printing and travel.
     fn accelerate(&mut self, acceleration: f64) {
         if self.config.machine.flavour == Flavour::Klipper && acceleration != self.acceleration {
             self.acceleration = acceleration;
@@ -605,7 +605,7 @@ impl<'a> Writer<'a> {
 
     /// Ends a line with its feed rate where that changes.
     fn end_with_feed(&mut self, speed: f64) {
-        // F counts mm/min.
+        // F is in mm/min.
         let feed = (speed * 60.0).round() as i64;
         if feed != self.feed {
             self.feed = feed;

@@ -1,4 +1,4 @@
-//! Fills placeholders into the printer's own G-code.
+//! Fills in placeholders in the printer's own G-code templates.
 
 use super::{GcodeError, WriteConfig};
 
@@ -17,7 +17,7 @@ pub(super) fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Va
         ("bed_y_mm", machine.bed_mm[1].to_string()),
         ("bed_z_mm", machine.bed_mm[2].to_string()),
         ("z_max_mm", format!("{z_max_mm:.3}")),
-        // 10 mm above the part, so that the nozzle leaves it, but within the printer's height.
+        // 10 mm above the part, so that the nozzle clears it, but within the height of the printer.
         ("z_park_mm", format!("{:.3}", (z_max_mm + 10.0).min(machine.bed_mm[2]))),
         ("nozzle_mm", machine.nozzle_mm.to_string()),
         ("filament_mm", machine.filament_mm.to_string()),
@@ -40,7 +40,7 @@ impl Values {
             out.push_str(&rest[..open]);
             rest = &rest[open..];
             let name = rest.find('}').map_or("", |close| &rest[1..close]);
-            // Klipper's macros have braces with expressions of their own.
+            // Klipper's macros use braces for their own expressions.
             let is_name = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
             if !is_name {
                 out.push('{');

@@ -2,16 +2,16 @@
 //!
 //! # Method
 //! The ground is the median brightness along the border of the picture. Otsu's threshold (`otsu1979` in
-//! docs/references.bib) splits the differences from it, and the largest connected piece is the board. The
-//! convex hull of the piece (`andrew1979`) is reduced to four sides: the side whose removal adds the
-//! least area goes first. Each side is then fitted to the steepest changes of brightness across it in the
-//! full picture, and the sides meet in the corners.
+//! docs/references.bib) separates the pixels that differ from the ground, and the largest connected piece of
+//! them is the board. The convex hull of the piece (`andrew1979`) is reduced to four sides: sides are removed
+//! one at a time, always the one whose removal adds the least area. Each side is then fitted to the steepest
+//! changes of brightness across it in the full picture. The corners are the points where the sides meet.
 //!
 //! # Units, cost and limits
-//! Pixels, rows downwards; corners run from the upper left one clockwise. The search works on a picture
-//! of at most 1400 px and is linear in its pixels. The board must lie inside the picture, cover 2 to 98 %
-//! of it, differ from the ground by 2 % of white and be four-sided; everything else is refused with the
-//! reason. The outline cannot show a half turn; see `orientation` for quarter turns.
+//! Pixels, rows downwards; corners run from the upper left one clockwise. The search works on a picture of at
+//! most 1400 px and is linear in its pixels. The board must lie inside the picture, cover 2 to 98 % of it,
+//! differ from the ground by 2 % of white and be four-sided; everything else is refused with the reason. The
+//! outline is the same after a half turn, so a half turn goes unnoticed; see `orientation` for quarter turns.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;
@@ -38,17 +38,17 @@ pub enum CornersNotFound {
     Ratio { found: f64, asked: f64 },
 }
 
-/// Longest side of the picture that is searched is at most twice this. Corners are refined in the full
-/// picture afterwards, so a finer search would only cost time.
-/// Source: chosen; it changes speed, and corners by less than a pixel after they are refined.
+/// The picture that is searched is halved until its longest side is at most twice this. Corners are
+/// refined in the full picture afterwards, so a finer search would only cost time. Source: chosen; it
+/// changes the speed, and the refined corners by less than a pixel.
 const SEARCH_PX: usize = 700;
 
 /// The corners of the largest object that differs from the ground along the picture's border: upper left,
 /// upper right, lower right, lower left.
 ///
-/// The ground is estimated from the border. Pixels that differ become a mask, the convex hull of its
-/// largest piece is reduced to four sides, and each side is moved to where brightness changes fastest
-/// across it.
+/// The brightness of the ground is estimated from the border, and pixels that differ from it become a
+/// mask. The convex hull of the largest piece of the mask is reduced to four sides. Each side is
+/// moved to where brightness changes fastest across it.
 ///
 /// # Errors
 /// [`CornersNotFound`] when nothing stands out, when it touches the border, or when it is not four-sided.
@@ -59,7 +59,7 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     let small = small.median(2).blurred(1.0);
     let mask = foreground(&small).ok_or(wrong("nothing stands out from the ground"))?;
     let piece = largest_piece(&mask, small.width, small.height);
-    // Smaller than 2 % of the picture: a stain or a tool, not the board.
+    // A piece smaller than 2 % of the picture is a stain or a tool instead of the board.
     if piece.len() < small.data.len() / 50 {
         return Err(wrong("what stands out is too small"));
     }
@@ -67,14 +67,14 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
         let (x, y) = (k % small.width, k / small.width);
         x == 0 || y == 0 || x + 1 == small.width || y + 1 == small.height
     };
-    // A few pixels may touch by noise. More mean that the board is cut off and has no corner there.
+    // A few pixels may touch the border because of noise. More mean that the board is cut off, so a corner is missing.
     if piece.iter().filter(|k| touches(k)).count() > 4 {
         return Err(wrong("it reaches the photograph's border"));
     }
     let hull = hull(&piece, small.width);
     let rough = four_sides(&hull).ok_or(wrong("what stands out is not four-sided"))?;
     let area = 0.5 * cross(rough[2] - rough[0], rough[3] - rough[1]).abs();
-    // The hull of an L or a disc also has four sides in the end, but its piece fills less of them.
+    // The hull of an L or a disc is also reduced to four sides, but the piece fills a smaller share of them.
     if (piece.len() as f64) < 0.9 * area {
         return Err(wrong("what stands out is not four-sided"));
     }
@@ -93,7 +93,7 @@ pub(super) fn shrunk(photo: &Grey) -> (Grey, f64) {
 }
 
 /// A mask of the pixels whose brightness differs from the ground by more than the border itself varies.
-/// Otsu's threshold splits the differences. `None` where there is no clear split.
+/// Otsu's threshold separates small from large differences; `None` if there is no clear separation.
 fn foreground(grey: &Grey) -> Option<Vec<bool>> {
     let (w, h) = (grey.width, grey.height);
     if w < 16 || h < 16 {
@@ -106,26 +106,27 @@ fn foreground(grey: &Grey) -> Option<Vec<bool>> {
     let off: Vec<f32> = grey.data.iter().map(|v| (v - ground).abs()).collect();
     let mut spread: Vec<f32> = border.iter().map(|v| (v - ground).abs()).collect();
     let rough = crate::raster::quantile(&mut spread, 0.95);
-    // 1.3 times the 95th percentile of the border's own deviation keeps shadows and textured ground out
-    // of the mask.
+    // The threshold is at least 1.3 times the 95th percentile of the border's own deviation. This keeps
+    // shadows and textured ground out of the mask.
     let threshold = otsu(&off).max(1.3 * rough);
     let n = off.iter().filter(|v| **v > threshold).count();
-    // Between 2 % and 98 % of the picture, and at least 2 % of white apart. Beyond that there is no board
-    // or no ground.
+    // The object must cover between 2 % and 98 % of the picture and differ by at least 2 % of white.
+    // Otherwise there is no board or no ground.
     let stands_out = threshold > 0.02 && n > off.len() / 50 && n < off.len() * 49 / 50;
     stands_out.then(|| off.iter().map(|v| *v > threshold).collect())
 }
 
 /// Otsu's threshold of values from 0 to 1.
 fn otsu(values: &[f32]) -> f32 {
-    // A byte's worth of bins. Source: derived. Photographs have 8 bits, and a finer split would only follow noise.
+    // Number of bins of the histogram. Source: derived. Photographs have 8 bits, and a finer split would only follow
+    // noise.
     const BINS: usize = 256;
     let mut counts = [0u64; BINS];
     values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
     (otsu_split(&counts) / BINS as f64) as f32
 }
 
-/// The pixels of the largest connected piece of a mask. Of equal pieces the first counts.
+/// The pixels of the largest connected piece of a mask; of equal pieces, the first.
 pub(super) fn largest_piece(mask: &[bool], w: usize, h: usize) -> Vec<usize> {
     pieces(mask, w, h).into_iter().fold(Vec::new(), |best, p| if p.len() > best.len() { p } else { best })
 }
@@ -168,7 +169,7 @@ pub(super) fn hull(pixels: &[usize], w: usize) -> Vec<DVec2> {
     let mut points: Vec<DVec2> =
         pixels.iter().map(|k| DVec2::new((k % w) as f64 + 0.5, (k / w) as f64 + 0.5)).collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    // Andrew's monotone chain: lower and upper half of the sorted points.
+    // Andrew's monotone chain makes the lower and the upper half of the hull from the sorted points.
     let half = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut chain: Vec<DVec2> = Vec::new();
         for p in points {
@@ -195,7 +196,7 @@ pub(super) fn four_sides(hull: &[DVec2]) -> Option<[DVec2; 4]> {
     while ring.len() > 4 {
         let n = ring.len();
         let cost = |i: usize| {
-            // Removing the side b-c extends a-b and d-c to the tip where they meet.
+            // If the side b-c is removed, a-b and d-c are extended to the tip where they meet.
             let [a, b, c, d] = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n], ring[(i + 2) % n]];
             let tip = meet(a, b, c, d)?;
             Some((0.5 * cross(tip - b, c - b).abs(), tip))
@@ -222,15 +223,15 @@ fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<DVec2> {
         return None;
     }
     let t = cross(d - a, v) / denominator;
-    // Before b the neighbours would have to be shortened, which cuts area off instead of adding it.
+    // If the lines met before b, the sides would have to be shortened, which cuts area off instead of adding it.
     (t >= 1.0).then(|| a + t * u)
 }
 
 /// Moves each side to where brightness changes fastest across it and returns the points where the sides
 /// then meet.
 pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
-    // Points along a side. Source: derived. The line is fitted through all of them, so its error falls with their square
-    // root; 60 leave enough where a third is hidden.
+    // Number of points along a side. Source: derived. The line is fitted through all of them, so its error falls with
+    // the square root of their number; 60 are enough even if a third is hidden.
     const SAMPLES: usize = 60;
     let side = |k: usize| -> (DVec2, DVec2) {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);
@@ -238,8 +239,8 @@ pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 
         let normal = DVec2::new(-along.y, along.x);
         let mut found = Vec::new();
         for i in 0..SAMPLES {
-            // The ends of a side are left out, since the change across them belongs to the neighbouring
-            // side.
+            // The ends of a side are left out, since the brightness changes there because of the
+            // neighbouring side.
             let p = a.lerp(b, 0.06 + 0.88 * (i as f64 + 0.5) / SAMPLES as f64);
             let at = |t: f64| f64::from(photo.sample(p.x + t * normal.x, p.y + t * normal.y));
             let steps = (2.0 * reach) as i32 * 2;
@@ -272,8 +273,8 @@ pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 
     })
 }
 
-/// Two points on the line nearest to the given points, with the farthest left out in three rounds. `None`
-/// for too few points.
+/// Fits a line to points, and leaves out the farthest points in each of three rounds. Returns two points
+/// on the line; `None` if there are too few points.
 fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
     let mut kept = points.to_vec();
     let mut line = None;
@@ -293,8 +294,8 @@ fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
         let off = |p: &DVec2| cross(along, *p - centre).abs();
         let mut all: Vec<f64> = kept.iter().map(off).collect();
         all.sort_by(f64::total_cmp);
-        // 2.5 times the median distance removes knots and shadows; 0.3 pixels keeps a perfect line from
-        // shedding its own rounding.
+        // The limit of 2.5 times the median distance removes points on knots and shadows. A limit of at
+        // least 0.3 pixels keeps a perfect line from losing points to rounding.
         let limit = (2.5 * all[all.len() / 2]).max(0.3);
         kept.retain(|p| off(p) <= limit);
     }

@@ -1,15 +1,15 @@
 //! Joins edge points to curves.
 //!
 //! # Method
-//! Edges are followed from pixel to pixel in both directions, as straight as possible, or each point is
-//! joined to the nearest unused one, as published. Chains are smoothed and cut where they jump or turn
-//! back. Ends that face each other over a gap are then joined, nearest pairs first. The curves are
-//! resampled evenly, and curves that are too short are dropped.
+//! One method follows edges from pixel to pixel in both directions, as straight as possible. The other
+//! joins each point to the nearest unused one, as in the publication. Chains are smoothed, and cut
+//! where they jump or turn back. Ends that face each other over a gap are then joined, nearest pairs
+//! first. The curves are resampled evenly, and curves that are too short are dropped.
 //!
 //! # Units, cost and limits
 //! Edge points are in pixels, curves in mm of the rectified picture. The cost is linear in the edge
-//! points; joining ends compares only ends within the gap along x. Equal costs are ordered by index, so
-//! the result is the same on each run. A ring is left open at its seam.
+//! points; when ends are joined, only those within the gap along x are compared. Equal costs are
+//! ordered by index, so the result is the same on each run. A ring is left open at its seam.
 
 use grainpath_core::DVec2;
 use grainpath_core::DisjointSets;
@@ -25,7 +25,7 @@ use crate::tensor::AxisGrid;
 pub enum Join {
     /// Along the edges, from neighbour to neighbour in the direction of the edge.
     Trace,
-    /// From each point to the nearest unused one, wherever that lies, as published.
+    /// From each point to the nearest unused one at any distance, as in the publication.
     Nearest,
 }
 
@@ -54,8 +54,8 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
             curves.push(piece.into_iter().map(|p| image.place(p.x, p.y)).collect());
         }
     }
-    // A curve of a few pixels has no reliable direction in which it could be extended.
-    // A quarter of the final length: short pieces may still be joined to longer curves below.
+    // A curve of a few pixels has no reliable direction in which it could be extended. The limit is a
+    // quarter of the final length, because short pieces may still be joined to longer curves below.
     curves.retain(|c| length_mm(c, false) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
     let mut curves: Vec<Vec<DVec2>> =
         bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
@@ -70,8 +70,8 @@ fn softened(curve: &[DVec2], px_mm: f64) -> Vec<DVec2> {
     (0..3).fold(even, |line, _| smoothed(&line))
 }
 
-/// Cuts curves where they leave the grain: where the grain is clear and its axis differs by more than
-/// `off_rad` from theirs. Pieces shorter than `min_length_mm` are dropped; the longest come first.
+/// Cuts curves at points where the grain is clear and its axis differs from that of the curve by more
+/// than `off_rad`. Pieces shorter than `min_length_mm` are dropped; the longest come first.
 pub fn along_grain(
     curves: Vec<Vec<DVec2>>,
     axes: &AxisGrid,
@@ -83,11 +83,11 @@ pub fn along_grain(
     for curve in curves {
         let n = curve.len();
         let strays = |k: usize| {
-            // Three points to both sides: a single step follows the pixels more than the grain.
+            // Three points on both sides give the direction; a single step follows the pixels, not the grain.
             let d = curve[(k + 3).min(n - 1)] - curve[k.saturating_sub(3)];
             let s = axes.sample(curve[k]);
-            // Both axes as doubled angles, so that opposite directions agree. The comparison needs the
-            // cosine alone.
+            // Both axes are compared as doubled angles, so that opposite directions count as equal.
+            // The cosine is enough for the comparison.
             let [x, y] = s.double;
             let along = x * (d.x * d.x - d.y * d.y) + y * 2.0 * d.x * d.y;
             s.coherence > CLEAR && along < near * (x * x + y * y).sqrt() * d.length_squared()
@@ -113,8 +113,8 @@ fn longest_first(curves: &mut Vec<Vec<DVec2>>) {
     curves.extend(lengths.into_iter().map(|(_, c)| c));
 }
 
-/// Coherence from which the grain's axis counts as clear. A higher value lets curves cross the grain in
-/// weak places; a lower one cuts them along noise.
+/// The grain's axis counts as clear from this coherence on. A higher value lets curves cross the grain
+/// in weak places; a lower one cuts them because of noise.
 const CLEAR: f64 = 0.3;
 
 /// Follows every edge from pixel to pixel in both directions, as straight as possible.
@@ -160,8 +160,8 @@ fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<D
             return out;
         }
         done[next] = true;
-        // Where an edge is two pixels thick, the pixels beside the step belong to it and would otherwise
-        // begin a second curve.
+        // If an edge is two pixels thick, the pixels beside this step belong to the same edge. Without
+        // this mark they would begin a second curve.
         let beside: Vec<usize> = edges
             .next_to(at)
             .filter(|&n| !done[n] && centre(n).distance_squared(centre(next)) < 1.5 && step(n) > STRAIGHT)
@@ -180,8 +180,8 @@ fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<D
 
 /// Joins each point to the nearest unused one, until none is left.
 fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
-    // Side of a search cell, pixels. It changes speed alone.
-    // Source: chosen; it changes speed alone, never the result.
+    // Side of a search cell, pixels. Source: chosen; it changes only the speed, never the
+    // result.
     const CELL: f64 = 4.0;
     // Longest step, pixels. Longer ones join unrelated edges and are cut again below.
     const FAR: f64 = 12.0;
@@ -244,7 +244,7 @@ fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
     out
 }
 
-/// The mean of five points for each, with the ends kept. Removes the steps of the pixels.
+/// The mean of five points around each point, with the ends kept. This removes the steps between pixels.
 fn smoothed(line: &[DVec2]) -> Vec<DVec2> {
     let n = line.len();
     (0..n)
@@ -312,7 +312,7 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
     let mut partner = vec![usize::MAX; ends.len()];
     let mut chains = DisjointSets::new(curves.len());
     for (_, a, b) in pairs {
-        // A pair within one chain would close it to a ring, which the loops below could not walk.
+        // A pair of ends of the same chain would close it to a ring, which the loops below could not follow.
         let free = partner[a] == usize::MAX && partner[b] == usize::MAX;
         if free && chains.union(ends[a].curve, ends[b].curve) {
             (partner[a], partner[b]) = (b, a);
@@ -325,7 +325,7 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
         if used[first] {
             continue;
         }
-        // First walk to one end of the chain, then along the whole of it.
+        // The chain is followed to one of its ends first, then over its whole length.
         let mut end = 2 * first;
         while partner[end] != usize::MAX {
             end = partner[end] ^ 1;
@@ -350,7 +350,7 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
     out
 }
 
-/// Pairs of nearby ends that face each other, with a cost that grows with distance and bend.
+/// Pairs of nearby ends that face each other. Their cost grows with the distance and with the bend between them.
 fn facing_pairs(ends: &[End], gap_mm: f64) -> Vec<(f64, usize, usize)> {
     let mut order: Vec<usize> = (0..ends.len()).collect();
     order.sort_by(|&a, &b| ends[a].p.x.total_cmp(&ends[b].p.x).then(a.cmp(&b)));

@@ -1,10 +1,10 @@
-//! A sheet with four corner markers: print it, lay the board on it, photograph both.
+//! A sheet with four corner markers. The user prints it, lays the board on it, and photographs both.
 //!
 //! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4
 //! mm. The black share of the inner square names the corner: 0 for the upper left one, then clockwise
 //! 1/3, 1 and 2/3. Rotation and mirroring do not change a share, so each marker identifies its corner.
-//! The order of the corners around the sheet then reveals a mirrored photograph, whose grain would have
-//! the wrong hand.
+//! The order of the corners around the sheet then reveals a mirrored photograph, in which the grain would
+//! be mirrored too.
 //!
 //! ```text
 //!   upper left      upper right     lower right     lower left      (#: black)
@@ -20,11 +20,11 @@
 //! are still read, but a mirrored photograph of them is not noticed; [`FoundMarkers::sheet`] says which
 //! sheet it was.
 //!
-//! Detection: pixels darker than 3/4 of their surroundings form pieces. The convex hull of a piece is
-//! reduced to four sides, and brightness is read through the homography of those sides. The cost is
-//! linear in the pixels of a picture shrunk to at most 1400 px; the corners are then refined in the full
-//! picture. Tests cover level, rotated, mirrored, blurred and half shaded views, and views tilted by up
-//! to 60 degrees.
+//! Detection: pixels darker than 3/4 of the brightness around them form pieces. The convex hull of a
+//! piece is reduced to four sides, and the pattern inside is read through the homography of those sides.
+//! The cost is linear in the pixels of a picture shrunk to at most 1400 px; the corners are then refined
+//! in the full picture. Tests cover level, rotated, mirrored, blurred and half shaded views, and views
+//! tilted by up to 60 degrees.
 
 use std::fmt::Write;
 
@@ -42,9 +42,9 @@ pub const MARKER_MM: f64 = 12.0;
 /// The sheet that a photograph shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sheet {
-    /// All four markers differ: corners and handedness are certain.
+    /// The sheet with four different markers: corners and handedness are certain.
     FourShares,
-    /// One white and three black inner squares: handedness is unknown.
+    /// The older sheet, with one white and three black inner squares: handedness is unknown.
     OneWhite,
 }
 
@@ -87,7 +87,7 @@ pub fn marker_sheet_svg(size_mm: DVec2) -> String {
     out
 }
 
-/// The same sheet as PDF, one page of its size.
+/// The same sheet as a PDF file with one page of the size of the sheet.
 pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
     // Source: ISO 32000-1, 8.3.2.3: the unit of user space in PDF is 1/72 inch.
     const POINTS_PER_MM: f64 = 72.0 / 25.4;
@@ -134,9 +134,9 @@ struct Patch {
     black: bool,
 }
 
-/// Black stripes of the inner square of each marker, as shares of its width from and to: upper left,
-/// upper right, lower right, lower left. Source: the shares 0, 1/3, 1 and 2/3 of the module text, the
-/// farthest apart that four values can be.
+/// Black stripes of the inner square of each marker, from and to as shares of its width: upper left,
+/// upper right, lower right, lower left. Source: the shares 0, 1/3, 1 and 2/3 of the module text,
+/// which are as far apart as four values can be.
 const STRIPES: [&[[f64; 2]]; 4] =
     [&[], &[[1.0 / 3.0, 2.0 / 3.0]], &[[0.0, 1.0]], &[[0.0, 1.0 / 3.0], [2.0 / 3.0, 1.0]]];
 
@@ -165,7 +165,7 @@ fn patches(size_mm: DVec2) -> Vec<Patch> {
 /// A marker found in a photograph.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Clockwise as seen, px.
+    /// Its corners, clockwise as seen, px.
     corners: [DVec2; 4],
     /// The corner of the sheet that the marker names, from 0 at the upper left, clockwise.
     index: usize,
@@ -198,14 +198,15 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
             }
             (ring, Sheet::FourShares)
         }
-        // One white and three black squares: the older sheet. Its corners are known by their order alone.
+        // One white and three black squares are those of the older sheet. Only the order tells which corner a black
+        // square belongs to.
         [1, 0, 3, 0] => (clockwise_from_first(all), Sheet::OneWhite),
         _ => return Err(wrong),
     };
     let centres = markers.map(|m| m.centre());
     let corners = std::array::from_fn(|k| {
-        // The corner that points to both neighbouring markers. It is measured along the sides of the
-        // sheet as seen, so that neither perspective nor a long sheet selects another corner.
+        // The corner of the marker that points towards both neighbouring markers. It is measured along the sides
+        // of the sheet in the photograph, so that neither perspective nor a long sheet selects another corner.
         let (origin, u, v) =
             (centres[k], centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
         let det = cross(u, v);
@@ -219,8 +220,8 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
 /// All pieces of a photograph that read as a marker.
 fn seen_markers(photo: &Grey) -> Vec<Seen> {
     let (small, level) = shrunk(photo);
-    // The surroundings: a Gaussian a fortieth of the picture wide, several markers across, follows uneven
-    // light.
+    // The brightness around a pixel is a Gaussian mean a fortieth of the picture wide, several markers
+    // across. It follows uneven light.
     let local = small.blurred(small.width.max(small.height) as f64 / 40.0);
     let dark: Vec<bool> = small.data.iter().zip(&local.data).map(|(v, l)| *v < 0.75 * l).collect();
     let (w, h) = (small.width, small.height);
@@ -263,8 +264,8 @@ fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
         let p = map.map(DVec2::new(u, v));
         photo.sample(p.x, p.y)
     };
-    // Mean brightness around the rings, a twelfth and a quarter of the way in: the middles of the black
-    // rim and of the white ring.
+    // Mean brightness along two rings, a twelfth and a quarter of the side inwards. They are the
+    // middles of the black rim and of the white ring.
     let ring = |inset: f64| {
         let line = |k: usize| inset + (1.0 - 2.0 * inset) * (k as f64 + 0.5) / 8.0;
         let each = (0..8).map(|k| {
@@ -277,9 +278,9 @@ fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
     if white - black < 0.3 * white || white < 0.05 {
         return None;
     }
-    // The inner square as two profiles, one along each side, each a mean over the middle half across it.
-    // The whole square would mix in the white ring of a blurred photograph. Stripes show in the profile
-    // that varies more.
+    // The inner square is read as two brightness profiles, one along each side, each a mean over the
+    // middle half across it. A mean over the whole square would include the white ring of a blurred
+    // photograph. Stripes show in the profile that varies more.
     let n = 12;
     let place = |k: usize| (1.0 + (k as f64 + 0.5) / n as f64) / 3.0;
     let profile = |turned: bool| {
@@ -292,7 +293,7 @@ fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
     let (along, across) = (profile(false), profile(true));
     let mean = if along.0 > across.0 { along.1 } else { across.1 };
     let share = (white - mean) / (white - black);
-    // The nearest of the shares 0, 1/3, 2/3 and 1, each of which names a corner.
+    // The share among 0, 1/3, 2/3 and 1 that is nearest; each of them names a corner.
     Some(match share {
         s if s < 1.0 / 6.0 => 0,
         s if s < 0.5 => 1,

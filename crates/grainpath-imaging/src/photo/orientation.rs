@@ -1,15 +1,15 @@
 //! Finds which side of a photographed rectangle is its width.
 //!
-//! Four corners in a photograph give the place of a board and not its rotation. The ratio of its sides
-//! gives the rotation, if it is known beforehand. The ratio follows from the four corners for a pinhole
-//! camera with square pixels and its axis through the middle of the picture (Zhang and He 2007,
-//! *Whiteboard scanning and image enhancement*, section 3.2). Of the two rotations, the one whose ratio
-//! fits the given size is taken. Where neither fits, the size is wrong or another object was found, and
-//! the photograph is refused. A half turn cannot be seen: the first corner is then the one nearest to the
-//! picture's upper left.
+//! Four corners in a photograph give the position of a board, but several rotations are possible. If the
+//! ratio of its sides is known beforehand, it decides between them. The ratio follows from the four
+//! corners for a pinhole camera with square pixels and its axis through the middle of the picture (Zhang
+//! and He 2007, *Whiteboard scanning and image enhancement*, section 3.2). Of the two rotations, the one
+//! whose ratio fits the given size is taken. Where neither fits, the size is wrong or another object was
+//! found, and the photograph is refused. A half turn goes unnoticed; of the two possible first corners,
+//! the one nearer to the picture's upper left is taken.
 //!
-//! Cost is constant. Where one pair of sides is parallel in the picture the focal length is not determined; it is then
-//! taken as `USUAL_FOCAL`, which matters little because such a view has little perspective.
+//! Cost is constant. If one pair of sides is parallel in the picture, the focal length is undetermined. It is then
+//! taken as `USUAL_FOCAL`; the error is small, because such a view has little perspective.
 //!
 //! ```text
 //!        a--------b           portrait photograph of a landscape board:
@@ -25,24 +25,24 @@ use super::corners::CornersNotFound;
 /// Focal length of a usual camera, as a share of the picture's diagonal. Source: 26 to 28 mm in 35 mm film terms (43.3 mm
 /// diagonal), the main camera of current telephones.
 const USUAL_FOCAL: f64 = 0.62;
-/// Focal lengths found outside this range, in the same share, come from noise or from a cropped picture. Source: 13 mm
-/// (the widest camera of a telephone) to 200 mm in 35 mm film terms.
+/// Range of credible focal lengths, in the same share. A value outside it comes from noise or from a cropped picture.
+/// Source: 13 mm (the widest camera of a telephone) to 200 mm as 35 mm equivalent.
 const FOCAL_RANGE: [f64; 2] = [0.3, 4.6];
-/// A ratio of sides may be off by this factor. Measured: `the_ratio_of_a_board_comes_out_from_every_side`
-/// looks at boards of 2:1 to 4:1 from 108 views tilted by up to 45 degrees. With the usual focal length
-/// ratios come out within 1.03; with twice that focal length they are off by up to 1.26, where one pair
-/// of sides is parallel in the picture and the focal length cannot be found.
+/// Factor by which the ratio of sides found may differ from the given one. Measured:
+/// `the_ratio_of_a_board_comes_out_from_every_side` looks at boards of 2:1 to 4:1 from 108 camera positions tilted by
+/// up to 45 degrees. With the usual focal length ratios come out within 1.03; with twice that focal length they are off
+/// by up to 1.26, in views where one pair of sides is parallel in the picture and the focal length cannot be found.
 const RATIO_TOLERANCE: f64 = 1.35;
-/// Sides whose ratio is below this do not show which is which. The error of the ratio (see
-/// `RATIO_TOLERANCE`) would decide.
+/// Below this ratio of the sides, it is uncertain which side is the longer one: the error of the
+/// ratio (see `RATIO_TOLERANCE`) would decide.
 const NEARLY_SQUARE: f64 = 1.15;
 
-/// Corners in the order of a board of known size.
+/// The corners of a board, ordered by its known size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oriented {
     /// Upper left, upper right, lower right, lower left of the board, px; a half turn is not resolved.
     pub corners: [DVec2; 4],
-    /// Whether the board is so nearly square that the turn is a guess.
+    /// Whether the rotation is a guess, because the board is nearly square.
     pub is_guess: bool,
 }
 
@@ -60,8 +60,8 @@ pub fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
     let k_down = across.dot(upper_right) / lower_left.cross(lower_right).dot(upper_right);
     let right = k_right * upper_right - upper_left;
     let down = k_down * lower_left - upper_left;
-    // The product of the two depths is zero where one pair of sides is parallel in the picture; the focal
-    // length then drops out.
+    // If one pair of sides is parallel in the picture, the product of the two depths is zero and the
+    // focal length cancels.
     let vanishing = right.z * down.z;
     let focal = if vanishing.abs() > 1e-4 {
         // The sides of a rectangle are perpendicular, which fixes the focal length.
@@ -74,8 +74,8 @@ pub fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
     length(right) / length(down)
 }
 
-/// Turns corners as found (clockwise as seen, the one nearest to the picture's upper left first) so that the first two
-/// are ends of a side of `size_mm.x`.
+/// Rotates the list of corners so that the first two are the ends of a side of `size_mm.x`. It is given clockwise as
+/// seen, with the corner nearest to the picture's upper left first.
 ///
 /// # Errors
 /// [`CornersNotFound::Ratio`] when the ratio of the sides fits neither turn.
@@ -91,8 +91,8 @@ pub fn oriented(corners: [DVec2; 4], size_mm: DVec2, size_px: DVec2) -> Result<O
     let is_guess = ln(asked).abs() < ln(NEARLY_SQUARE);
     let mut corners = corners;
     if turned < as_found && !is_guess {
-        // Of the two quarter turns, the one that keeps the first corner nearer to the upper left of the
-        // picture.
+        // Of the two possible quarter turns, this takes the one whose first corner is nearer to the
+        // upper left of the picture.
         let distance = |c: DVec2| c.x + c.y;
         let quarter = if distance(corners[1]) < distance(corners[3]) { 1 } else { 3 };
         corners.rotate_left(quarter);

@@ -50,7 +50,7 @@ impl Photo {
             (low, high) =
                 (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
         }
-        // A blank image has no range; 1 avoids a division by zero and leaves it black.
+        // A blank image has a range of zero; 1 is used instead, which avoids a division by zero and leaves it black.
         let range = if high > low { high - low } else { 1.0 };
         data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
         Self { name, light: Light::Floats(Grey { width, height, data }) }

@@ -9,9 +9,9 @@
 //!
 //! # Units, cost and limits
 //! Photographs are in pixels with rows downwards, the result in mm with its lower left corner at zero.
-//! The cost is linear in the pixels of both. The lens is taken as free of distortion: a barrel-shaped
-//! side stays curved. Corners on a line, in the wrong order, or with less than 32 x 32 pixels between
-//! them are refused.
+//! The cost is linear in the pixels of both. The lens is assumed to be free of distortion: sides that
+//! a lens has curved stay curved. Corners that lie on a line, are in the wrong order, or enclose less
+//! than 32 x 32 pixels are refused.
 
 use std::borrow::Cow;
 
@@ -40,22 +40,23 @@ impl Homography {
         Some(Self([h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0]))
     }
 
-    /// The image of a point.
+    /// The point to which a point is mapped.
     pub fn map(&self, p: DVec2) -> DVec2 {
         let h = &self.0;
         let w = h[6] * p.x + h[7] * p.y + h[8];
         DVec2::new(h[0] * p.x + h[1] * p.y + h[2], h[3] * p.x + h[4] * p.y + h[5]) / w
     }
 
-    /// The homogeneous image of (0, y), scaled, and its change with x. Both are linear in x, so a row
-    /// needs one division for each pixel.
+    /// The homogeneous image of (0, y), scaled, and its change per step in x. Both are linear in x,
+    /// so a pixel in a row costs one division.
     fn along_row(&self, y: f64, scale: f64) -> [DVec3; 2] {
         let h = &self.0;
         let at = |k: usize| DVec3::new(scale * h[k], scale * h[k + 3], h[k + 6]);
         [at(1) * y + at(2), at(0)]
     }
 
-    /// The greater of the two stretches at a point: lengths in the image for a length of 1 here.
+    /// The scale of the map at a point: the length in the image of a unit length here, in x or in y, whichever is
+    /// longer.
     fn stretch(&self, p: DVec2, d: f64) -> f64 {
         let o = self.map(p);
         let (u, v) = (self.map(p + DVec2::new(d, 0.0)), self.map(p + DVec2::new(0.0, d)));
@@ -106,7 +107,7 @@ pub enum CornerError {
 const LEAST_AREA_PX: f64 = 1024.0;
 
 /// Checks corners in pixels (upper left, upper right, lower right, lower left as seen in the photograph, rows
-/// downwards): inside the image to a pixel, convex, in that sense of turning, and not tiny.
+/// downwards): they must lie inside the image within a pixel, be convex, run in this order, and enclose enough pixels.
 ///
 /// # Errors
 /// [`CornerError`].
@@ -121,7 +122,7 @@ pub fn check_corners(corners: [DVec2; 4], width: usize, height: usize) -> Result
         let [a, b, c] = [corners[k], corners[(k + 1) % 4], corners[(k + 2) % 4]];
         cross((b - a).normalize_or_zero(), (c - b).normalize_or_zero())
     };
-    // 0.02 is an angle of about one degree: three corners on a line leave the map undetermined.
+    // The limit 0.02 is an angle of about one degree. Three corners on a line would leave the map undetermined.
     if (0..4).any(|k| turn(k) < 0.02) {
         return Err(CornerError::Crossed);
     }
@@ -163,8 +164,8 @@ impl Shrinking for Grey {
 }
 
 /// The photograph (rows downwards) between four corners as a picture of `size_mm`. Its lower left corner
-/// is at zero, and its pixels are about `px_mm`, adjusted to fit the width. Where it shrinks, pixels that
-/// fall together are averaged.
+/// is at zero, and its pixels are about `px_mm`, adjusted to fit the width. Where the photograph is
+/// reduced, the pixels that fall into one are averaged.
 ///
 /// The corners must have passed [`check_corners`].
 pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
@@ -204,8 +205,8 @@ pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_m
     MetricImage { grey, min_mm: DVec2::ZERO, px_mm }
 }
 
-/// Positions computed before any of them is looked up, so that the compiler processes several at a time.
-/// The value changes speed alone. Source: chosen; it changes speed alone, never the result.
+/// Number of positions that are computed before any of them is looked up, so that the compiler processes
+/// several at a time. Source: chosen; it changes only the speed, never the result.
 const AT_ONCE: usize = 64;
 
 /// Adds to the k-th entry of `out` the value that [`Grey::sample`] has at the homogeneous pixel `at + k
@@ -224,7 +225,7 @@ fn add_along(source: &Grey, at: DVec3, step: DVec3, out: &mut [f32]) {
         });
         return;
     }
-    // Single precision leaves a thousandth of a pixel at the far end of the largest photographs.
+    // Single precision is exact to a thousandth of a pixel at the far end of the largest photographs.
     let inside = |v: f64, n: usize| ((v - 0.5) as f32).clamp(0.0, n as f32 - 1.0);
     let (mut xs, mut ys) = ([0.0f32; AT_ONCE], [0.0f32; AT_ONCE]);
     for (chunk, out) in out.chunks_mut(AT_ONCE).enumerate() {

@@ -15,7 +15,7 @@ pub enum ScanError {
         "the part is {height_mm} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
     )]
     TooFlat { height_mm: f64, first_layer_mm: f64 },
-    #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
+    #[error("{n} layers of {height_mm} mm; at most {limit} are possible")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
     #[error(
         "{section}.crop_px = {crop:?}: should be first column, first row, last column, last row of {columns} x {rows} pixels"

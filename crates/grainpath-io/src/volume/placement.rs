@@ -2,9 +2,9 @@
 //!
 //! # Frames
 //! A header gives the world position of the centre of voxel `(i, j, k)` as `origin + i a + j b + k c`, in mm. The world
-//! is LPS as in DICOM (x left, y back, z head); readers convert other worlds into it, NIfTI's RAS by a half turn about
-//! z. LPS and RAS are both right-handed, so the sign of `det [a b c]` says whether the stored order of the voxels shows
-//! the object or its mirror image.
+//! is LPS as in DICOM (x left, y back, z head); readers convert other frames into LPS, for example NIfTI's RAS by a half
+//! turn about z. LPS and RAS are both right-handed, so the sign of `det [a b c]` says whether the stored order of the
+//! voxels shows the object or its mirror image.
 //!
 //! # Method
 //! 1. `[a b c] = Q R` by Gram-Schmidt, in this order, so that `R` is upper triangular with a positive diagonal: the
@@ -30,15 +30,15 @@ use grainpath_core::{DMat3, DVec3, Warning, WarningId};
 use super::resliced::{Reordered, Shear, StoredAxis, Upright};
 use super::{VolumeError, VolumeProblem, check_size, error, spacing, unsupported};
 
-/// Leans beyond this are refused: the upright slices would be mostly empty. Source: gantries tilt by up to 30 degrees;
+/// Larger leans are refused, because the upright slices would be mostly empty. Source: gantries tilt by up to 30 degrees;
 /// the rest is margin for hand-made headers.
 const MAX_LEAN_DEG: f64 = 60.0;
-/// A shear that moves no voxel by more than this over the whole volume is the header's rounding, px. Source: derived. Decimals of
-/// six places in DICOM and the single precision of NIfTI move the last of 1000 voxels by up to 0.001 px; contours are
-/// simplified to 0.1 px, so a smaller shear leaves no trace.
+/// Limit up to which a shear counts as rounding of the header: the largest movement of a voxel in the whole volume, px.
+/// Source: derived. Decimals of six places in DICOM and the single precision of NIfTI move the last of 1000 voxels by up to
+/// 0.001 px; contours are simplified to 0.1 px, so a smaller shear leaves no trace.
 const ROUNDING_PX: f64 = 0.1;
-/// A scan turned further than this out of the world's axes is worth a warning, degrees. Source: derived. 1 degree moves the end
-/// of a part of 100 mm by 1.7 mm, which is visible.
+/// A scan that is turned against the world's axes by more than this gives a warning, degrees. Source: derived. 1 degree
+/// moves the end of a part of 100 mm by 1.7 mm, which is visible.
 const OBLIQUE_DEG: f64 = 1.0;
 
 /// The world positions of a file's voxels, as stored: `origin_mm + i step[0] + j step[1] + k step[2]`, LPS, mm.
@@ -46,7 +46,7 @@ const OBLIQUE_DEG: f64 = 1.0;
 pub(super) struct Placement {
     pub origin_mm: DVec3,
     pub step_mm: [DVec3; 3],
-    /// Whether the file states the spacing along each stored axis; steps of unstated length have 1 mm.
+    /// Whether the file states the spacing along each stored axis; a step of unstated length is 1 mm.
     pub stated: [bool; 3],
 }
 
@@ -59,7 +59,7 @@ struct Decomposed {
 }
 
 impl Placement {
-    /// The placement in LPS of one in RAS, whose x is right and y is front.
+    /// Converts a placement in RAS (x right, y front) to LPS.
     pub(super) fn ras_to_lps(self) -> Self {
         let turn = DVec3::new(-1.0, -1.0, 1.0);
         Self { origin_mm: self.origin_mm * turn, step_mm: self.step_mm.map(|v| v * turn), ..self }
@@ -200,13 +200,13 @@ pub(super) fn oriented(
 }
 
 impl Shear {
-    /// The shear in `r`, where it is more than rounding.
+    /// The shear in `r`, or `None` if it is only rounding.
     fn find(r: &DMat3, info: &VolumeInfo, file: &str) -> Result<Option<Self>, VolumeError> {
         let [nx, ny, nz] = info.size;
         let (pixel_x, pixel_y, rise_mm) = (r.x_axis.x, r.y_axis.y, r.z_axis.z);
         let columns_per_row = r.y_axis.x / pixel_x;
         let per_slice = [r.z_axis.x / pixel_x, r.z_axis.y / pixel_y];
-        // Uneven slices shift in proportion to their height, not to their number.
+        // A slice shifts in proportion to its height. If the spacing is uneven, its number is not a measure of the height.
         let steps = |k: usize| info.z_mm.get(k).map_or(k as f64, |z| z / rise_mm);
         let slice_shift_px: Vec<[f64; 2]> = (0..nz).map(|k| per_slice.map(|px| px * steps(k))).collect();
         let last = slice_shift_px[nz - 1];
@@ -237,8 +237,8 @@ impl Shear {
         }))
     }
 
-    /// Describes for the user what was done and what it costs. Linear interpolation at a fraction `f`
-    /// between two pixels is a filter of variance `f (1 - f)`, at most a quarter of a square pixel.
+    /// Describes the shear that was removed and the blur that this causes, for the user. Linear interpolation at a fraction
+    /// `f` between two pixels is a filter of variance `f (1 - f)`, at most a quarter of a square pixel.
     fn told(&self, info: &VolumeInfo) -> String {
         let last = self.slice_shift_px[self.slice_shift_px.len() - 1];
         let what = if self.row_lean_deg > self.lean_deg {

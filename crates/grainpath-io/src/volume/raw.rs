@@ -1,4 +1,4 @@
-//! Voxels in a row, plain or compressed: what NRRD, MetaImage, NIfTI and raw files hold after their
+//! Consecutive voxels, plain or compressed, as NRRD, MetaImage, NIfTI and raw files hold them after their
 //! headers.
 
 use grainpath_core::{Warning, WarningId};
@@ -25,8 +25,9 @@ pub struct RawHeader {
     pub offset_bytes: u64,
 }
 
-/// Deflate unpacks a byte to at most this many. A header that asks for more is damaged, or a bomb. Source: a match of 258
-/// bytes takes at least two bits, one each for length and distance (RFC 1951), so 1032 bytes come of 8 bits.
+/// Largest number of bytes that Deflate can unpack from one byte. A header that asks for more is damaged or malicious.
+/// Source: a match of 258 bytes takes at least two bits, one each for length and distance (RFC 1951), so 8 bits give up to
+/// 1032 bytes.
 const MAX_DEFLATE_RATIO: u64 = 1032;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +115,7 @@ impl RawSource {
             let mut packed = self.files.open(file)?;
             let length = packed.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
             let before = if self.layout.inside { offset } else { 0 };
-            // A packed stream has no known length, but deflate has a greatest ratio.
+            // The length of a packed stream is unknown, but Deflate has a largest ratio.
             if before.saturating_add(needed) > length.saturating_mul(MAX_DEFLATE_RATIO) {
                 return Err(error(file, VolumeProblem::CannotHold { size, sample, needed, length }));
             }
@@ -156,7 +157,7 @@ fn start(files: &Files, layout: &Layout) -> Result<Stream, VolumeError> {
         Packing::Gzip => Stream::Packed(Box::new(BufReader::new(MultiGzDecoder::new(reader)))),
         Packing::Zlib => Stream::Packed(Box::new(BufReader::new(ZlibDecoder::new(reader)))),
     };
-    // A packed stream cannot be sought; the bytes are inflated and dropped.
+    // A packed stream does not support seeking, so the bytes are inflated and dropped.
     if layout.inside {
         let skipped = std::io::copy(&mut stream.reader().take(layout.offset), &mut std::io::sink());
         skipped.map_err(|e| io_error(file, &e))?;

@@ -56,9 +56,9 @@ impl Upright {
         out.reserve(columns * rows);
         for row in 0..rows {
             let y = row as f64 + self.shear.first_px[1] - shift[1];
-            // The shift of a row counts rows of the stored slice, so it depends on y and not on `row`.
+            // The shift of a row is proportional to its number in the stored slice, so it depends on y and not on `row`.
             let x0 = self.shear.first_px[0] - shift[0] - self.shear.columns_per_row * y;
-            // A pixel is an area, so within a pixel of the border the border's value holds.
+            // A pixel is an area, so positions up to one pixel outside the border take the value of the border.
             if y <= -1.0 || y >= ny as f64 {
                 out.extend(std::iter::repeat_n(outside, columns));
                 continue;
@@ -117,7 +117,7 @@ impl SliceSource for Upright {
     }
 }
 
-/// Bytes of slices that are held at a time where stored slices do not come in the order of the height.
+/// Bytes of slices held at a time if the stored slices are not in the order of the height.
 /// Source: derived. A volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
 const HELD_BYTES: usize = 256 << 20;
 
@@ -125,8 +125,8 @@ fn slices_held(info: &VolumeInfo) -> usize {
     (HELD_BYTES / (4 * info.size[0] * info.size[1])).clamp(1, info.size[2])
 }
 
-/// Describes the cost of slices that are not stored in the order of the height. `None` where memory
-/// suffices for one pass.
+/// Describes the cost of slices that are not stored in the order of the height. `None` if the memory suffices for a single
+/// pass over the file.
 pub(super) fn cost(info: &VolumeInfo, order: [StoredAxis; 3]) -> Option<String> {
     let held = slices_held(info);
     let mib = (4 * info.size[0] * info.size[1] * held).div_ceil(1 << 20);
@@ -143,8 +143,8 @@ pub(super) fn cost(info: &VolumeInfo, order: [StoredAxis; 3]) -> Option<String> 
     })
 }
 
-/// Slices whose axes are exchanged or reversed. Where stored slices come in the order of the height they
-/// are turned one by one; otherwise a block of slices is gathered in each pass over the file.
+/// Slices whose axes are exchanged or reversed. If the stored slices are in the order of the height, they are turned one by
+/// one. Otherwise each pass over the file gathers a block of slices.
 pub(super) struct Reordered {
     inner: Box<dyn SliceSource>,
     info: VolumeInfo,
@@ -190,7 +190,7 @@ impl Reordered {
         let [columns, rows, _] = self.info.size;
         let area = columns * rows;
         let n_stored = self.inner.info().size[2];
-        // One of the three axes is that of the stored slices; it is fixed here while the other two run.
+        // One of the three axes runs across the stored slices. It is fixed here; the loops run over the other two.
         let walks = [0, 1, 2].map(|axis| self.walk(axis));
         let across = self.order.iter().position(|o| o.axis == 2).unwrap_or(2);
         let place = if self.order[across].reversed { n_stored - 1 - k } else { k };
@@ -222,14 +222,14 @@ impl Reordered {
         self.block.clear();
         self.block.resize(n_block * self.info.size[0] * self.info.size[1], 0.0);
         let n_stored = self.inner.info().size[2];
-        // For a stack stored upside down the block is a run of stored slices; across, every stored slice
-        // has a part of the block.
+        // If the stack is stored upside down, the block is a run of stored slices. If it is stored sideways, every stored
+        // slice holds a part of the block.
         let needed = if self.order[2].axis == 2 {
             n_stored - self.block_start - n_block..n_stored - self.block_start
         } else {
             0..n_stored
         };
-        // Across, every pass meets every voxel, so one pass counts all; upside down, each pass meets
+        // For a sideways stack every pass reads all voxels, so one pass counts all. For an upside-down stack each pass reads
         // other voxels.
         self.not_finite_before = match self.order[2].axis {
             2 if self.next > 0 => self.n_not_finite(),
@@ -265,7 +265,7 @@ impl SliceSource for Reordered {
 
     fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
-        // A gathered block stays valid, so a restart costs no pass over the file.
+        // A gathered block stays valid after a restart, which saves a pass over the file.
         if self.streams() { self.inner.restart() } else { Ok(()) }
     }
 

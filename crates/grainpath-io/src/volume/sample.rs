@@ -22,7 +22,7 @@ impl NotFinite {
     pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
         let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
         let all = self.least.into_iter().chain(least).reduce(f32::min);
-        // The lowest value and not 0: in Hounsfield units 0 is water, which would add material.
+        // The lowest value is used, because 0 is water in Hounsfield units and would add material.
         let air = least.or(all).unwrap_or(0.0);
         for v in slice.iter_mut().filter(|v| !v.is_finite()) {
             *v = air;

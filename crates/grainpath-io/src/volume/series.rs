@@ -1,8 +1,8 @@
 //! Folders with one file for each slice.
 //!
-//! A folder is a DICOM series if any of its files is DICOM; the content decides, because such files often
-//! have no extension. Otherwise its images are the slices, in natural order: numbers within names are
-//! compared as numbers, so slice 10 follows slice 9. The first image fixes size and depth of all.
+//! A folder is a DICOM series if any of its files is DICOM; the content decides, because such files often have no extension.
+//! Otherwise its images are the slices, in natural order: numbers within names are compared as numbers, so slice 10 follows
+//! slice 9. The first image sets the size and depth that all others must have.
 //!
 //! Two checks come before any pixel is decoded. A name that differs from the others in more than its
 //! numbers belongs to another series. A number that is missing in a regular sequence is a missing slice,
@@ -155,11 +155,11 @@ fn check_names(names: &[String]) -> Result<(), VolumeError> {
     let shapes: Vec<Vec<String>> = names.iter().map(shape).collect();
     let mut counts = std::collections::BTreeMap::new();
     shapes.iter().for_each(|s| *counts.entry(s).or_insert(0usize) += 1);
-    // Where several kinds of names are equally common, the first in the folder counts as the series.
+    // If several patterns of names are equally common, the first one in the folder counts as the series.
     let n = counts.values().copied().max().unwrap_or(0);
     let usual = shapes.iter().position(|s| counts[s] == n).unwrap_or(0);
     match shapes.iter().position(|s| *s != shapes[usual]) {
-        // Names that all differ follow no pattern that one of them could break.
+        // If all names differ, there is no common pattern to compare a name with.
         Some(stranger) if n > 1 => {
             let problem = VolumeProblem::OtherName { like: names[usual].clone(), n_like: n - 1 };
             Err(error(&names[stranger], problem))
@@ -178,10 +178,10 @@ fn number(name: &str) -> Option<(&str, u64, &str)> {
     Some((&name[..begin], name[begin..end].parse().ok()?, &name[end..]))
 }
 
-/// Finds a gap in the numbers of the names, where the names are numbered.
+/// Finds a gap in the numbers of the names, if the names are numbered.
 fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
     let numbers: Option<Vec<_>> = names.iter().map(|n| number(n)).collect();
-    // Two names have one distance, which shows no gap.
+    // Two names have only one distance, so a gap cannot be recognised.
     let Some(numbers) = numbers.filter(|n| n.len() > 2) else { return Ok(()) };
     if numbers.iter().any(|n| n.0 != numbers[0].0) {
         return Ok(());
@@ -190,8 +190,8 @@ fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
     // Series may count in steps of 2 or 10, so the smallest step is the regular one.
     let step = steps.iter().copied().min().unwrap_or(1).max(1);
     match steps.iter().position(|&s| s != step) {
-        // A distance that is no multiple of the smallest step means that the numbers count something
-        // else, such as times or sizes.
+        // If a distance is not a multiple of the smallest step, the numbers do not count slices but are, for example, times
+        // or sizes.
         Some(i) if steps[i].is_multiple_of(step) => {
             let problem = VolumeProblem::GapInNumbers { from: numbers[i].1, to: numbers[i + 1].1, step };
             Err(error(&names[i], problem))

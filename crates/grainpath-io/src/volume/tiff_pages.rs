@@ -73,7 +73,7 @@ fn damaged(name: &str, page: usize, e: &tiff::TiffError) -> VolumeError {
 fn start(files: &Files, name: &str, size: [usize; 2]) -> Result<Pages, VolumeError> {
     let decoder = Decoder::new(files.open(name)?).map_err(|e| damaged(name, 0, &e))?;
     let mut limits = Limits::default();
-    // Four channels of eight bytes are the most that a pixel has.
+    // A pixel has at most four channels of eight bytes.
     limits.decoding_buffer_size = (size[0] * size[1] * 32).max(1 << 20);
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     Ok(decoder.with_limits(limits))

@@ -1,5 +1,5 @@
-//! Continuous fibre: a plate with an open hole and a hook, each with one path a layer and with three
-//! other fills.
+//! Example `continuous`: a plate with an open hole, and a hook. Each has one job with a single fibre path a
+//! layer, and three jobs with other fills.
 
 use grainpath_core::math::direction;
 use grainpath_core::poly::Join;
@@ -16,14 +16,14 @@ pub(super) fn plate() -> TriMesh {
     mesh
 }
 
-/// A hook, 4 mm thick and 105 mm from end to end: an eye of 14 mm above, a bowl of 24 mm below.
+/// A hook, 4 mm thick and 107 mm tall: an eye of 14 mm diameter above, a bowl of 24 mm diameter below.
 pub(super) fn hook() -> TriMesh {
     let disc = |x: f64, y: f64, r: f64| {
         Region::from(Polygon { outer: arc(DVec2::new(x, y), r, 0, 4, 24), holes: Vec::new() })
     };
     let bowl = DVec2::new(0.0, -20.0);
-    // A wedge from the bowl's middle to far outside opens the ring on its right, from just below the
-    // horizontal upwards.
+    // The mouth of the hook is a wedge cut out of the ring on its right. It starts at the bowl's centre and
+    // spans the angles from -0.1 to 1.0 rad.
     let mouth = Polygon {
         outer: vec![
             bowl,
@@ -36,8 +36,8 @@ pub(super) fn hook() -> TriMesh {
     let ring = disc(0.0, -20.0, 27.0).difference(&disc(0.0, -20.0, 12.0)).difference(&Region::from(mouth));
     let shank = Region::rectangle(DVec2::new(-8.0, 2.0), DVec2::new(8.0, 44.0));
     let whole = ring.union(&shank).union(&disc(0.0, 44.0, 16.0));
-    // Inner corners are filled and outer ones rounded, as one would cut the hook from plate: a path of
-    // fibre needs radii. The eye is cut last, so that its radius stays exact.
+    // Inner and outer corners are rounded, because a path of fibre cannot follow sharp corners.
+    // The eye is cut last, so that its radius stays exact.
     let smooth = |r: Region, d: f64| r.offset(d, Join::Round).offset(-d, Join::Round);
     let whole = smooth(smooth(whole, 4.0), -3.0).difference(&disc(0.0, 44.0, 7.0)).simplified(0.01);
     let mut mesh = TriMesh::default();
@@ -59,8 +59,8 @@ on = { box_mm = [[100, -18, 0], [120, 18, 2]] }
 force_n = [1000, 0, 0]
 ";
 
-// The eye's cylinder is 0.1 mm wider than the hole, so that it takes the nodes on the polygon of the
-// hole.
+// The cylinder's radius is 0.1 mm above that of the eye, so that it contains the nodes on the eye's
+// polygonal edge.
 const HOOK: &str = "
 [[guide.fixture]]             # hangs by its eye
 on = { cylinder = { point_mm = [0, 44, 2], axis = [0, 0, 1], radius_mm = 7.1, length_mm = 4 } }
@@ -182,7 +182,7 @@ gcode = \"out/chained.gcode\"
 preview = \"out/chained\"
 ";
 
-/// Jobs and parts; the first job is the plate with one path a layer.
+/// Jobs and parts of the example; the first job is the plate with one path a layer.
 pub(super) fn files() -> Vec<ExampleFile> {
     let mut files = Vec::new();
     for (part, title, loads) in

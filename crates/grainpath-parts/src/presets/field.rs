@@ -1,4 +1,4 @@
-//! A plate whose beads follow directions of its own: the flow around its hole.
+//! Example `field`: a plate whose beads follow a table of directions, those of a flow round its hole.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ const SIZE_MM: DVec2 = DVec2::new(60.0, 40.0);
 const THICKNESS_MM: f64 = 1.6;
 /// Source: chosen; the shape of an example of ours.
 const HOLE_RADIUS_MM: f64 = 8.0;
-/// Distance of the points that have a direction, mm. Source: derived: the flow turns by less than
+/// Distance between neighbouring points of the table, mm. Source: derived: the flow turns by less than
 /// 30 degrees over 2 mm at the hole.
 const PITCH_MM: f64 = 2.0;
 
@@ -35,7 +35,7 @@ fn plate() -> TriMesh {
     mesh
 }
 
-/// The axis of the plane potential flow around the hole at a point, degrees in `[0, 180)`.
+/// Direction at `p` of the plane potential flow round the hole, degrees in `[0, 180)`.
 fn angle_deg(p: DVec2) -> f64 {
     // The complex velocity 1 - R^2 / z^2, conjugated.
     let squared = DVec2::new(p.x * p.x - p.y * p.y, 2.0 * p.x * p.y);
@@ -43,7 +43,7 @@ fn angle_deg(p: DVec2) -> f64 {
     atan2(-scale * squared.y, 1.0 - scale * squared.x).to_degrees().rem_euclid(180.0)
 }
 
-/// A row for each point outside the hole.
+/// The table as CSV: one row for each point of a square grid outside the hole or up to 2 mm inside its rim.
 fn directions() -> String {
     let mut table = String::from("x_mm,y_mm,angle_deg\n");
     let n = (SIZE_MM / PITCH_MM).round();
@@ -52,7 +52,7 @@ fn directions() -> String {
             let p = DVec2::new(column as f64, row as f64) * PITCH_MM - 0.5 * SIZE_MM;
             if p.length() >= HOLE_RADIUS_MM - PITCH_MM {
                 writeln!(table, "{},{},{:.2}", p.x, p.y, angle_deg(p))
-                    .expect("a string takes all that is written");
+                    .expect("writing to a string cannot fail");
             }
         }
     }

@@ -13,13 +13,13 @@ const SIDE_MM: f64 = 102.4;
 const HEIGHT_MM: f64 = 40.0;
 /// Source: chosen; the shape of an example of ours.
 const BOTTOM_MM: f64 = 4.0;
-// Inner and outer radius of the rim and of the hub. The rim is the tallest part, so its height is the
-// height of the whole. All sizes are choices of ours; the truth is written from the same constants.
+// Inner and outer radius of the rim, mm. The rim is the tallest part of the wheel, so its height is the
+// height of the whole. The file of true dimensions is written from the constants of this module.
 // Source: chosen; the shape of an example of ours.
 const RIM_MM: [f64; 2] = [38.0, 46.0];
 /// Source: chosen; the shape of an example of ours.
 const RIM_HEIGHT_MM: f64 = 32.0;
-/// Source: chosen; the shape of an example of ours.
+/// Inner and outer radius of the hub, mm. Source: chosen; the shape of an example of ours.
 const HUB_MM: [f64; 2] = [7.5, 15.0];
 /// Source: chosen; the shape of an example of ours.
 const HUB_HEIGHT_MM: f64 = 26.0;
@@ -27,12 +27,13 @@ const HUB_HEIGHT_MM: f64 = 26.0;
 const SPOKE_WIDTH_MM: f64 = 8.0;
 /// Source: chosen; the shape of an example of ours.
 const SPOKE_HEIGHT_MM: f64 = 12.0;
-// Bolt holes lie halfway between the hub's two radii, where walls on both sides are equal.
+/// Source: chosen; the shape of an example of ours.
 const BOLT_RADIUS_MM: f64 = 2.0;
+/// Radius of the circle on which the bolt holes lie, mm: halfway between the hub's two radii.
 /// Source: chosen; the shape of an example of ours.
 const BOLT_CIRCLE_MM: f64 = 11.25;
 
-/// Columns, rows and slices, and the size of a voxel in mm, for a picture of `n` columns.
+/// Numbers of columns, rows and slices of a scan with `n` columns, and the edge of its voxels, mm.
 pub(super) fn lattice(n: usize) -> ([usize; 3], f64) {
     let mm = SIDE_MM / n as f64;
     ([n, n, (HEIGHT_MM / mm).round() as usize], mm)
@@ -42,8 +43,8 @@ pub(super) fn lattice(n: usize) -> ([usize; 3], f64) {
 fn depth(p: DVec2, z: f64) -> f64 {
     let p = p - 0.5 * SIDE_MM;
     let (r, z) = (p.length(), z - BOTTOM_MM);
-    // A union is the greatest depth and a cut is the smallest. The value is the distance to the surface
-    // near a face, and near an edge only its bound; the blur reaches one voxel, so this is enough.
+    // The depth in a union is the greatest depth of its bodies, after a cut the smallest. Near a face this is
+    // the distance to the surface, near an edge a bound of it. That is enough: the blur reaches one voxel.
     let ring = |[inner, outer]: [f64; 2], height: f64| (outer - r).min(r - inner).min(height - z);
     let mut d = ring(RIM_MM, RIM_HEIGHT_MM).max(ring(HUB_MM, HUB_HEIGHT_MM));
     for k in 0..5 {
@@ -53,7 +54,7 @@ fn depth(p: DVec2, z: f64) -> f64 {
         let spoke = (0.5 * SPOKE_WIDTH_MM - aside).min(along - 11.0).min(42.0 - along);
         d = d.max(spoke.min(SPOKE_HEIGHT_MM - z));
     }
-    // Bolts stand between spokes.
+    // Bolt holes lie between the spokes.
     for k in 0..5 {
         let bolt = direction((f64::from(k) + 0.5) / 5.0 * TAU) * BOLT_CIRCLE_MM;
         d = d.min(p.distance(bolt) - BOLT_RADIUS_MM);
@@ -76,7 +77,7 @@ pub(super) fn slice(n: usize, k: usize) -> Vec<u16> {
     (0..n * n).into_par_iter().with_min_len(n).map(pixel).collect()
 }
 
-/// Noise of deviation 1 that is the same on each run: the sum of four hashed bytes.
+/// Noise of standard deviation 1 that is the same on each run: the scaled sum of four hashed bytes.
 fn noise(i: usize, j: usize, k: usize) -> f64 {
     let mut h = (i as u64) << 42 ^ (j as u64) << 21 ^ k as u64;
     // Source: `steele2014`, the increment and the first multiplier of SplitMix64.
@@ -84,7 +85,7 @@ fn noise(i: usize, j: usize, k: usize) -> f64 {
     h = (h ^ h >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     h ^= h >> 32;
     let sum: f64 = (0..4).map(|b| (h >> (8 * b) & 255) as f64 - 127.5).sum();
-    // A uniform byte has a deviation of 73.9, the sum of four twice that.
+    // A uniform byte has a standard deviation of 73.9, the sum of four of them has twice that.
     sum / 147.8
 }
 
@@ -105,11 +106,11 @@ pub(super) fn truth() -> String {
     out += &circle("hub, outside", "outside", [c, c], 2.0 * HUB_MM[1], 20.0);
     out += &circle("bore, low", "bore", [c, c], 2.0 * HUB_MM[0], 4.0);
     out += &circle("bore, high", "bore", [c, c], 2.0 * HUB_MM[0], 22.0);
-    // Widths of spokes are taken between points one width to each side, which lie in air.
     for k in 0..5 {
         let at = direction((f64::from(k) + 0.5) / 5.0 * TAU) * BOLT_CIRCLE_MM + c;
         out += &circle(&format!("bolt hole {}", k + 1), "bore", [at.x, at.y], 2.0 * BOLT_RADIUS_MM, 18.0);
     }
+    // The width of a spoke is measured between two points in air, each one width from the spoke's axis.
     for k in 0..5 {
         let way = direction(f64::from(k) / 5.0 * TAU);
         let aside = DVec2::new(-way.y, way.x) * SPOKE_WIDTH_MM;

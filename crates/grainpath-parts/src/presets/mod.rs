@@ -1,4 +1,4 @@
-//! Examples that our own code makes.
+//! Built-in examples (presets): code makes their parts, jobs and other files.
 
 mod continuous;
 mod field;
@@ -35,10 +35,10 @@ type Maker = fn() -> Vec<ExampleFile>;
 const MAKERS: [(&str, (&str, Maker)); 7] = [
     ("plate", ("a plate with a hole, as a slicer would print it", plate_files)),
     ("stress-lines", ("bars in tension and bending, filled along the principal stress", stress_lines::files)),
-    ("field", ("a disc filled along directions of one's own", field::files)),
-    ("ct", ("a wheel hub from its scan, without a mesh between", ct_files)),
+    ("field", ("a plate filled along the directions of a table", field::files)),
+    ("ct", ("a wheel hub planned from its CT scan, without a mesh", ct_files)),
     ("woodgrain", ("a board from its photograph, filled along the grain of the wood", woodgrain::files)),
-    ("tree-support", ("parts that hang in the air, held by trees", tree_support::files)),
+    ("tree-support", ("parts with large overhangs on tree supports", tree_support::files)),
     ("continuous", ("a plate and a hook with one continuous path a layer, for fibre", continuous::files)),
 ];
 
@@ -63,13 +63,13 @@ fn plate_files() -> Vec<ExampleFile> {
     ]
 }
 
-/// The wheel hub scanned with `n` x `n` pixels a slice, the true dimensions, and the job.
+/// Files of the example `ct`: a scan of the wheel hub with `n` x `n` pixels a slice, its true dimensions, and the job.
 pub fn ct(n: usize) -> Vec<ExampleFile> {
     let (size, mm) = hub::lattice(n);
-    // Two bytes a voxel, and about 400 bytes of directory for each slice of the TIFF.
+    // A TIFF stack takes two bytes for each voxel, and about 400 bytes of directory for each slice.
     let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
     grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
-        .expect("memory takes all that is written");
+        .expect("writing to memory cannot fail");
     vec![
         ("job.toml".into(), include_bytes!("../../jobs/ct.toml").to_vec()),
         ("hub.tif".into(), tif),
@@ -79,7 +79,7 @@ pub fn ct(n: usize) -> Vec<ExampleFile> {
 
 fn stl(mesh: &TriMesh) -> Vec<u8> {
     let mut bytes = Vec::new();
-    grainpath_io::write_stl(mesh, &mut bytes).expect("memory takes all that is written");
+    grainpath_io::write_stl(mesh, &mut bytes).expect("writing to memory cannot fail");
     bytes
 }
 
@@ -96,8 +96,8 @@ pub fn plate() -> TriMesh {
     holes.push(slot.chain(arc(DVec2::new(30.0, 25.0), 5.0, 1, 2, 12)).collect());
     let mut mesh = TriMesh::default();
     prism(&corners, &holes, 0.0, 6.0, &mut mesh);
-    // The rib reaches 1 mm into the plate: bodies that overlap are united, bodies that touch may leave
-    // a seam.
+    // The rib reaches 1 mm into the plate: overlapping bodies are united, bodies that only touch may
+    // leave a gap.
     let rib = [(20.0, 34.0), (60.0, 34.0), (60.0, 35.2), (20.0, 35.2)].map(DVec2::from);
     prism(&rib, &[], 5.0, 12.0, &mut mesh);
     mesh

@@ -1,4 +1,4 @@
-//! The two specimens of `PrincipalStressLines`, and a bracket.
+//! Example `stress-lines`: the two specimens of the paper `PrincipalStressLines`, and a bracket.
 
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ on = { box_mm = [[142.5, -10, 0], [170, 10, 4]] }
 force_n = [500, 0, 0]
 ";
 
-// Rollers have a radius of 5 mm, but the model holds a line: the axis of a cylinder that lies on the bar.
+// Real rollers have a radius of 5 mm. The model holds the bar along a line: the axis of a thin cylinder at its edge.
 const BENDING: &str = "
 [[guide.fixture]]             # the left roller, 5 mm in radius
 on = { cylinder = { point_mm = [20, 0, 0], axis = [0, 0, 1], radius_mm = 0.8 } }
@@ -76,7 +76,7 @@ on = { cylinder = { point_mm = [42, 20, 4], axis = [0, 0, 1], radius_mm = 5.05, 
 force_n = [100, 0, -300]
 ";
 
-/// One job: `guide` and `fill` are the lines of those sections.
+/// Makes a job; `guide` and `fill` are the lines of its sections `[guide]` and `[fill]`.
 fn job(
     about: &str,
     name: &str,
@@ -86,7 +86,7 @@ fn job(
     walls: usize,
     loads: &str,
 ) -> ExampleFile {
-    // Cells of a bead and the nominal card: all three bars within a minute.
+    // With cells one bead wide and only the nominal material card, all three bars take less than a minute.
     let compare = if ["tension", "bending"].contains(&part) {
         format!(
             "\n#   grainpath compare {part}-0.toml {part}-90.toml {part}.toml --set strength.cell_mm=0.45 --set strength.corners=false"
@@ -136,7 +136,7 @@ lines = \"out/{name}-lines.svg\"
     (format!("{name}.toml").into(), text.into_bytes())
 }
 
-/// Jobs and parts; the first is the paper's tensile bar with stripes.
+/// Jobs and parts of the example; the first is the paper's tensile bar with stripes.
 pub(super) fn files() -> Vec<ExampleFile> {
     let stress =
         "kind = \"stress\"\nfollow = \"max-abs\"         # max-abs | tension | compression | alternate";
@@ -152,9 +152,9 @@ pub(super) fn files() -> Vec<ExampleFile> {
     let aligned = |deg: &str| format!("pattern = \"aligned\"\ndensity = 1.0\nangles_deg = [{deg}]");
     let mut files = Vec::new();
     // Lines fan out from the neutral axis of a beam. Smoothing over a few bead widths lets fewer lines
-    // end in the border in tension, where the stress is greatest.
+    // end at the edge under tension, where the stress is greatest.
     let even = format!("{stress}\nsmoothing_mm = 2           # fewer lines end in the border that is drawn");
-    // Only the bending bar is smoothed.
+    // Only the directions of the bending bar are smoothed.
     for (part, about, loads, guide) in [
         ("tension", "GB/T 1040 bar with a central hole in tension", TENSION, stress),
         ("bending", "Three-point bending over a span of 160 mm", BENDING, &even),

@@ -1,4 +1,5 @@
-//! The first two cases of `Shen2016` on pieces of our own, each with trees and with two baselines.
+//! Example `tree-support`: the first two cases of the paper `Shen2016` on parts of our own. Each part has a job with trees
+//! and two jobs with simpler supports to compare.
 
 use super::{ExampleFile, stl};
 use crate::specimen::{dental_tray, hanging_ball};
@@ -11,8 +12,8 @@ pub(super) fn files() -> Vec<ExampleFile> {
         ("tray", "A horseshoe tray that leans by 30 degrees", dental_tray()),
     ];
     for (name, what, mesh) in pieces {
-        // The job without a suffix is the tree, since it is the one to try; baselines print the same
-        // part.
+        // The tree job has no suffix, since it is the one to try first. The other jobs print the same part
+        // on simpler supports.
         let styles = [
             Style { word: "tree", suffix: "", how: "on branching trees", is_tree: true },
             Style {
@@ -39,7 +40,7 @@ pub(super) fn files() -> Vec<ExampleFile> {
     files
 }
 
-/// A kind of support: its word in a job, the end of the job's file name, and what the job's title says.
+/// A style of support: its word in a job, the suffix of the job's file name, and the words of the job's title.
 struct Style {
     word: &'static str,
     suffix: &'static str,

@@ -18,10 +18,10 @@ pub(super) fn files() -> Vec<ExampleFile> {
 
 const WOODGRAIN: &str = include_str!("../../jobs/woodgrain.toml");
 
-/// The woodgrain job with another fill in place of the grain.
+/// The woodgrain job with the fill `pattern` in place of the fill along the grain.
 fn variant(pattern: &str) -> String {
-    // The text of the job is edited, and not written anew, so that the compared jobs cannot drift apart
-    // in other settings.
+    // The text is derived from the woodgrain job, so that the compared jobs always have the same other
+    // settings.
     let (head, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
     debug_assert!(!head.is_empty());
     let mut out = format!(
@@ -40,8 +40,8 @@ fn variant(pattern: &str) -> String {
         )
 }
 
-/// The woodgrain job with beads that touch, as the published specimens have them, in a board so thin that its mass is
-/// that of the sparse ones.
+/// The woodgrain job with beads that touch, as in the published specimens. The board is so thin that it weighs as much as
+/// the sparse boards.
 fn dense() -> String {
     let head = "# The woodgrain example with beads side by side along the grain, so that no curve stands alone, as \
                 published.\n# The board is thinner: 18 layers of 0.198 mm weigh as much as the sparse boards.\n\n";
@@ -70,7 +70,7 @@ fn woodgrain_board() -> Board {
 
 /// Photograph of the board: in perspective, on a dark cloth.
 fn board_png() -> Vec<u8> {
-    // Corners as an oblique camera sees them: no two edges are parallel, so that the example exercises
+    // The corners are those of an oblique view: no two edges are parallel, so that the example exercises
     // the rectification.
     let corners = [(52.0, 58.0), (842.0, 44.0), (868.0, 258.0), (34.0, 244.0)].map(DVec2::from);
     let photo = woodgrain_board().photograph(900, 300, corners);
@@ -80,6 +80,6 @@ fn board_png() -> Vec<u8> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let written = encoder.write_header().and_then(|mut w| w.write_image_data(&rgb));
-    written.expect("memory takes all that is written");
+    written.expect("writing to memory cannot fail");
     out
 }

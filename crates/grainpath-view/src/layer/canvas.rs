@@ -1,4 +1,4 @@
-//! A picture in millimetres.
+//! A picture that is drawn in millimetres.
 
 use grainpath_core::{Bounds2, DVec2};
 use tiny_skia::{Color, Pixmap};
@@ -30,13 +30,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A dark picture of `bounds` and a margin around it; the longer side has `size_px`.
+    /// An empty dark picture of `bounds` with a margin; its longer side has `size_px` pixels.
     pub fn over(bounds: Bounds2, size_px: u32) -> Self {
-        // A margin of two per cent and 0.2 mm keeps lines on the rim inside.
+        // A margin of two per cent and 0.2 mm keeps lines on the border of `bounds` inside the picture.
         let window = bounds.grown(0.02 * bounds.size().max_element() + 0.2);
         let scale = f64::from(size_px) / window.size().max_element().max(1e-9);
-        // Rounding up could give one pixel too many, and a part without extent none; the clamp prevents
-        // both.
+        // The clamp is needed because rounding up may give one pixel too many, and a part without extent
+        // gives none.
         let pixels = |mm: f64| ((mm * scale).ceil() as u32).clamp(1, size_px.max(1));
         let (w, h) = (pixels(window.size().x), pixels(window.size().y));
         let mut pixels = Pixmap::new(w, h).expect("the size is between 1 and what was asked for");
@@ -55,7 +55,7 @@ impl Canvas {
         (0..h).flat_map(move |j| (0..w).map(move |i| at(i, j)))
     }
 
-    /// Colours for all pixels, in the order of `Canvas::pixels`; `None` leaves a pixel unchanged.
+    /// Paints all pixels with these colours, in the order of `Canvas::pixels`; `None` leaves a pixel unchanged.
     pub fn paint(&mut self, colours: impl Iterator<Item = Option<Rgb>>) {
         for (pixel, colour) in self.pixels.data_mut().chunks_exact_mut(4).zip(colours) {
             if let Some(rgb) = colour {
@@ -64,7 +64,7 @@ impl Canvas {
         }
     }
 
-    /// A line of `width_px`.
+    /// Draws a line through points in mm; its width is in pixels.
     pub fn line(&mut self, points: &[DVec2], width_px: f32, colour: Rgb, alpha: u8) {
         let (window, scale) = (self.window, self.scale);
         let at = |p: &DVec2| (((p.x - window.min.x) * scale) as f32, ((window.max.y - p.y) * scale) as f32);

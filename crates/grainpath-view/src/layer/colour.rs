@@ -1,4 +1,4 @@
-//! The meaning of colours.
+//! Colours of beads, and the values that they stand for.
 
 use grainpath_core::Role;
 
@@ -35,11 +35,11 @@ impl ColourBy {
 /// A colour, red green blue.
 pub(super) type Rgb = [u8; 3];
 
-/// Colour of beads where the guide asks for no direction: a grey that is not on the ramp, so that it
+/// Colour of beads for which the guide asks for no direction: a grey that is not on the ramp, so that it
 /// cannot be read as a value. Source: chosen by eye; only the picture depends on it.
 pub(super) const UNASKED: Rgb = [88, 92, 100];
 
-/// The colour of a role: warm for walls and cool for fill, as previews of slicers have it.
+/// The colour of a role, similar to those in the previews of slicers.
 pub fn of_role(role: Role) -> Rgb {
     match role {
         Role::OuterWall => [242, 120, 45],
@@ -71,8 +71,8 @@ pub struct Scale {
 impl Scale {
     /// The scale of a layer.
     pub fn new(picture: &LayerPicture, by: ColourBy) -> Self {
-        // A fixed range for directions makes layers and jobs comparable. At 45 degrees a bead is as much
-        // across as along.
+        // The range for directions is fixed, so that layers and jobs can be compared. A bead at 45 degrees runs
+        // as much across the direction as along it.
         if by == ColourBy::Direction {
             return Self { by, low: 0.0, high: 45.0 };
         }
@@ -97,10 +97,10 @@ impl Scale {
     }
 }
 
-/// Blue through green and yellow to red; the colour in the middle where the range is empty.
+/// The colour of a value on the ramp from blue through green and yellow to red. An empty range gives the middle colour.
 pub(super) fn ramp(value: f64, low: f64, high: f64) -> Rgb {
     // Five colours in even steps, chosen so that neighbours differ and the bead's darker rim still shows
-    // on each. Only looks depend on them; no value is read back from a picture.
+    // on each. No value is read back from a picture.
     // Source: chosen by eye; only the picture depends on it.
     const STOPS: [[f64; 3]; 5] = [
         [60.0, 80.0, 200.0],

@@ -1,6 +1,6 @@
-//! Pictures: a layer as it would be printed, and the whole part.
+//! Pictures of a layer and of the whole part, as they would be printed.
 //!
-//! Pictures are drawn from beads with their true widths. The beads may come from a plan or from any
+//! Beads are drawn with their true widths. They may come from a plan or from any
 //! G-code.
 
 mod canvas;
@@ -34,7 +34,7 @@ pub struct DrawnBead {
     pub speed_mm_s: f64,
     /// Angle to the direction of the guide, degrees from 0 to 90; `None` where the guide asks for none.
     pub off_deg: Option<f64>,
-    /// How far its lower and its upper end lie above those of the layer, mm.
+    /// Height of its bottom above the layer's bottom, and of its top above the layer's top, mm.
     pub raise_mm: [f64; 2],
 }
 
@@ -68,7 +68,7 @@ pub struct LayerPicture {
 }
 
 impl From<&BeadLayer> for LayerPicture {
-    /// A layer of a program as it was read back.
+    /// Makes the picture's content from a layer of a program that was read.
     fn from(layer: &BeadLayer) -> Self {
         let beads = layer.beads.iter().map(|b| DrawnBead {
             a: b.start(),
@@ -76,7 +76,7 @@ impl From<&BeadLayer> for LayerPicture {
             width_mm: b.width_mm(layer.height_mm),
             role: b.role,
             speed_mm_s: f64::from(b.speed_mm_s),
-            // Directions are known to a plan only; `render --job` fills them in.
+            // A program has no directions of a guide; `render --job` takes them from the plan.
             off_deg: None,
             raise_mm: b.raise_mm.map(f64::from),
         });
@@ -91,8 +91,8 @@ impl From<&BeadLayer> for LayerPicture {
     }
 }
 
-/// Half the size of the cross that marks a cut, mm: 1.6 mm across, so that the cross is wider than a bead
-/// of fibre. Only looks depend on it. Source: chosen by eye; only the picture depends on it.
+/// Half the size of the cross that marks a cut, mm. The cross is 1.6 mm across, so that it is wider than
+/// a bead of fibre. Source: chosen by eye; only the picture depends on it.
 const CUT_MM: f64 = 0.8;
 
 /// The two strokes of a cross.
@@ -109,7 +109,7 @@ impl LayerPicture {
     }
 }
 
-/// Choices for a picture.
+/// Options of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureOptions {
     /// Quantity that the colour shows.

@@ -18,17 +18,17 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     canvas.fill(Color::from_rgba8(28, 30, 34, 255));
     let at = |p: DVec2| (((p.x - size.min.x) * scale) as f32, ((size.max.y - p.y) * scale) as f32);
     let colours = Scale::new(picture, options.colour_by);
-    // Beads outside a small window would cost time in the rasteriser and draw nothing.
+    // Beads outside the window are left out, because they would cost time and draw nothing.
     let visible =
         |b: &&DrawnBead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
     let beads: Vec<&DrawnBead> = picture.beads.iter().filter(visible).collect();
-    // One stroke for a run of pieces: separate strokes would show a rim at each joint.
+    // A run of pieces is drawn as one stroke, because separate strokes would show a rim at each joint.
     for run in beads.chunk_by(|x, y| x.goes_on_as(y)) {
         let base = colours.colour(run[0]);
         let rim: Rgb = base.map(|c| (f64::from(c) * 0.55) as u8);
         let width = (run[0].width_mm * scale) as f32;
         draw(&mut canvas, run, &at, width, rim);
-        // The rim is one pixel on each side, and a tenth of the width where a bead has few pixels.
+        // The rim is one pixel on each side. On a bead of few pixels it is a tenth of the bead's width.
         draw(&mut canvas, run, &at, (width - 2.0).max(width * 0.8), base);
     }
     if options.travels {
@@ -36,7 +36,7 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
             draw_line(&mut canvas, &[at(a), at(b)], 1.0, [110, 190, 255], 150);
         }
     }
-    // Cuts are drawn last: they are few, and must not be hidden by beads.
+    // Cuts are drawn last, so that no bead hides them.
     for [a, b] in picture.cuts.iter().flat_map(|&p| super::cross_at(p)) {
         draw_line(&mut canvas, &[at(a), at(b)], (0.25 * scale) as f32, [255, 70, 70], 255);
     }
@@ -58,7 +58,7 @@ pub(super) fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, 
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(r, g, b, alpha);
     let stroke = Stroke {
-        // Below half a pixel a line fades away.
+        // A line thinner than half a pixel would be too faint to see.
         width: width.max(0.5),
         line_cap: LineCap::Round,
         line_join: LineJoin::Round,

@@ -2,11 +2,11 @@
 //!
 //! Each bead is a tube of eight sides along its path: flat above and below, bevelled, and pointed at half its height, so
 //! that neighbouring beads show a groove. The nearest surface wins in each pixel (z-buffer, `catmull1974`). Light is
-//! interpolated between the corners of a facet (`gouraud1971`), which rounds the bevels. Grooves and corners are darkened
-//! by the share of the surroundings that lies nearer to the eye, as in screen-space ambient occlusion (`mittring2007`).
-//! Pixels are the mean of four or nine samples.
+//! interpolated between the corners of a facet (`gouraud1971`), which rounds the bevels. Grooves and corners are darkened:
+//! the more of a point's surroundings lie nearer to the eye, the darker it is (screen-space ambient occlusion,
+//! `mittring2007`). A pixel is the mean of nine samples, on larger pictures of four or one.
 //!
-//! Units: beads in mm, pictures in pixels. Cost: the facets' pixels times the samples; 3DBenchy (240 layers) at 900 x 675
+//! Units: beads in mm, pictures in pixels. Cost: linear in the samples that facets cover; 3DBenchy (240 layers) at 900 x 675
 //! takes a second. Limits: no shadows; beads are not cut where they overlap, so a wide bead hides a narrow one.
 
 use grainpath_core::{Bounds2, DVec2, DVec3, Role};
@@ -15,36 +15,36 @@ use grainpath_gcode::{Program, Thumbnail};
 use super::raster::png;
 use super::{DrawnBead, LayerPicture};
 
-/// Colour of the part at full light: only looks depend on it.
+/// Colour of the part at full light.
 /// Source: chosen by eye; only the picture depends on it.
 const BODY: [f64; 3] = [236.0, 150.0, 74.0];
-/// Colour of supports: grey, so that the part stands out. Only looks depend on it.
+/// Colour of supports: grey, so that the part stands out.
 /// Source: chosen by eye; only the picture depends on it.
 const SUPPORT: [f64; 3] = [176.0, 182.0, 190.0];
-/// The light ground of pictures on paper and pages. Only looks depend on it.
+/// The light background of pictures on paper and on pages.
 /// Source: chosen by eye; only the picture depends on it.
 const PAPER: [u8; 3] = [246, 244, 240];
 /// Direction towards the light: left of the part, in front of it and above. Tops are then lightest and
 /// the two visible sides differ, which shows the edges. Source: chosen by eye; only the picture depends on it.
 const LIGHT: DVec3 = DVec3::new(-0.35, -0.60, 0.72);
-/// Most samples of a picture; larger pictures get fewer samples a pixel. Measured: eight million take 64 MB, and 3DBenchy
-/// at 1200 x 900 takes 2.0 s. Nine samples a pixel
-/// for 800 x 600, four for 1200 x 900 and more: what more would smooth is no longer seen.
+/// The greatest number of samples of a picture; larger pictures get fewer samples a pixel: 800 x 600 pixels get nine,
+/// 1200 x 900 pixels four. More samples make no visible difference.
+/// Measured: eight million take 64 MB, and 3DBenchy at 1200 x 900 takes 2.0 s.
 const MOST_SAMPLES: usize = 8_000_000;
-/// Width of a bead's bevels as a share of its height. Chosen by eye: only looks depend on it.
+/// Width of a bead's bevels as a share of its height.
 /// Source: chosen by eye; only the picture depends on it.
 const BEVEL: f64 = 0.35;
 
-/// What lies behind the part.
+/// The background behind the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ground {
-    /// Nothing: for printers' screens, which have grounds of their own.
+    /// A transparent background, for printers' screens, which have backgrounds of their own.
     Clear,
-    /// A light ground, for pages.
+    /// A light background, for pages.
     Paper,
 }
 
-/// Pictures of a program for the printer's screen, of these widths and heights in pixels.
+/// Pictures of a program for the printer's screen; `sizes_px` gives their widths and heights in pixels.
 pub fn thumbnails(program: &Program, sizes_px: &[[usize; 2]]) -> Vec<Thumbnail> {
     let layers: Vec<LayerPicture> = program.layers.iter().map(LayerPicture::from).collect();
     let draw = |&[w, h]: &[usize; 2]| {
@@ -68,7 +68,7 @@ pub fn thumbnail_png(layers: &[LayerPicture], width: u32, height: u32, ground: G
     let mut canvas = Canvas::new(w * samples, h * samples);
     if let Some(view) = View::around(layers, w * samples, h * samples) {
         for layer in layers {
-            // Skirt, brim and interfaces of supports are not drawn: they would hide faces of the part.
+            // Skirt, brim and interfaces of supports are not drawn, because they would hide faces of the part.
             let drawn = |b: &DrawnBead| b.role.is_part() || matches!(b.role, Role::Support);
             for path in layer.beads.chunk_by(|a, b| a.b.distance_squared(b.a) < 1e-6 && a.role == b.role) {
                 if drawn(&path[0]) {
@@ -87,12 +87,12 @@ struct View {
 }
 
 impl View {
-    /// A point turned by 35 degrees about the vertical and tilted by 30 degrees: right, up, towards the
-    /// eye.
+    /// A point in the axes of the view: right, up, and towards the eye. The view is turned by 35 degrees about
+    /// the vertical and tilted by 30 degrees.
     fn turned(p: DVec3) -> DVec3 {
-        // Source: cosine and sine of 35 degrees; below, cosine of 30 degrees. Written out because a
-        // constant cannot call the functions, and the same on every machine. Other angles change the view
-        // only.
+        // Source: cosine of 35 degrees; the factor below is the cosine of 30 degrees. The numbers are written
+        // out because a constant cannot call these functions, and so that they are the same on every machine.
+        // Other angles would only change the view.
         const C: f64 = 0.819_152_044_288_991_8;
         // Source: sine of the same angle.
         const S: f64 = 0.573_576_436_351_046;
@@ -119,7 +119,7 @@ impl View {
         Some(Self { scale, shift })
     }
 
-    /// Pixel (y up) and nearness to the eye.
+    /// Position of a point in the picture, pixels with y upwards, and its nearness to the eye, mm.
     fn at(&self, p: DVec3) -> DVec3 {
         let t = Self::turned(p);
         (t.truncate() * self.scale + self.shift).extend(t.z)
@@ -130,11 +130,11 @@ struct Canvas {
     w: usize,
     h: usize,
     depth: Vec<f32>,
-    /// Light from 0 on; negative for supports; NaN where no bead is.
+    /// Brightness from 0 on. It is negative for supports, and NaN where no bead is.
     light: Vec<f32>,
 }
 
-/// A corner of a facet: pixel, nearness to the eye, and light.
+/// A corner of a facet: its pixel, nearness to the eye, and brightness.
 #[derive(Clone, Copy)]
 struct Corner {
     at: DVec3,
@@ -150,7 +150,7 @@ impl Canvas {
 
     /// Draws the beads of one path, which meet end to end.
     fn path(&mut self, view: &View, layer: &LayerPicture, path: &[DrawnBead]) {
-        // Pieces without length have no side.
+        // Pieces without length are left out, because they have no direction.
         let path: Vec<&DrawnBead> = path.iter().filter(|b| b.a.distance_squared(b.b) > 1e-12).collect();
         let (Some(first), Some(last)) = (path.first(), path.last()) else { return };
         let closed = path.len() > 2 && first.a.distance_squared(last.b) < 1e-6;
@@ -177,7 +177,7 @@ impl Canvas {
         }
     }
 
-    /// The facets between two cross-sections.
+    /// Draws the facets between two cross-sections.
     fn tube(&mut self, a: &[Corner; SECTION], b: &[Corner; SECTION], support: bool) {
         for i in 0..SECTION {
             let j = (i + 1) % SECTION;
@@ -185,7 +185,7 @@ impl Canvas {
         }
     }
 
-    /// The round end of a path: a fan of tubes about the end point.
+    /// Draws the round end of a path as a fan of tubes about the end point.
     fn end(
         &mut self,
         view: &View,
@@ -196,7 +196,7 @@ impl Canvas {
         support: bool,
     ) {
         let side = left_of(outwards);
-        // Half a circle in four steps; the inner corners of the tubes meet at the end point.
+        // Half a circle is drawn in four steps; the inner corners of the tubes meet at the end point.
         let steps = [
             side,
             side * HALF_SQRT + outwards * HALF_SQRT,
@@ -206,14 +206,14 @@ impl Canvas {
         ];
         for pair in steps.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|s| rings(view, layer, bead, at, s));
-            // Only the half of each section that points outwards: the other half lies inside the bead.
+            // Only the half of each section that points outwards is drawn, because the other half lies inside the bead.
             for i in 0..SECTION / 2 {
                 self.facet([a[i], a[i + 1], b[i + 1], b[i]], support);
             }
         }
     }
 
-    /// A facet of a tube. The far side of a closed tube is never seen; leaving it out saves two fifths of the time.
+    /// Draws a facet of a tube if it faces the eye. Leaving out the far side of the tubes saves two fifths of the time.
     fn facet(&mut self, [a, b, c, d]: [Corner; 4], support: bool) {
         if [a, b, c, d].iter().any(|corner| corner.faces_eye) {
             self.triangle([a, b, c], support);
@@ -228,7 +228,7 @@ impl Canvas {
         if area == 0.0 || !area.is_finite() {
             return;
         }
-        // A pixel is covered when its centre is, hence the half.
+        // A pixel counts as covered if its centre is covered. Centres lie half a pixel from the pixel's edges.
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         let range = |lo: f64, hi: f64, n: usize| {
             (lo - 0.5).ceil().max(0.0) as usize..((hi + 0.5).floor().max(0.0) as usize).min(n)
@@ -246,8 +246,8 @@ impl Canvas {
                 }
                 let depth = (u * a.z + v * b.z + t * c.z) as f32;
                 let i = (self.h - 1 - y) * self.w + x;
-                // The first of two equal depths wins; the order is that of printing and so the same on
-                // each run.
+                // Of two equal depths the first in printing order wins, so that each run gives the same
+                // picture.
                 if depth > self.depth[i] {
                     self.depth[i] = depth;
                     let light = u * corners[0].light + v * corners[1].light + t * corners[2].light;
@@ -293,8 +293,8 @@ impl Canvas {
         rgba
     }
 
-    /// Light from the surroundings, 0.6 to 1: less where they lie nearer to the eye. Eight neighbours at two distances;
-    /// the share of darkening is chosen by eye, and only looks depend on it.
+    /// Factor on the brightness, 0.6 to 1. The more of eight neighbours at two distances lie nearer to the eye, the smaller
+    /// it is. The darkening is chosen by eye; only the picture depends on it.
     fn openness(&self, x: usize, y: usize, samples: usize) -> f64 {
         // Source: chosen by eye; only the picture depends on it.
         const RING: [(i64, i64); 8] = [(3, 0), (2, 2), (0, 3), (-2, 2), (-3, 0), (-2, -2), (0, -3), (2, -2)];
@@ -308,7 +308,7 @@ impl Canvas {
                     continue;
                 }
                 let there = self.depth[v as usize * self.w + u as usize];
-                // A millimetre tells a corner from the grooves between beads; NaN never occurs in depths.
+                // A step of 1 mm tells a corner of the part from the grooves between beads. Depths are never NaN.
                 hidden += usize::from(there > here + 1.0);
             }
         }
@@ -316,7 +316,7 @@ impl Canvas {
     }
 }
 
-/// Half the square root of two: steps of 45 degrees.
+/// Sine and cosine of 45 degrees, half the square root of two.
 const HALF_SQRT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Corners of a cross-section. Source: the rows of the table in [`rings`].
 const SECTION: usize = 8;
@@ -329,8 +329,8 @@ fn left_of(direction: DVec2) -> DVec2 {
     DVec2::new(-direction.y, direction.x)
 }
 
-/// The side vector at a joint: along the bisector, longer by what keeps the width, at most twice (sharper turns would
-/// stick out).
+/// The side vector at a joint of two beads. It lies on the bisector and is lengthened so that the width is kept, at most
+/// to twice (at sharper turns the corner would stick out).
 fn mitre(before: DVec2, after: DVec2) -> DVec2 {
     let (a, b) = (left_of(before), left_of(after));
     let sum = a + b;
@@ -341,7 +341,7 @@ fn mitre(before: DVec2, after: DVec2) -> DVec2 {
     bisector / bisector.dot(b).max(0.5)
 }
 
-/// The cross-section of a bead at a point, from the left side over the top to the right and below: pixels and light.
+/// The corners of a bead's cross-section at a point, in the order left side, top, right side, bottom.
 fn rings(view: &View, layer: &LayerPicture, bead: &DrawnBead, at: DVec2, side: DVec2) -> [Corner; SECTION] {
     let half = 0.5 * bead.width_mm;
     let [bottom, top] = bead.raise_mm;
@@ -349,7 +349,7 @@ fn rings(view: &View, layer: &LayerPicture, bead: &DrawnBead, at: DVec2, side: D
     let bevel = (BEVEL * height_mm).min(0.9 * half);
     let (low, high) = (layer.z_mm - layer.height_mm + bottom, layer.z_mm + top);
     let out = side.normalize_or_zero().extend(0.0);
-    // Offsets to the left, heights, and the outward normal in the plane of the section.
+    // Each corner has its offset to the left, its height, and the outward normal in the plane of the section.
     let third = height_mm / 3.0;
     let section = [
         (half, low + third, DVec2::new(1.0, -0.2)),
@@ -371,15 +371,15 @@ fn rings(view: &View, layer: &LayerPicture, bead: &DrawnBead, at: DVec2, side: D
     })
 }
 
-/// Where a row of pixels crosses a triangle, in pixels along the row, a pixel more on both sides.
+/// The range in which a row of pixels crosses a triangle, in pixels along the row, with a pixel more on both sides.
 ///
-/// A long bead aslant covers few of the pixels in its box: without spans a picture of 2000 pixels tests millions of pixels
-/// for each bead.
+/// A long oblique bead covers only few of the pixels in its box. Without these ranges, a picture of 2000 pixels would test
+/// millions of pixels for each bead.
 fn row_span(corners: [DVec3; 3], y: f64) -> (f64, f64) {
     let mut span = (f64::INFINITY, f64::NEG_INFINITY);
     for i in 0..3 {
         let (p, q) = (corners[i], corners[(i + 1) % 3]);
-        // Not a number for a level edge in the row itself; its ends belong to the two other edges.
+        // For a horizontal edge in the row this is NaN; the two other edges then give its ends.
         let t = (y - p.y) / (q.y - p.y);
         if (-1e-6..=1.0 + 1e-6).contains(&t) {
             let x = p.x + t * (q.x - p.x);
@@ -390,8 +390,8 @@ fn row_span(corners: [DVec3; 3], y: f64) -> (f64, f64) {
 }
 
 fn light(normal: DVec3) -> f64 {
-    // Ambient light of 0.42 keeps faces that are turned away from becoming black; the sum may exceed 1,
-    // which the conversion clamps. Chosen by eye.
+    // Ambient light of 0.42 keeps faces that are turned away from the light from being black. The sum may exceed
+    // 1, but colours are clamped later. Chosen by eye.
     0.42 + 0.62 * normal.dot(LIGHT.normalize()).max(0.0)
 }
 

@@ -1,16 +1,16 @@
-//! Layers as compact bytes, for the slider of the report page.
+//! Packs layers into few bytes, for the slider of the report page.
 //!
-//! Method: points are rounded to a grid of 65 536 steps along the longer side of beads and travels and written as steps from
-//! the point before, modulo 65 536; widths are multiples of [`WIDTH_STEP_MM`]. The whole is packed with zlib, whose
-//! `deflate` every browser unpacks (`DecompressionStream`), and stands in the page as base64.
+//! Method: points are rounded to a grid, which has 65 536 steps along the longer side of the box round beads and travels.
+//! Each point is written as its steps from the previous point, modulo 65 536. Widths are multiples of [`WIDTH_STEP_MM`].
+//! All is packed with zlib, which every browser unpacks (`DecompressionStream`), and stands in the page as base64.
 //!
 //! The bytes, little-endian: number of layers (`u32`), left and lower edge and step of the grid (`f32`, mm); per layer
 //! its number from 1 (`u32`), height of its top and thickness (`f32`, mm), and the number of paths (`u32`); per path
 //! its role (`u8`, an index into `Role::ALL`, or [`TRAVEL`]), its number of beads n (`u16`), n + 1 points of two `u16`,
 //! and n widths (`u8`).
 //!
-//! Limits: of a print with more than [`MOST_BEADS`] beads every second, third, ... layer is shown, and the page says
-//! so. On a print 300 mm wide the grid is 0.005 mm. `page.js` reads this format.
+//! Limits: if a print has more than [`MOST_BEADS`] beads, only every second, third, ... layer is shown, and the page says
+//! so. On a print 300 mm wide the step of the grid is 0.005 mm. `page.js` reads this format.
 
 use std::io::Write;
 
@@ -20,24 +20,24 @@ use grainpath_core::{Bounds2, DVec2, Role};
 
 use crate::layer::{DrawnBead, LayerPicture};
 
-/// Step of the widths of beads, mm; the widest is 255 steps. Source: half the last digit that the page shows of a
+/// Step of bead widths, mm; a width has at most 255 steps. Source: half the last digit that the page shows of a
 /// width; only looks depend on it.
 pub(super) const WIDTH_STEP_MM: f64 = 0.02;
 
 /// The role of travels in the packed bytes. Source: any number that no role has.
 pub(super) const TRAVEL: u8 = 255;
 
-/// Beads of all layers that one page may hold. Measured: a bead of the gallery's bracket takes 4.0 bytes of the page; this makes
-/// 6 MB.
+/// The greatest number of beads that one page may hold. Measured: a bead of the gallery's bracket takes 4.0 bytes of the
+/// page, so this number takes 6 MB.
 const MOST_BEADS: usize = 1_500_000;
 
 /// Layers, packed.
 pub(super) struct Packed {
-    /// The bytes, as the text of this module has them, after zlib.
+    /// The bytes in the format that this module describes, packed with zlib.
     pub bytes: Vec<u8>,
     /// Indices of the layers that they hold.
     pub shown: Vec<usize>,
-    /// What the beads cover, mm.
+    /// The box round all beads, mm.
     pub beads: Bounds2,
     /// Step of the grid, mm.
     #[cfg(test)]
@@ -53,13 +53,13 @@ fn pack_at_most(layers: &[LayerPicture], most: usize) -> Option<Packed> {
     let n_beads: usize = layers.iter().map(|l| l.beads.len()).sum();
     let beads = layers.iter().filter_map(LayerPicture::bounds).reduce(Bounds2::union)?;
     let every = n_beads.div_ceil(most).max(1);
-    // The last layer is what is seen of a part from above, so it is always among those shown.
+    // The last layer is always shown, because it is the one that is seen from above.
     let last = layers.len() - 1;
     let mut shown: Vec<usize> = (0..layers.len()).step_by(every).collect();
     if shown.last() != Some(&last) {
         shown.push(last);
     }
-    // Travels may leave the part, and would be folded back by the modulus.
+    // The grid covers travels too: they may leave the part, and the modulus would otherwise fold them back.
     let all = layers.iter().flat_map(|l| l.travels.iter().flatten().copied());
     let bounds = all.fold(beads, |b, p| Bounds2 { min: b.min.min(p), max: b.max.max(p) });
     let step = (bounds.size().max_element() / f64::from(u16::MAX)).max(1e-9);
@@ -91,11 +91,11 @@ struct Grid {
 impl Grid {
     fn at(&self, p: DVec2) -> [u16; 2] {
         let cell = (p - self.min) / self.step;
-        // Rounding may reach beyond the edge by less than a step; `as` keeps to the range.
+        // Rounding may exceed the range by less than a step; `as` clamps the result to the range.
         [cell.x.round() as u16, cell.y.round() as u16]
     }
 
-    /// Points as steps from the one before.
+    /// Writes each point as its steps from the previous point.
     fn steps(&self, points: impl Iterator<Item = DVec2>, out: &mut Vec<u8>) {
         let mut before = [0u16; 2];
         for p in points {
@@ -109,8 +109,8 @@ impl Grid {
 }
 
 fn layer(k: usize, layer: &LayerPicture, grid: &Grid, out: &mut Vec<u8>) {
-    // Pieces that follow each other in one role are one path. The limit is the same as for pictures: a
-    // thousandth of a millimetre.
+    // Successive pieces of the same role that meet are one path. They meet if their ends are less than a thousandth
+    // of a millimetre apart, as for pictures.
     let meets = |a: &DrawnBead, b: &DrawnBead| a.b.distance_squared(b.a) < 1e-6 && a.role == b.role;
     let paths: Vec<&[DrawnBead]> =
         layer.beads.chunk_by(meets).flat_map(|path| path.chunks(usize::from(u16::MAX))).collect();

@@ -1,12 +1,12 @@
 //! The report page: one file that needs no network.
 //!
 //! Order: the part and its numbers, warnings, a slider of layers, stress, strength, fibre, steps towards the guide,
-//! dimensions, settings that differ from their defaults, and folded away the other settings and the time taken.
-//! Pictures and layers stand in the page as base64, so that the file can be sent by itself; the layers are drawn by
-//! `page.js` from what `layers.rs` packs. Fonts and colours come from the reader's system, light or dark.
+//! dimensions, settings that differ from their defaults. The other settings and the time taken are folded away.
+//! Pictures and layers stand in the page as base64, so that it is a single file. `layers.rs` packs the layers and
+//! `page.js` draws them. Fonts and colours come from the reader's system, light or dark.
 //!
-//! Limits: very large prints show every second or third layer. Without scripts one layer stands as a picture, and
-//! everything else is there.
+//! Limits: very large prints show every second or third layer. Without scripts the page shows one layer as a
+//! picture, and everything else.
 
 mod layers;
 
@@ -27,16 +27,16 @@ pub struct Picture {
     pub png: Vec<u8>,
     /// The section that it belongs to.
     pub of: Of,
-    /// What blue and red stand for, where colours are values.
+    /// The values of blue and red, if the colours stand for values.
     pub scale: Option<ColourScale>,
 }
 
-/// The section of a picture.
+/// The section of the page to which a picture belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Of {
     /// The whole part, at the top of the page.
     Part,
-    /// A layer, for readers without scripts.
+    /// A layer, for readers whose browser runs no scripts.
     Layer,
     /// Graded density.
     Density,
@@ -44,7 +44,7 @@ pub enum Of {
     Stress,
     /// The strength test.
     Strength,
-    /// A step of the supports, or from a photograph or a scan to directions.
+    /// A step of making supports, or of deriving directions from a photograph or a scan.
     #[default]
     Steps,
 }
@@ -56,7 +56,7 @@ pub struct ColourScale {
     pub low: f64,
     /// The value that is red.
     pub high: f64,
-    /// What is shown, with its unit.
+    /// Name of the quantity that is shown, with its unit.
     pub what: &'static str,
 }
 
@@ -67,24 +67,24 @@ pub struct Setting {
     pub key: String,
     /// The value of this run.
     pub value: String,
-    /// The value it has when nobody gives one.
+    /// Its default value.
     pub default: String,
     /// Its unit; empty where it has none.
     pub unit: &'static str,
 }
 
-/// A place that the reader should look at.
+/// A place in a layer that a button of the page leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// What is there.
+    /// Text of the button, which says what is at this place.
     pub what: String,
-    /// Where, in the plane of the layers, mm.
+    /// Position in the plane of the layers, mm.
     pub at: DVec2,
     /// Its height, mm.
     pub z_mm: f64,
 }
 
-/// What the page shows besides the report.
+/// Contents of the page besides the report.
 #[derive(Debug, Default)]
 pub struct Contents<'a> {
     /// Settings of the run.
@@ -101,8 +101,8 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 fn escaped(text: &str) -> String {
-    // Names of dimensions, settings and warnings hold text of the user's; all five characters are
-    // replaced, because the text also stands in attributes.
+    // Dimensions, settings and warnings contain texts from the user. All five characters are
+    // replaced, because these texts also stand in attributes.
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -129,7 +129,7 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
          <h1>{name}</h1>\n<p class=\"sub\">grainpath report, version {}</p>\n<div class=\"top\">\n",
         report.version
     );
-    // Layers of a plate may have the same picture of stress; one is enough.
+    // Several layers of a plate may have the same picture of stress; it is shown once.
     let is_new = |i: usize, p: &Picture| contents.pictures[..i].iter().all(|q| q.png != p.png);
     let pictures = |of: Of| {
         let all = contents.pictures.iter().enumerate();
@@ -142,7 +142,7 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
         put(format!("<div><b>{}</b><span>{}</span></div>", escaped(&value), escaped(what)));
     }
     put("</div></div>\n".into());
-    // Warnings stand before the results of tests, so that no result is read without them.
+    // Warnings come before the results of tests, so that they are read first.
     if !report.warnings.is_empty() {
         put("<h2>Warnings</h2>\n<ul class=\"warnings\">".into());
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
@@ -212,7 +212,7 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
     out
 }
 
-/// Rows of a name and a value.
+/// A table of two columns, names and values.
 fn table<'a>(rows: impl Iterator<Item = (&'a str, String)>) -> String {
     let rows: String = rows
         .map(|(what, value)| format!("<tr><th>{}</th><td>{}</td></tr>", escaped(what), escaped(&value)))
@@ -220,7 +220,7 @@ fn table<'a>(rows: impl Iterator<Item = (&'a str, String)>) -> String {
     format!("<table>{rows}</table>\n")
 }
 
-/// What was asked for: first what differs from the defaults, the rest folded.
+/// The settings of the run: first those that differ from their defaults, then the others, folded away.
 fn settings_section(settings: &[Setting]) -> String {
     let (changed, usual): (Vec<&Setting>, Vec<&Setting>) =
         settings.iter().partition(|s| s.value != s.default);
@@ -264,7 +264,7 @@ fn layers_section(contents: &Contents<'_>) -> String {
             format!("[\"{}\",[{r},{g},{b}]]", role.gcode_name())
         })
         .collect();
-    // The layer that holds a height: the first whose top is not below it.
+    // A height lies in the first layer whose top is not below it.
     let layer_at = |z: f64| shown.iter().position(|k| all[*k].z_mm > z - 1e-6).unwrap_or(shown.len() - 1);
     let marks: Vec<String> = contents
         .marks
@@ -297,7 +297,7 @@ fn layers_section(contents: &Contents<'_>) -> String {
          <script type=\"application/octet-stream\" id=\"layers-data\">{}</script>\n",
         key(all),
         all.len(),
-        // The middle shows fill; the first and the last layer are skins of most parts.
+        // The page opens at the middle layer, which shows the fill; the first and the last layer are mostly skins.
         shown.len() / 2,
         low.x,
         low.y,
@@ -315,7 +315,7 @@ fn layers_section(contents: &Contents<'_>) -> String {
 }
 
 fn fibre_table(f: &grainpath::measure::fibre::FibreReport) -> String {
-    // One row for each layer: the totals hide a layer whose paths are too short or too sharp.
+    // Each layer has a row, because totals would hide a layer whose paths are too short or turn too sharply.
     let mut out = String::from(
         "<table><tr><th>layer</th><th>z mm</th><th>length mm</th><th>paths</th><th>shortest mm</th><th>cuts</th>\
          <th>smallest radius mm</th><th>sharper turns</th><th>within 15 degrees</th></tr>",
@@ -349,12 +349,12 @@ fn strength_rows(s: &grainpath::measure::strength::StrengthReport) -> Vec<(&'sta
         ("modes, by energy", modes.join(", ")),
         ("corners of the card", corners.join(", ")),
         (
-            // Without a second run on larger cells nothing is said about the influence of the mesh.
+            // The influence of the cell size is stated only if a second run with larger cells was made.
             "cells",
             s.mesh_change.map_or(format!("{}, {} mm", s.fidelity, s.cell_mm), |c| {
                 let moved = 100.0 * c;
                 format!(
-                    "{}, {} mm; the answer moved by {moved:.1} % when they were halved",
+                    "{}, {} mm; the breaking load changed by {moved:.1} % when the cells were halved",
                     s.fidelity, s.cell_mm
                 )
             }),
@@ -365,10 +365,10 @@ fn strength_rows(s: &grainpath::measure::strength::StrengthReport) -> Vec<(&'sta
 
 fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     let mut all = Vec::new();
-    // What the part carries is what most readers came for.
+    // The breaking load comes first, because most readers look for it.
     if let Some(s) = &r.strength {
         all.push((format!("{:.0} N", s.peak_load_n), "breaks at"));
-        all.push((format!("{:.0} to {:.0} N", s.low_n, s.high_n), "interval of that"));
+        all.push((format!("{:.0} to {:.0} N", s.low_n, s.high_n), "interval of the breaking load"));
     }
     if let Some(StressReport { max_von_mises_mpa, .. }) = &r.stress {
         all.push((format!("{max_von_mises_mpa:.2} MPa"), "peak stress (von Mises)"));
@@ -394,19 +394,19 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     }
     if let Some(u) = &r.support {
         if let Some(g) = u.mass_g {
-            all.push((format!("{g:.2} g"), "of it support, as printed"));
+            all.push((format!("{g:.2} g"), "mass of supports, as printed"));
         }
-        all.push((format!("{:.2} g", u.solid_mass_g), "support if it were solid"));
+        all.push((format!("{:.2} g", u.solid_mass_g), "mass of supports if solid"));
         all.push((format!("{} at {}", u.trees, u.contacts), "trees, at contacts"));
         all.push((u.unreached.len().to_string(), "overhangs not reached"));
         if u.near_plate > 0 {
-            all.push((u.near_plate.to_string(), "contacts so near the plate that nothing fits below"));
+            all.push((u.near_plate.to_string(), "contacts too near the plate for a support"));
         }
     }
     all
 }
 
-/// The legend of the colours of the roles that are printed.
+/// The legend: the colour of each role that occurs in the print.
 fn key(layers: &[LayerPicture]) -> String {
     let mut out = String::from("<div class=\"key\">");
     for role in Role::ALL.into_iter().filter(|r| layers.iter().any(|l| l.beads.iter().any(|b| b.role == *r)))
@@ -426,10 +426,10 @@ fn figure(p: &Picture) -> String {
     format!("<figure>{}{scale}<figcaption>{}</figcaption></figure>\n", image(p), escaped(&p.title))
 }
 
-/// The ramp of colours of a picture with its ends and its middle.
+/// The colour ramp of a picture, with the values at its ends and the name of the quantity.
 fn scale_bar(scale: &ColourScale) -> String {
     let ramp = Ramp { low: 0.0, high: 1.0 };
-    // Eleven stops show the ramp as the picture has it.
+    // Eleven colour stops reproduce the ramp of the picture.
     let stops: Vec<String> = (0..=10)
         .map(|k| {
             let [r, g, b] = ramp.colour(f64::from(k) / 10.0);
@@ -438,7 +438,7 @@ fn scale_bar(scale: &ColourScale) -> String {
         .collect();
     let value = |share: f64| {
         let v = scale.low + share * (scale.high - scale.low);
-        // Three significant digits between 0.001 and 1000; more would be noise on a colour.
+        // At most three decimals, and fewer for large values: a colour cannot be read more exactly.
         let digits = if v.abs() >= 100.0 || v == 0.0 {
             0
         } else if v.abs() >= 10.0 {

@@ -1,9 +1,9 @@
-//! Continuous fibre: which fill paths are laid with it, how turns below the least radius are
-//! treated, and how much became fibre.
+//! Continuous fibre: chooses the fill paths that are laid with fibre, treats turns below the least
+//! radius, and reports how much became fibre.
 //!
-//! A pattern lays paths. Paths that are long enough become fibre of one width, and their turns are
-//! rounded to the least radius where there is space, else to the largest radius that fits. All others stay matrix. Lengths are in mm,
-//! layers count from 1 in settings and from 0 in the code.
+//! The paths come from a fill pattern. Paths that are long enough become fibre of one width; the others stay matrix.
+//! Turns of fibre are rounded to the least radius where there is space, else to the largest radius that fits. Lengths
+//! are in mm. Layers count from 1 in settings and from 0 in the code.
 
 mod turns;
 
@@ -25,7 +25,7 @@ pub struct FibreSettings {
     pub matrix_layers: [usize; 2],
     /// Number of layers of the part.
     pub n_layers: usize,
-    /// Period: 2 lays fibre in every other one of these layers.
+    /// Period in layers: 2 lays fibre in every other one of the chosen layers.
     pub every: usize,
     /// Boxes in which fill is laid with fibre, in part coordinates on the plate, mm; empty for the
     /// whole part.
@@ -36,11 +36,11 @@ pub struct FibreSettings {
     pub bead_width_mm: f64,
     /// Least radius of a turn, mm.
     pub min_radius_mm: f64,
-    /// Treatment of sharper turns.
+    /// Treatment of turns sharper than `min_radius_mm`.
     pub turns: FibreTurns,
-    /// Shorter paths are laid as matrix, mm.
+    /// Least length of a fibre path, mm; shorter paths are laid as matrix.
     pub min_length_mm: f64,
-    /// Choice of the start of closed paths.
+    /// Rule for the start of closed paths.
     pub start: FibreStart,
 }
 
@@ -72,21 +72,21 @@ pub enum FibreError {
     NoFill,
 }
 
-/// Outcome for the paths that were to become fibre.
+/// Counts of the paths that were meant to become fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     /// Paths laid without fibre because they are short.
     pub short: usize,
-    /// Their length, mm.
+    /// Total length of these short paths, mm.
     pub short_mm: f64,
     /// The longest path, mm, whether it became fibre or not.
     pub longest_mm: f64,
-    /// Turns that were rounded.
+    /// Number of turns that were rounded.
     pub rounded: usize,
 }
 
 impl Tally {
-    /// The sum of both.
+    /// Both tallies together.
     pub fn and(self, other: Self) -> Self {
         Self {
             short: self.short + other.short,
@@ -98,14 +98,14 @@ impl Tally {
 }
 
 impl FibreSettings {
-    /// Refuses settings that this part cannot meet.
+    /// Refuses settings that are impossible for this part.
     ///
     /// # Errors
     /// [`FibreError`] for a radius, layer or box outside the part.
     pub fn check(&self, stack: &LayerStack, part: Bounds2) -> Result<(), FibreError> {
         let size_mm = part.size().max_element();
-        // A full turn is two radii wide; where even the part's longer side is less, no path could
-        // turn.
+        // A half turn is two radii wide. If this is more than the part's longer side, no path could make
+        // such a turn.
         if 2.0 * self.min_radius_mm > size_mm {
             return Err(FibreError::Radius { radius_mm: self.min_radius_mm, size_mm });
         }
@@ -132,7 +132,7 @@ impl FibreSettings {
     /// Warns about paths that were too short for fibre.
     ///
     /// # Errors
-    /// [`FibreError`] when none of them became fibre.
+    /// [`FibreError`] when no path became fibre.
     pub fn report_outcome(
         &self,
         all: &Tally,
@@ -140,8 +140,8 @@ impl FibreSettings {
         diagnostics: &Diagnostics,
     ) -> Result<(), FibreError> {
         if !any {
-            // Two causes with different remedies: paths that are all too short, and layers without
-            // any fill.
+            // The two causes need different remedies: either all paths are too short, or the layers have
+            // no fill.
             return Err(if all.longest_mm > 0.0 {
                 FibreError::TooShort { longest_mm: all.longest_mm, needed_mm: self.min_length_mm }
             } else {
@@ -175,19 +175,19 @@ impl FibreSettings {
         (i - first).is_multiple_of(self.every.max(1))
     }
 
-    /// The boxes that contain a height.
+    /// Indices of the boxes that contain a height.
     fn boxes_at(&self, z_mm: f64) -> impl Iterator<Item = usize> + '_ {
         (0..self.boxes.len()).filter(move |&k| (self.boxes[k][0].z..self.boxes[k][1].z).contains(&z_mm))
     }
 
-    /// Whether fibre lies in the same places in two layers with the same infill regions; each is
-    /// given by its index and height, mm.
+    /// Whether two layers that have the same infill regions also have fibre in the same places. Each layer is
+    /// given by its index and its height, mm.
     pub fn same(&self, a: (usize, f64), b: (usize, f64)) -> bool {
         self.in_layer(a.0) == self.in_layer(b.0) && self.boxes_at(a.1).eq(self.boxes_at(b.1))
     }
 
-    /// The parts of an infill region for centrelines of fibre, and for matrix beads of width
-    /// `matrix_mm`.
+    /// Splits an infill region into the parts for centrelines of fibre and the parts for centrelines of matrix
+    /// beads, which have the width `matrix_mm`.
     pub fn split(
         &self,
         layer: (usize, f64),
@@ -199,7 +199,7 @@ impl FibreSettings {
             return (Vec::new(), vec![infill_region.clone()]);
         }
         let infill_region = Region::from(infill_region.clone());
-        // The region was made for the centrelines of matrix beads; fibre beads have another width.
+        // The region fits centrelines of matrix beads. It is offset for fibre beads, which have another width.
         let fits = |r: &Region| r.offset(0.5 * (matrix_mm - self.bead_width_mm), Join::Miter(3.0)).polygons;
         if self.boxes.is_empty() {
             return (fits(&infill_region), Vec::new());
@@ -209,15 +209,15 @@ impl FibreSettings {
             Region::rectangle(low.truncate(), high.truncate())
         };
         let chosen = self.boxes_at(layer.1).map(rectangle).fold(Region::default(), |a, b| a.union(&b));
-        // Each side keeps half a bead from the border of the box.
+        // Fibre and matrix both keep half a bead's distance from the border of the box.
         let half = |w: f64| 0.5 * bead_spacing_mm(w, height_mm);
         let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&infill_region);
         let without = infill_region.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
         (fits(&with), without.polygons)
     }
 
-    /// Lays rings along every contour of the `regions` for centrelines, one strip of fibre apart.
-    /// Returns the regions for the centrelines that fill the rest.
+    /// Lays fibre rings along every contour of `regions`, which bound centrelines; rings are one bead spacing apart.
+    /// Returns the regions that are left for the centrelines of the pattern.
     pub fn lay_rings(
         &self,
         regions: &[Polygon],
@@ -229,16 +229,16 @@ impl FibreSettings {
         let mut rest = Region { polygons: regions.to_vec() };
         for _ in 0..self.rings {
             let paths = rest.contours().map(|c| Toolpath::new(c.clone(), self.bead_width_mm, role, true));
-            // A shorter ring has no middle: its own strip fills it.
+            // A shorter ring is not laid, since its bead would cover all that it encloses.
             out.extend(paths.filter(|p| p.length_mm() > std::f64::consts::PI * self.bead_width_mm));
             rest = rest.offset(-s, Join::Miter(3.0));
         }
         rest.polygons
     }
 
-    /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` is the load at
-    /// a point, for the choice of the start. With `keep_closed` closed paths stay closed, and the
-    /// print order chooses their start.
+    /// Turns those paths in `infill_regions` into fibre that are long enough. `load` gives the load at a point,
+    /// from which the start of a closed path may be chosen. With `keep_closed` closed paths stay closed, and
+    /// the print order chooses their start.
     pub fn lay(
         &self,
         paths: Vec<Toolpath>,
@@ -248,7 +248,7 @@ impl FibreSettings {
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut tally = Tally::default();
-        // Grown by 2 um, because paths may lie exactly on the edge of the region.
+        // The region is grown by 2 um, because paths may lie exactly on its edge.
         let grown = infill_regions.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
@@ -256,7 +256,7 @@ impl FibreSettings {
             path.width = BeadWidth::Constant(self.bead_width_mm);
             let length = path.length_mm();
             tally.longest_mm = tally.longest_mm.max(length);
-            // Tested before turns are rounded: rounding only shortens a path.
+            // Short paths are sorted out before their turns are rounded, since rounding only shortens a path.
             if length < self.min_length_mm || path.points.len() < 2 {
                 tally.short += 1;
                 tally.short_mm += length;
@@ -278,7 +278,7 @@ impl FibreSettings {
         tally
     }
 
-    /// A path whose sharp turns are rounded or cut, in one piece or several.
+    /// Rounds or cuts the sharp turns of a path, as the settings say. The result is one piece or several.
     fn turned(
         &self,
         mut path: Toolpath,
@@ -286,15 +286,15 @@ impl FibreSettings {
         tally: &mut Tally,
     ) -> Vec<Toolpath> {
         if path.closed {
-            // The path is opened at the middle of its longest straight piece, which the rounding of
-            // no turn reaches.
+            // The path is opened at the middle of its longest straight piece, because no rounded turn
+            // reaches that point.
             begin_straight(&mut path);
             let first = path.points[0];
             path.points.push(first);
         }
         let was_closed = std::mem::take(&mut path.closed);
         if self.turns != FibreTurns::Report && self.min_radius_mm > 0.0 {
-            // Fibre that is cut at sharp turns needs no arc there.
+            // A turn that does not fit the least radius is cut later, so it gets no smaller arc.
             let smallest_mm = if self.turns == FibreTurns::Cut { self.min_radius_mm } else { SMALLEST_MM };
             let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, smallest_mm, inside);
             tally.rounded += n_rounded;
@@ -313,7 +313,7 @@ impl FibreSettings {
         vec![path]
     }
 
-    /// Lets a closed path begin where the settings say.
+    /// Moves the start of a closed path to where the settings say, and opens the path there.
     fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, keep_closed: bool) {
         if !path.closed || keep_closed {
             return;
@@ -329,13 +329,13 @@ impl FibreSettings {
             FibreStart::Calm => path.rotate_to(least(load)),
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
-        // Opened with both ends at the same point. The print order then leaves the start as it is.
+        // The path is opened with both ends at its start, so that the print order does not move the start.
         path.points.push(path.points[0]);
         path.closed = false;
     }
 }
 
-/// Makes the middle of the longest straight piece the beginning of a closed path of one width.
+/// Moves the start of a closed path, which has one width, to the middle of its longest straight piece.
 fn begin_straight(path: &mut Toolpath) {
     let length = |i: usize| {
         let (a, b, _) = path.segment(i);
@@ -348,8 +348,8 @@ fn begin_straight(path: &mut Toolpath) {
     path.rotate_to(i + 1);
 }
 
-/// A path cut at its sharp turns. Pieces shorter than a bead's width are left out. Each piece
-/// begins half a bead after the previous cut, so that the two do not read as one path.
+/// Cuts a path at its sharp turns. Pieces shorter than a bead's width are left out. Each piece begins half
+/// a bead after the previous cut, so that its end and the previous piece are not taken for one path.
 fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     let mut pieces = Vec::new();
     let mut from = 0;
@@ -367,7 +367,7 @@ fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     pieces
 }
 
-/// Shortens a line at its beginning. The line has to be longer than `by_mm`.
+/// Removes the length `by_mm` from the beginning of a line, which must be longer than that.
 fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
     while points.len() > 1 {
         let l = points[0].distance(points[1]);

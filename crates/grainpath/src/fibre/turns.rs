@@ -1,26 +1,26 @@
-//! Radii of a path's turns, and rounding turns to a least radius.
+//! Measures the radii of a path's turns, and rounds turns that are sharper than a least radius.
 //!
-//! A polyline stands for a curve: at a vertex that turns by `a` between pieces of length `p` and
-//! `q` the curve has the radius `(p + q) / 4 / tan(a / 2)`, that of the circle which touches both
-//! pieces. Long pieces would make a sharp corner look wide, so the circle may not leave the corner
-//! by more than [`CORNER_MM`].
+//! A polyline stands for a curve. At a vertex that turns by `a` between two segments of length `p` and `q`,
+//! the curve has the radius `(p + q) / 4 / tan(a / 2)`: the circle of this radius touches both segments.
+//! With long segments the circle would make a sharp corner look wide, so it may not leave the corner by
+//! more than [`CORNER_MM`].
 
 use grainpath_core::math::{acos, atan2, cos, cross, direction, rotated, tan};
 use grainpath_core::poly::simplify_line;
 use grainpath_core::{Bounds2, DVec2};
 
-/// Vertices nearer than this to a straight line do not turn it, mm. Source: derived. Coordinates in
-/// G-code are rounded to 0.001 mm, so both ends and the vertex move by up to 0.0007 mm each.
+/// A vertex nearer than this to a straight line does not count as a turn, mm. Source: derived. Coordinates
+/// in G-code are rounded to 0.001 mm, so both ends and the vertex move by up to 0.0007 mm each.
 const ROUNDING_MM: f64 = 5e-3;
 /// Vertices nearer than this to the line between their neighbours are left out, mm. Source:
 /// derived: coordinates with three decimals move a point by at most 0.71 um, so a vertex of a
 /// straight line lies at most 1.41 um off.
 const STRAIGHT_MM: f64 = 1.5e-3;
-/// The arc that stands for a corner stays this near to it, mm.
+/// Greatest distance between a corner and the arc by which its radius is measured, mm.
 const CORNER_MM: f64 = 0.05;
-/// Share of the least radius that a turn must reach. Source: derived: a turn written in chords
-/// within `CHORD_MM` of its circle measures that much less, which is 2 % at a radius of 0.5 mm and
-/// less beyond.
+/// A turn is sharp if its radius is below this share of the least radius. Source: derived: a turn written
+/// as chords within `CHORD_MM` of its circle measures smaller by that amount, which is 2 % at a radius of
+/// 0.5 mm and less at larger radii.
 const SHY: f64 = 0.98;
 /// Greatest turn of an arc, radians. A path that turns back on itself has no space for an arc.
 const MOST_RAD: f64 = 2.6;
@@ -28,15 +28,15 @@ const MOST_RAD: f64 = 2.6;
 /// short chords would bend visibly once their ends are rounded to micrometres.
 /// Source: derived. A chord of 1 mm that is off by 0.01 mm turns by 2 degrees.
 const CHORD_MM: f64 = 1e-2;
-/// Arcs get this multiple of the least radius. Source: derived: chords take away `CHORD_MM`, so 3 %
-/// are enough for radii from 0.33 mm on.
+/// Arcs are laid with this multiple of the least radius. Source: derived: chords reduce the measured radius
+/// by `CHORD_MM`, so 3 % more is enough for radii from 0.33 mm on.
 const WIDER: f64 = 1.03;
 
-/// Radii are tried from the one asked for downwards by this factor. Source: derived; between two of
-/// them the radius is halved into.
+/// The search for a radius that fits multiplies it by this factor in each step. Source: derived; bisection
+/// then refines between the last two radii.
 const SMALLER: f64 = 0.75;
-/// Arcs below this radius are not worth their vertices, mm. Source: derived: such an arc leaves a
-/// right-angled corner by `CORNER_MM`, so it measures as the corner does.
+/// Smallest radius for which an arc is laid, mm. Source: derived: a smaller arc lies within `CORNER_MM` of
+/// a right-angled corner, so its measured radius is the same as the corner's.
 pub const SMALLEST_MM: f64 = 0.12;
 
 /// A turn of a path.
@@ -58,28 +58,28 @@ fn angle(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 
 /// Radius of the turn at `b`, mm; infinite where it goes straight.
 fn radius_mm(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    // A straight line has no radius; half of a turn below this is rounding of the arctangent.
+    // A straight line has no radius; a half angle this small is only a rounding error of the arctangent.
     let half = 0.5 * angle(a, b, c).abs();
     if half < 1e-9 {
         return f64::INFINITY;
     }
-    // Two estimates: the circle that touches both pieces at their middles, and the circle that
-    // comes within `CORNER_MM` of the vertex. Long pieces make the first one too large.
+    // Two estimates: the circle that touches both segments at their middles, and the circle that comes
+    // within `CORNER_MM` of the vertex. Long segments make the first one too large.
     let touching = 0.25 * (a.distance(b) + b.distance(c)) / tan(half).max(0.0);
     let near = CORNER_MM * cos(half) / (1.0 - cos(half));
     touching.min(near)
 }
 
-/// Every turn of a path whose radius is less than this, in order; a closed path does not repeat its
-/// first point.
+/// All turns of a path with a radius below `least_mm`, in order. The points of a closed path do not repeat
+/// the first point at the end.
 pub fn sharp_turns(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
     let all = turns(points, closed);
     all.into_iter().filter(|t| t.radius_mm < SHY * least_mm).collect()
 }
 
-/// Every turn of a path below this radius, in order. Neighbouring vertices that bend the same way
-/// within that radius are one turn, such as the two corners of a hairpin or the chords of an arc;
-/// the sharpest stands for it.
+/// All turns of a path with a radius below `least_mm`, in order. Neighbouring vertices within that distance
+/// that bend to the same side count as one turn, for example the two corners of a hairpin or the chords of
+/// an arc. The sharpest of the vertices is returned.
 pub fn sharp_bends(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
     let all = turns(points, closed);
     let n = points.len();
@@ -88,7 +88,7 @@ pub fn sharp_bends(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
         cross(t.at - a, b - t.at).signum()
     };
     let mut out: Vec<Turn> = Vec::new();
-    // The vertex before, where it is part of the last bend.
+    // The previous vertex, if it belongs to the last bend.
     let mut before: Option<Turn> = None;
     for turn in all {
         if turn.radius_mm >= SHY * least_mm {
@@ -132,8 +132,8 @@ pub fn turns(points: &[DVec2], closed: bool) -> Vec<Turn> {
     out
 }
 
-/// A line without the vertices at which it goes straight on, for instance where a move was divided.
-/// Such vertices would shorten the pieces from which a turn's radius is measured.
+/// Removes the vertices at which a line goes straight on, for instance where a move was divided. Such
+/// vertices would shorten the segments from which a turn's radius is measured.
 fn without_straight(line: Vec<DVec2>) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(line.len());
     for (k, &p) in line.iter().enumerate() {
@@ -153,10 +153,10 @@ fn without_straight(line: Vec<DVec2>) -> Vec<DVec2> {
     out
 }
 
-/// An open line in which turns below the least radius are arcs, and the number of arcs. A turn
-/// becomes an arc only where the arc ends on the line before and after, stays `inside` and does not
-/// cross the line. Corners near each other share one arc. Where an arc of the least radius does not
-/// fit, the largest that does is taken, down to `smallest_mm`.
+/// Replaces the turns of an open line that are below the least radius by arcs, and returns the number of
+/// arcs too. A turn becomes an arc only if the arc begins and ends on the line, stays `inside` and does not
+/// cross the line. Corners near each other share one arc. If an arc of the least radius does not fit, the
+/// largest that fits is taken, down to `smallest_mm`.
 pub fn rounded(
     line: &[DVec2],
     least_mm: f64,
@@ -201,7 +201,7 @@ pub fn rounded(
     (out, n_rounded)
 }
 
-/// The arc of the largest radius that fits, from the least radius asked for down to the smallest.
+/// The arc of the largest radius that fits, between `smallest_mm` and `least_mm`.
 fn largest(least_mm: f64, smallest_mm: f64, fits: &dyn Fn(f64) -> Option<Arc>) -> Option<Arc> {
     if let Some(arc) = fits(least_mm) {
         return Some(arc);
@@ -217,7 +217,7 @@ fn largest(least_mm: f64, smallest_mm: f64, fits: &dyn Fn(f64) -> Option<Arc>) -
             high = low;
         }
     }
-    // Halving the rest four times over finds the radius to 2 %, less than chords take away.
+    // Four bisections find the radius to 2 %, which is less than the loss by the chords.
     for _ in 0..4 {
         let middle = 0.5 * (low + high);
         match fits(middle) {
@@ -228,16 +228,16 @@ fn largest(least_mm: f64, smallest_mm: f64, fits: &dyn Fn(f64) -> Option<Arc>) -
     found
 }
 
-/// An arc in place of some vertices.
+/// An arc that replaces some vertices of the line.
 struct Arc {
     points: Vec<DVec2>,
-    /// Number of points already laid that it replaces.
+    /// How many of the points already laid the arc replaces.
     back: usize,
-    /// The last vertex that it replaces.
+    /// The last vertex of the line that the arc replaces.
     last: usize,
 }
 
-/// The arc that rounds the corner at vertex `i`. It takes in more vertices on both sides until the
+/// The arc that rounds the corner at vertex `i`. Vertices on both sides are added to the corner until the
 /// arc fits.
 fn arc_around(line: &[DVec2], i: usize, out: &[DVec2], floor: usize, least_mm: f64) -> Option<Arc> {
     let (mut back, mut hi) = (0, i);
@@ -246,7 +246,7 @@ fn arc_around(line: &[DVec2], i: usize, out: &[DVec2], floor: usize, least_mm: f
         let before = out[out.len() - 1 - back];
         let first = if back == 0 { line[i] } else { out[out.len() - back] };
         let (last, after) = (line[hi], line[hi + 1]);
-        // Checked in every round, because the turn grows with each vertex taken in.
+        // The turn is checked in every round, because it grows with each vertex added.
         if turn.abs() > MOST_RAD {
             return None;
         }
@@ -258,12 +258,12 @@ fn arc_around(line: &[DVec2], i: usize, out: &[DVec2], floor: usize, least_mm: f
             let d = last - first;
             let (alpha, beta) = (cross(d, v) / sine, cross(u, d) / sine);
             let half = tan(0.5 * turn.abs());
-            // The tangent length of the arc, or more where the vertices in between stick out
-            // farther.
+            // The tangent length of the arc, or more if the replaced vertices lie farther from the meeting
+            // point.
             let reach = (WIDER * least_mm * half).max(alpha).max(beta);
             grow_back = reach - alpha > before.distance(first);
-            // A sharp corner ahead that turns the same way needs its own share of the piece between
-            // the two.
+            // A sharp corner ahead that turns to the same side needs a share of the segment between the two
+            // corners for its own arc.
             let share = line.get(hi + 2).map_or(0.0, |&p| {
                 let next = angle(last, after, p);
                 let alike = next.signum() == turn.signum() && next.abs() < MOST_RAD;
@@ -305,7 +305,7 @@ fn arc(start: DVec2, u: DVec2, turn: f64, radius_mm: f64) -> Vec<DVec2> {
     (0..=n as usize).map(|k| centre + rotated(from, direction(turn * k as f64 / n))).collect()
 }
 
-/// Whether an arc stays inside and meets the line at its ends alone.
+/// Whether an arc stays inside and meets the line only at the arc's ends.
 fn free(arc: &Arc, line: &[DVec2], out: &[DVec2], inside: &dyn Fn(DVec2, DVec2) -> bool) -> bool {
     let points = &arc.points;
     if !points.windows(2).all(|w| inside(w[0], w[1])) {
@@ -316,8 +316,8 @@ fn free(arc: &Arc, line: &[DVec2], out: &[DVec2], inside: &dyn Fn(DVec2, DVec2) 
         let near = Bounds2 { min: a.min(b), max: a.max(b) }.meets(around);
         near && points.windows(2).any(|w| crosses(a, b, w[0], w[1]))
     };
-    // The parts of the line that stay: before the piece on which the arc begins, and after the one
-    // on which it ends.
+    // The parts of the line that remain: up to the segment on which the arc begins, and from the segment on
+    // which it ends.
     let kept = out.len() - arc.back;
     let before = out[..kept].windows(2);
     let after = line[arc.last + 1..].windows(2);

@@ -1,10 +1,10 @@
-//! The direction of a bridge: along the short way between its supports.
+//! Chooses the direction of a bridge: along the short way between its supports.
 //!
-//! Tried are twelve directions in steps of 15 degrees, and the directions along and across the four
-//! longest edges, because most bridges span two parallel walls. For each direction the score is the
-//! share of line length whose both ends lie on the layer below. Among the directions within 1 % of
-//! the best share, the one with the shortest mean free span wins. A bridge that no direction
-//! supports keeps the raster angle of the fill around it.
+//! Twelve directions in steps of 15 degrees are tried, and the directions along and across the four longest
+//! edges, because most bridges span two parallel walls. The score of a direction is the share of line
+//! length on lines with both ends on the layer below. Among the directions within 1 % of the best share,
+//! the one with the shortest mean free span wins. If no direction is supported, the bridge takes the raster
+//! angle of the skins.
 //!
 //! Cost: at most 20 directions times the lines of the bridge, each clipped once.
 
@@ -16,15 +16,15 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::hatch::{Hatch, Joints, Lines};
 
-/// The direction in which most of a bridge's lines lie on the layer below at both ends, and among
-/// such directions the one with the shortest free spans. `None` if no direction has such lines.
+/// The direction in which most of a bridge's lines have both ends on the layer below; among equal
+/// directions the one with the shortest free spans. `None` if no direction has such lines.
 ///
 /// `below` is the section of the layer under the bridge.
 pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Option<f64> {
     let hold = LineClipper::new(below);
     let mut angles: Vec<f64> = (0..12).map(|k| f64::from(k) * PI / 12.0).collect();
-    // The directions of the longer edges: bridges between parallel walls run square to them, or
-    // along their ends.
+    // The directions along and across the longest edges: a bridge between parallel walls runs square to
+    // them, or along its free ends.
     let mut long: Vec<(f64, DVec2)> =
         bridge.contours().flat_map(|c| edges(c)).map(|(a, b)| (a.distance(b), b - a)).collect();
     long.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -52,9 +52,9 @@ fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) 
     for line in hatch.paths(&Joints { longest_mm: 0.0, bulge_mm: 0.0 }) {
         let (a, b) = (line[0], line[line.len() - 1]);
         let length = a.distance(b);
-        // The end of a line lies on the border of the bridge, where "inside the layer below" is
-        // decided by rounding. The test point is moved 0.3 mm outwards, clearly onto the wall that
-        // has to hold the line.
+        // The end of a line lies on the border of the bridge, where rounding decides whether it is inside
+        // the layer below. So the test point is moved 0.3 mm inwards along the line, to where the bridge
+        // still overlaps its support.
         let step = if (b - a).dot(along) > 0.0 { along } else { -along } * 0.3;
         all += length;
         if hold.contains(a + step) && hold.contains(b - step) {
@@ -65,6 +65,6 @@ fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) 
         free += length - over;
         n += 1.0;
     }
-    // A region with no line at all must lose against every other direction, also in the span.
+    // A direction without any line must lose against every other direction, in the free span too.
     if all > 0.0 { (held / all, free / n) } else { (0.0, f64::INFINITY) }
 }

@@ -1,10 +1,10 @@
 //! Concentric infill: loops parallel to the border, from outside inwards.
 //!
-//! Each loop is an offset of the infill region by one more step; below full density the step is the
-//! bead spacing over the density. Offsets are mitred like walls. Loops follow holes too, and the
-//! middle that is left over between them stays open where it is narrower than a bead. Every loop
-//! starts anew: [`Continuous`](super::Continuous) opens them into one path. Cost: one polygon
-//! offset a loop.
+//! Each loop is an offset of the previous one by a step. At full density the step is the bead spacing;
+//! below it the step is the bead spacing over the density. Offsets are mitred like walls. Loops follow
+//! holes too, and the middle between them stays open where it is narrower than a bead. Every loop
+//! starts anew; [`Continuous`](super::Continuous) joins loops into one path. Cost: one polygon offset a
+//! loop.
 
 use grainpath_core::poly::Join;
 use grainpath_core::{Polygon, Region, Toolpath};
@@ -20,7 +20,7 @@ impl Infill for Concentric {
     }
 }
 
-/// Loops in groups of this number of beads side by side.
+/// Lays loops in groups of `beads` side by side.
 pub(super) fn loops(
     context: &FillContext<'_>,
     infill_region: &Polygon,
@@ -31,7 +31,7 @@ pub(super) fn loops(
     let step = beads as f64 * apart / context.density.fraction();
     let across = (beads - 1) as f64 * apart;
     let mut region = Region::from(infill_region.clone());
-    // Below full density the first group keeps its distance from the wall.
+    // Below full density the first group lies half a gap away from the wall.
     let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step - 0.5 * across };
     let mut laid = 0;
     loop {

@@ -1,11 +1,11 @@
-//! Beads along given curves, and new lines between them until no gap is left that a bead fits in.
+//! Lays beads along given curves, and fills the space between them with new lines until no more bead fits in.
 //!
-//! Preset `woodgrain` lays the edges of a photograph with it. Curves come in order of importance. A
-//! curve is cut where it comes nearer to an earlier one than two beads may lie. The open area
-//! between is filled with lines that follow the flow, seeded one spacing beside every line and then
-//! in the remaining gaps (`Jobard1997`). At full density each bead is as wide as the space it has,
-//! within `STRIP` of the spacing. Below full density the spacing follows the density and, if asked
-//! for, the darkness of the picture.
+//! Preset `woodgrain` lays the edges of a photograph in this way. Curves come in order of importance. A
+//! curve is cut where it comes nearer to an earlier curve than beads may lie. The open area between curves
+//! is filled with lines that follow the flow. They start one spacing beside every line, and then in the
+//! remaining gaps (`Jobard1997`). At full density each bead is as wide as its space, within `STRIP` of the
+//! spacing. Below full density the spacing follows the density and, if wanted, the darkness of the
+//! picture.
 //!
 //! Lines keep apart because every point of a new line is looked up among the points of all others
 //! before it is kept. Lengths are in mm. Cost: linear in the points laid; a lookup visits a few
@@ -22,19 +22,19 @@ use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use crate::fill::FillContext;
 
-/// Least distance of a new line's seed from all other lines, as a share of the spacing. Two lines
-/// are then at most twice that share apart, because a wider gap would still take a seed.
+/// Least distance of a new line's seed from all other lines, as a share of the spacing. Two lines are then
+/// at most twice this distance apart, because a wider gap would take another seed.
 const CLOSEST: f64 = 0.75;
-/// A line is followed until it is this share of the closest distance from another one. The share
-/// lies below 1, so that converging lines run side by side for a while before one of them ends.
+/// A line ends where its distance to another line falls to this share of the closest distance. The share is
+/// below 1, so that converging lines run side by side for a while before one of them ends.
 const GO_ON: f64 = 0.72;
 /// Distance of neighbouring points of a line, as a share of the closest distance.
 const STEP: f64 = 0.33;
-/// Longest step along a line, mm: sparse lines bend as finely as dense ones.
+/// Longest step along a line, mm. It lets sparse lines bend as finely as dense ones.
 const LONGEST_STEP_MM: f64 = 0.25;
 /// Narrowest and widest strip of a bead, as shares of the spacing.
 const STRIP: [f64; 2] = [0.6, 1.5];
-/// Points off a chord by less than this are dropped, mm.
+/// Points that lie nearer to a chord than this are dropped, mm.
 const STRAIGHT_MM: f64 = 0.008;
 
 /// The field that lines follow between the given curves.
@@ -71,11 +71,11 @@ pub fn lay_curves(
         border: BorderDistance::new(infill_region, spacing_mm),
         off_border_mm: if context.density.is_dense() { 0.0 } else { 0.5 * spacing_mm },
     };
-    // Shorter lines cost a start and a stop each and hardly show. Sparse fill can drop longer ones,
-    // because its density is made up by the bead width in `sparse_paths`.
+    // Shorter lines hardly show, and each costs a start and a stop. Sparse fill can drop longer lines than
+    // dense fill, because `sparse_paths` makes up for them by the bead width.
     let least_mm = if context.density.is_dense() { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
-    // Given curves first: a line of the flow must give way to the edges of the picture, never the
-    // other way round.
+    // Given curves come first, because lines of the flow must give way to the edges of the
+    // picture.
     layer.take(curves, 2.0 * spacing_mm);
     layer.beside_lines(spacing_mm, least_mm);
     layer.in_gaps(bounds, least_mm);
@@ -92,8 +92,8 @@ pub fn lay_curves(
 struct Line {
     points: Vec<DVec2>,
     closed: bool,
-    /// Added to a point's number in `near`, it gives the point's index in `points`: points laid
-    /// backwards from the seed have negative numbers.
+    /// Index in `points` of the point that has number 0 in `near`. Points laid backwards from the seed have
+    /// negative numbers.
     first: i32,
 }
 
@@ -104,45 +104,45 @@ struct Layout<'a> {
     step_mm: f64,
     lines: Vec<Line>,
     bounds: Bounds2,
-    /// The points of all lines, each with its line and its index in it.
+    /// The points of all lines, each with the line and the point's number on it.
     near: PointGrid2<(u32, i32)>,
     border: BorderDistance,
-    /// Least distance of a seed from the border, mm: below full density a wall already runs along
-    /// the border.
+    /// Least distance of a seed from the border, mm. Below full density it keeps lines away from the wall
+    /// along the border.
     off_border_mm: f64,
 }
 
 impl Layout<'_> {
-    /// The closest distance of lines at a point, mm.
+    /// The least distance between lines at a point, mm.
     fn closest_at(&self, p: DVec2) -> f64 {
-        // The range bounds the contrast of the picture: a black patch may not pull lines closer
-        // than beads can lie, nor a white one leave a visible hole.
+        // The range bounds the contrast of the picture: in a black patch beads would otherwise overlap, and
+        // a white patch would become a visible hole.
         self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
     }
 
-    /// Whether no point of a line is nearer than `distance_mm`, of those that `counts` accepts by line and index.
+    /// Whether every point that `counts` accepts, by line and number, is farther away than `distance_mm`.
     fn open(&self, p: DVec2, distance_mm: f64, counts: impl Fn(u32, i32) -> bool) -> bool {
         !self.near.within(p, distance_mm).any(|(_, (line, index))| counts(line, index))
     }
 
-    /// Number of steps back along a line within which it does not count as its own neighbour: the
-    /// circumference of a circle whose diameter is 1.6 times the closest distance, the tightest
-    /// loop that leaves space inside.
+    /// Points fewer steps back along a line than this do not count as its neighbours. They make the
+    /// circumference of a circle whose diameter is 1.6 times the closest distance: the tightest loop that
+    /// leaves space inside.
     fn lag(&self) -> usize {
         (1.6 * PI * self.closest_mm / self.step_mm).ceil() as usize
     }
 
-    /// Takes what fits of the curves, in their order.
+    /// Lays those parts of the curves that keep the distance to earlier curves.
     fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
         for curve in curves {
             for piece in self.clipper.clip(curve) {
                 let points = resampled(&piece.points, false, self.step_mm);
                 let mut run: Vec<DVec2> = Vec::new();
                 for &p in &points {
-                    // Two thresholds, as in Canny's hysteresis: a run starts only where the curve is
-                    // clear of all others, but goes on through places that are a little too close.
-                    // One threshold would chop a curve at every wobble of its neighbour. Runs kept
-                    // before count too, so that a curve which returns to itself does not cross itself.
+                    // There are two thresholds, as in Canny's hysteresis: a run starts only where the curve
+                    // is clear of all others, but continues through places that are a little too close. A
+                    // single threshold would cut a curve at every small bend of its neighbour. Earlier runs
+                    // of the same curve count as well, so that it cannot cross itself.
                     let share = if run.is_empty() { 0.95 } else { GO_ON };
                     let is_free = self.open(p, share * self.closest_at(p), |_, _| true);
                     if is_free && !self.meets_itself(&run, p) {
@@ -159,7 +159,7 @@ impl Layout<'_> {
     /// Whether a line returns to a place that it passed more than a few steps ago.
     fn meets_itself(&self, run: &[DVec2], p: DVec2) -> bool {
         let lag = self.lag();
-        // Rows are short: a curve of a photograph seldom has more than a few thousand points.
+        // A linear search is enough: a curve of a photograph seldom has more than a few thousand points.
         run.len() > lag
             && run[..run.len() - lag].iter().step_by(2).any(|q| q.distance(p) < 0.9 * self.closest_mm)
     }
@@ -168,7 +168,7 @@ impl Layout<'_> {
         if points.len() > 1 && length_mm(&points, false) >= least_mm {
             let id = self.lines.len() as u32;
             points.iter().enumerate().for_each(|(k, &p)| self.near.insert(p, (id, k as i32)));
-            // A curve that ends in the open goes on along the grain.
+            // A curve that ends in an open area is continued along the field.
             let n = points.len();
             let (first, last) = (points[0], points[n - 1]);
             let heading = (last - points[n.saturating_sub(4)]).normalize_or_zero();
@@ -181,7 +181,7 @@ impl Layout<'_> {
         }
     }
 
-    /// New lines a spacing beside each line, beside those in turn, and so on.
+    /// Seeds new lines one spacing beside each line, then beside the new lines, and so on.
     fn beside_lines(&mut self, spacing_mm: f64, least_mm: f64) {
         let mut next = 0;
         while next < self.lines.len() {
@@ -192,8 +192,8 @@ impl Layout<'_> {
                 let tangent = (points[(k + 1).min(n - 1)] - points[k.saturating_sub(1)]).normalize_or_zero();
                 let p = points[k];
                 for side in [tangent.perp(), -tangent.perp()] {
-                    // A seed lies a full spacing away, although the closest distance would do: a
-                    // line then starts at the spacing wanted, and only converging fields bring it
+                    // A seed lies a full spacing away, although the closest distance would be allowed.
+                    // So a line starts at the wanted spacing, and only a converging field brings it
                     // nearer.
                     let apart = self.closest_at(p) / CLOSEST;
                     self.seed(p + apart * side, least_mm);
@@ -203,13 +203,13 @@ impl Layout<'_> {
         }
     }
 
-    /// Lines through whatever place is still farther from all lines than they may be from each other.
+    /// Seeds lines in all remaining gaps, where the distance to every line is above the closest distance.
     fn in_gaps(&mut self, bounds: Bounds2, least_mm: f64) {
         let step = 0.6 * self.closest_mm;
         let count = |mm: f64| (mm / step) as usize + 1;
         let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
         let first = self.lines.len();
-        // The raster is 0.6 of the closest distance; a place for a line smaller than that may be
+        // Seeds are tried on a raster of 0.6 times the closest distance; a smaller gap may be
         // missed.
         for j in 0..ny {
             for i in 0..nx {
@@ -229,8 +229,8 @@ impl Layout<'_> {
             return;
         }
         let id = self.lines.len() as u32;
-        // The seed is entered before the line is followed, so that both halves see the beginning of
-        // their own line.
+        // The seed is entered before the line is followed, so that each half of the line keeps away from
+        // where the line began.
         self.near.insert(p, (id, 0));
         let (ahead, closed) = self.follow(p, start, 0, 1);
         let back = if closed { Vec::new() } else { self.follow(p, -start, 0, -1).0 };
@@ -239,16 +239,16 @@ impl Layout<'_> {
         if points.len() > 1 && length_mm(&points, false) >= least_mm {
             self.lines.push(Line { points, closed, first });
         } else {
-            // A line given up must not keep others out of the place it tried.
+            // The points of a rejected line must not keep other lines away.
             points.iter().for_each(|&q| {
                 self.near.remove(q, |(line, _)| line == id);
             });
         }
     }
 
-    /// Follows the axis from `p` until it meets the region's border, another line or its own
-    /// beginning, or closes on itself. Returned are the points and whether the line closed. Points
-    /// are numbered from `from` at `p`, in steps of `count`: 1 ahead, -1 backwards.
+    /// Follows the axis from `p` until the line meets the region's border, another line or its own
+    /// beginning, or closes. Returns the points and whether the line is closed. Points are numbered from
+    /// `from` at `p`, in steps of `count`: 1 ahead, -1 backwards.
     fn follow(&mut self, p: DVec2, heading: DVec2, from: i32, count: i32) -> (Vec<DVec2>, bool) {
         let h = self.step_mm;
         let flow = self.flow;
@@ -262,7 +262,7 @@ impl Layout<'_> {
         let (mut at, mut heading) = (p, heading);
         let mut out: Vec<DVec2> = Vec::new();
         for k in 1..MAX_STEPS {
-            // Midpoint rule, second order: with Euler's steps a closed line of a circular field
+            // The midpoint rule is of second order. With Euler's steps a closed line of a circular field
             // would spiral outwards.
             let half = along(at, heading);
             let step = along(at + 0.5 * h * half, half);
@@ -274,21 +274,21 @@ impl Layout<'_> {
             let next = at + h * step;
             let index = from + count * k as i32;
             let own = |i: i32| (i - index).abs() > lag;
-            // The line ends exactly on the border, so that it touches the wall whatever the step.
-            // That last point is left out where it would crowd another line or nearly coincide with
-            // the point before.
+            // The line ends exactly on the border, so that it touches the wall whatever the step. This
+            // last point is left out if it is too near to another line, or nearly equal to the point
+            // before.
             if let Some(hit) = self.clipper.crossings(at, next).first() {
                 let edge = at.lerp(next, hit.t);
                 let clear_mm = GO_ON * self.closest_mm;
-                // Points of this same line count too, unless they are its recent ones.
+                // Points of the same line count too, except its most recent ones.
                 if edge.distance(at) > 0.05 * h && self.open(edge, clear_mm, |line, i| line != id || own(i)) {
                     out.push(edge);
                     self.near.insert(edge, (id, index));
                 }
                 break;
             }
-            // A seed on the border itself crosses no edge on the way out, so the first point is
-            // tested by itself.
+            // A line that starts on the border crosses no edge on its way out, so its first point is tested
+            // separately.
             let b = self.bounds;
             let left = next.cmplt(b.min).any() || next.cmpgt(b.max).any();
             if left || (k == 1 && !self.clipper.contains(next)) {
@@ -314,8 +314,8 @@ impl Layout<'_> {
         (out, false)
     }
 
-    /// For each point of a line, the width of the strip that is its own, mm: half way to the next
-    /// line on either side, or to the border of what is to be filled.
+    /// For each point of a line, the width of its strip, mm. On each side the strip reaches half way to the
+    /// next line, or to the border of the area to be filled.
     fn strips(&self, i: usize, spacing_mm: f64, border_mm: f64) -> Vec<f64> {
         let line = &self.lines[i];
         let n = line.points.len();
@@ -329,8 +329,8 @@ impl Layout<'_> {
                 let d = q - p;
                 let across = cross(tangent, d);
                 let side = usize::from(across > 0.0);
-                // Points ahead or behind on the neighbour are seen at a slant. Only those within 45
-                // degrees of the normal measure the distance across.
+                // Points of the neighbour that lie ahead or behind are seen at a slant. Only those within
+                // 45 degrees of the normal measure the distance across.
                 if d.dot(tangent).abs() < across.abs() {
                     sides[side] = sides[side].min(share * across.abs());
                 }
@@ -346,12 +346,12 @@ impl Layout<'_> {
             });
             let edge = self.border.distance(p);
             if edge < most {
-                // The border is known by its distance alone, without a side. It takes the side on
+                // Only the distance of the border is known, not its side. It is assumed on the side on
                 // which the nearest line is farther away.
                 let side = usize::from(sides[1] > sides[0]);
                 sides[side] = sides[side].min(edge + border_mm);
             }
-            // Each side is bounded by itself: a bead is laid about its centreline, so space on one
+            // Each side has its own lower bound: a bead is symmetric about its centreline, so space on one
             // side cannot be used by the other.
             sides[0].max(least) + sides[1].max(least)
         };
@@ -367,8 +367,8 @@ impl Layout<'_> {
     }
 }
 
-/// Bound on the points of one line, against fields that never end a line. Source: derived: 100 000
-/// steps of 0.25 mm are 25 m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
+/// Most points of one line, in case a field never ends it. Source: derived: 100 000 steps of 0.25 mm are 25
+/// m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
 const MAX_STEPS: usize = 100_000;
 
 /// Distance to the border of an infill region, for points near it.
@@ -383,8 +383,8 @@ impl BorderDistance {
         let mut near = PointGrid2::new(bounds, reach_mm);
         for contour in infill_region.contours() {
             for (a, b) in grainpath_core::poly::edges(contour) {
-                // Points a fifth of the reach apart. The nearest of them is at most a tenth of the
-                // reach off along the border, which makes a distance of half the reach wrong by 2
+                // The points lie a fifth of the reach apart. So the nearest of them is off by at most a
+                // tenth of the reach along the border, and a distance of half the reach is wrong by 2
                 // %.
                 let n = (a.distance(b) / (0.2 * reach_mm)).ceil().clamp(1.0, 1e5) as usize;
                 (0..n).for_each(|k| near.insert(a.lerp(b, k as f64 / n as f64), ()));
@@ -401,7 +401,7 @@ impl BorderDistance {
     }
 }
 
-/// Volume wanted: that of the region and the half strips around it.
+/// The volume to be printed: that of the region and of the strips between it and the wall around it.
 fn wanted_mm3(context: &FillContext<'_>, infill_region: &Polygon) -> f64 {
     // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
     // corners of b x b. Other regions differ in the corners alone.
@@ -418,7 +418,7 @@ fn dense_paths(
     out: &mut Vec<Toolpath>,
 ) {
     let height = context.height_mm;
-    // A bead as wide as its strip has exactly the strip's section.
+    // A bead fills exactly the cross-section of its strip, so the widths of strips give the volume.
     let each = |(line, widths): (&Line, &Vec<f64>)| {
         let mean = |k: usize| 0.5 * (widths[k] + widths[(k + 1) % widths.len()]);
         let n = if line.closed { line.points.len() } else { line.points.len() - 1 };
@@ -426,8 +426,8 @@ fn dense_paths(
         (0..n).map(|k| mean(k) * length(k)).sum::<f64>()
     };
     let laid: f64 = lines.iter().zip(&strips).map(each).sum::<f64>() * height;
-    // The correction evens out the rounding of many strips. A factor outside the range means that
-    // lines are missing, and wider beads elsewhere would not mend that.
+    // The factor corrects for the rounding of many strips. A value outside the range means that lines are
+    // missing; wider beads would not make up for them there.
     let factor = (wanted_mm3(context, infill_region) / laid.max(1e-9)).clamp(0.96, 1.08);
     for (line, strips) in lines.into_iter().zip(strips) {
         let widths: Vec<f64> = strips.iter().map(|s| bead_width_mm(factor * s, height)).collect();
@@ -455,8 +455,8 @@ fn sparse_paths(
         let points = kept.iter().map(|&k| line.points[k]).collect();
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }
-    // Lines are laid whole or not at all, so the length laid misses the density by a little. The
-    // bead width makes up for it, within 15 %.
+    // Lines are laid whole or left out, so the length laid misses the density by a little. The bead width
+    // is corrected for it, by 15 % at most.
     let laid: f64 = out[first..].iter().map(|p| p.volume_mm3(context.height_mm)).sum();
     let factor = (wanted_mm3(context, infill_region) / laid.max(1e-9)).clamp(0.85, 1.15);
     let spacing = factor * context.spacing_mm();
@@ -464,7 +464,7 @@ fn sparse_paths(
     out[first..].iter_mut().for_each(|p| p.width = width.clone());
 }
 
-/// Indices of the points to keep: the line simplification of `douglas1973` for position and width
+/// Indices of the points to keep. The line simplification of `douglas1973` is applied to position and width
 /// together.
 fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
     let n = points.len();
@@ -481,8 +481,8 @@ fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
                 0.0
             };
             let aside = p.distance(a + t * d);
-            // Width counts 0.3 as much as position: half of a width's error lies on each side of
-            // the bead, and no part's outline depends on it.
+            // An error of width counts 0.3 times an error of position: it is shared by the two sides of the
+            // bead, and no outline depends on it.
             let wider = 0.3 * (widths[k] - widths[lo] - t * (widths[hi] - widths[lo])).abs();
             let off = aside.max(wider);
             if off > best.0 { (off, k) } else { best }

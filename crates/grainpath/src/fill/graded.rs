@@ -1,14 +1,15 @@
 //! Infill whose density differs from place to place.
 //!
-//! Each pattern is laid close to the density asked for, and the widths of the beads make up for the rest:
+//! Each pattern is laid close to the wanted density, and the widths of the beads are then adjusted to match it:
 //!
-//! - straight lines (`rectilinear`, `aligned`, `grid`, `triangles`) lie on rasters whose distances double from level to level. The
-//!   coarsest goes through the whole region; where the density is beyond a level, lines of the next one begin halfway
-//!   between, so that no line shifts where levels meet, and lines of all layers lie on each other;
-//! - `gyroid` is traced as the zero of one function, which goes over from a period to half of it where levels meet, so
-//!   that walls run on;
+//! - straight lines (`rectilinear`, `aligned`, `grid`, `triangles`) lie on rasters whose distances double
+//!   from level to level. The coarsest raster covers the whole region. Where the density is above a level,
+//!   lines of the next finer level are added halfway between. So no line is shifted where levels meet, and
+//!   the lines of all layers lie above each other;
+//! - `gyroid` is traced as the zero line of one function, which changes from a period to half of it where
+//!   levels meet, so that the walls continue;
 //! - `honeycomb` is laid level by level, cut where levels meet;
-//! - `stripes` and `streamlines` are evenly spaced streamlines at the distance of each place, and stripes where it is dense.
+//! - `stripes` and `streamlines` are streamlines at the local distance, and stripes where the density is high.
 //!
 //! ```text
 //!    -------------------------   level 2, everywhere
@@ -18,9 +19,10 @@
 //!    -------------------------   level 2
 //! ```
 //!
-//! Where crossing lines would lie closer than `DENSE_FROM`, straight lines fill instead. Last, the widths are fitted: in a window
-//! around each point, of `WINDOW_MM` or two distances between lines, the beads get the volume that is asked for there, within the
-//! widths that a nozzle can lay.
+//! Where the density is above `DENSE_FROM`, straight parallel lines are laid instead of crossing ones. At
+//! last the widths are fitted: in a window around each point, with a side of `WINDOW_MM` or two distances
+//! between lines, the beads get the volume that the density asks for, within the widths that a nozzle can
+//! lay.
 //!
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area.
 
@@ -41,19 +43,19 @@ use super::rectilinear::sparse;
 use super::{FillContext, Honeycomb, Infill, Solid, Streamlines, gyroid};
 use crate::guide::density::DensityMap;
 
-/// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at 0.8 would lie on each
-/// other over 0.16 of the area and more.
+/// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at a
+/// density of 0.8 would overlap over 0.16 of the area and more.
 const DENSE_FROM: f64 = 0.8;
-/// Density of the finest level of crossing lines: its beads are wider by the root of 2 where they meet the dense ones.
+/// Density of the finest level of crossing lines. Its beads are wider by the root of 2 where it meets dense lines.
 const FINEST: f64 = DENSE_FROM / SQRT_2;
 /// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (issue 20).
 const WINDOW_MM: f64 = 5.0;
-/// Distance of the points at which a bead may change its width, mm. Source: derived: a quarter of the window.
+/// Distance between points at which a bead may change its width, mm. Source: derived: a quarter of the window.
 const VERTICES_MM: f64 = 1.25;
 /// Rounds of fitting. Measured: the mean error over cells of 5 mm falls by less than 0.1 % of full in a fourth round.
 const ROUNDS: usize = 3;
-/// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`: lines of sparse infill
-/// hold on to nothing between their ends.
+/// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
+/// lines of sparse infill have no support between their ends.
 const SHORTEST: f64 = 4.0;
 
 /// Fills a region at the densities of a map.
@@ -72,12 +74,12 @@ pub fn fill(
     let dense = if range[1] < DENSE_FROM || one_direction {
         Region::default()
     } else {
-        // No island and no bay narrower than two beads.
+        // Islands and bays narrower than two beads are removed.
         let there = map.at_least(DENSE_FROM, bounds, context.z_mid_mm).intersection(&whole);
         there.opened(s).closed(s).intersection(&whole)
     };
     let rest = if dense.is_empty() { whole } else { whole.difference(&dense) };
-    // Distance between lines at density 1, in beads, for the window.
+    // Distance between lines at density 1, in beads; it sets the size of the window.
     let apart = match pattern {
         Pattern::Stripes | Pattern::Streamlines => {
             along_field(context, map, &rest, &dense, range, out);
@@ -102,7 +104,7 @@ pub fn fill(
         }
     };
     if !pattern.follows_field() {
-        // Every other layer across, as in skins.
+        // Every other layer is turned by 90 degrees, as in skins.
         let odd = (context.z_mid_mm / context.height_mm).floor().rem_euclid(2.0) >= 1.0;
         let angle_rad = context.angle_rad + if odd { FRAC_PI_2 } else { 0.0 };
         let context = FillContext { density: Density::Dense, angle_rad, ..*context };
@@ -111,7 +113,7 @@ pub fn fill(
     fit(&mut out[first..], context, map, infill_region, apart);
 }
 
-/// The density of a level, and the least one at which its lines are laid.
+/// The density of a level, and the least density at which its lines are laid.
 fn level(finest: f64, k: i32) -> (f64, f64) {
     let density = finest / f64::from(1u32 << k);
     (density, density / SQRT_2)
@@ -122,8 +124,8 @@ fn coarsest(finest: f64, least: f64) -> i32 {
     (0..16).find(|&k| level(finest, k).1 <= least).unwrap_or(16)
 }
 
-/// Straight lines in this number of directions, at distances that double from level to level. The number of beads between lines
-/// at density 1.
+/// Lays straight lines in this number of directions, at distances that double from level to level. Returns
+/// the distance between lines at density 1, in beads.
 fn levels(
     context: &FillContext<'_>,
     map: &DensityMap,
@@ -144,10 +146,10 @@ fn levels(
     for k in (0..last).filter(|&k| most >= level(finest, k).1) {
         let there = map.at_least(level(finest, k).1, bounds, context.z_mid_mm).intersection(region);
         for (angle_rad, polygon) in angles().flat_map(|a| there.polygons.iter().map(move |p| (a, p))) {
-            // Halfway between the lines of the level before.
+            // These lines lie halfway between those of the next coarser level.
             let first_mm = rotated(context.part.centre(), direction(-angle_rad)).y + step_mm(k);
             let lines = Lines { angle_rad, first_mm, step_mm: 2.0 * step_mm(k) };
-            // A joint would cross a line of the level before.
+            // Ends are not joined, because a joint would cross a line of the coarser level.
             let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0 };
             for points in Hatch::new(polygon, lines).paths(&joints) {
                 let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
@@ -160,7 +162,7 @@ fn levels(
     n
 }
 
-/// Hexagons whose sides double from level to level.
+/// Lays hexagons whose sides double from level to level.
 fn bands(
     context: &FillContext<'_>,
     map: &DensityMap,
@@ -183,7 +185,7 @@ fn bands(
     }
 }
 
-/// A direction field that asks for the distances of a map.
+/// A direction field with the line distances that a density map asks for.
 struct Spaced<'a> {
     field: &'a dyn DirectionField,
     map: &'a DensityMap,
@@ -200,7 +202,7 @@ impl DirectionField for Spaced<'_> {
     }
 }
 
-/// Lines along the field: evenly spaced streamlines, and stripes where they are dense.
+/// Lays lines along the field: evenly spaced streamlines, and stripes where the density is high.
 fn along_field(
     context: &FillContext<'_>,
     map: &DensityMap,
@@ -220,13 +222,13 @@ fn along_field(
         let Some(bounds) = polygon.bounds() else { continue };
         let [low, high] = map.range_in(bounds, context.z_mid_mm);
         let share = 0.5 * (low.max(DENSE_FROM) + high);
-        // Nearly dense lines are laid dense: the widths take the rest.
+        // A nearly dense region is laid dense; the bead widths make up for the difference.
         let share = Density::new(if share > 0.95 { 1.0 } else { share }).fraction();
         stripes::spaced(context, polygon, share, out);
     }
 }
 
-/// Sums over rectangles of a grid.
+/// Table from which the sum over any rectangle of a grid is read.
 struct Sums {
     nx: usize,
     ny: usize,
@@ -246,7 +248,7 @@ impl Sums {
         Self { nx, ny, sums }
     }
 
-    /// The sum over the cells within `half` cells of a place given in cells.
+    /// The sum over a square that reaches `half` cells to each side of `p`, which is given in cells.
     fn around(&self, p: DVec2, half: f64) -> f64 {
         let cut = |v: f64, n: usize| v.round().clamp(0.0, n as f64) as usize;
         let [x0, x1] = [p.x - half, p.x + half].map(|v| cut(v, self.nx));
@@ -256,8 +258,8 @@ impl Sums {
     }
 }
 
-/// Gives beads the widths with which the volume around each of their points is what is asked for there, within what can be
-/// printed. `apart` is the distance between lines at density 1, in beads.
+/// Sets the widths of beads so that the volume around each of their points matches the density map, within
+/// the printable widths. `apart` is the distance between lines at density 1, in beads.
 fn fit(
     paths: &mut [Toolpath],
     context: &FillContext<'_>,

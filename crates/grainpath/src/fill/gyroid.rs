@@ -1,14 +1,14 @@
 //! Gyroid infill: sections of the surface `sin x cos y + sin y cos z + sin z cos x = 0`.
 //!
-//! At a height `z` the section consists of waves that run along x or along y, whichever the phase
-//! favours; from layer to layer they turn into each other, so no straight line of weakness runs
-//! through the part. For a given `z` the equation is solved for the coordinate across in closed
-//! form (two branches), 24 points a period.
+//! At a height `z` the section consists of waves along x or along y, depending on the phase of `z`. From
+//! layer to layer one kind turns into the other, so no straight plane of weakness runs through the part.
+//! For a given `z` the equation is solved for the coordinate across the waves in closed form, with two
+//! solutions, at 24 points a period.
 //!
-//! The density fixes the period: the mean length of all waves in a unit of area, over all heights,
-//! is integrated once numerically. The period is then chosen so that length times bead area is the
-//! density asked for. Source of the surface: `Schoen1970`. Lengths are in mm, phases in radians.
-//! Cost: linear in the length of the waves.
+//! The density decides the period. The mean length of all waves per unit area, over all heights, is
+//! integrated once numerically. The period is chosen so that this length times the bead's cross-section
+//! gives the density. Source of the surface: `Schoen1970`. Lengths are in mm, phases in radians. Cost:
+//! linear in the length of the waves.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -32,15 +32,15 @@ const POINTS: usize = 24;
 impl Infill for Gyroid {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let Some(bounds) = infill_region.bounds() else { return };
-        // Length per area falls as 1 / unit, so the unit of the phase is a bead's spacing times the
-        // length density, over the density asked for.
+        // The length per area is proportional to 1 / unit. So the unit of the phase is the bead spacing
+        // times the length per area at unit 1, over the density.
         let unit_mm = context.spacing_mm() * length_density() / context.density.fraction();
         let clipper = LineClipper::new(&Region::from(infill_region.clone()));
         let z = context.z_mid_mm / unit_mm;
         for wave in waves(bounds.grown(0.1), unit_mm, z) {
             for piece in clipper.clip(&wave) {
                 let path = Toolpath::new(piece.points, context.bead_width_mm, context.role, false);
-                // A piece shorter than it is wide is a dot.
+                // A piece shorter than its width would only be a dot.
                 if path.length_mm() > context.bead_width_mm {
                     out.push(path);
                 }
@@ -49,11 +49,11 @@ impl Infill for Gyroid {
     }
 }
 
-/// Gyroid whose period halves where the density of the map passes from a level to the next; `levels` are their densities, the
-/// shortest period first.
+/// Lays a gyroid whose period halves where the map's density passes from one level to the next. `levels`
+/// are the densities of the levels, the shortest period first.
 ///
-/// There the section is that of both surfaces, mixed over a band of densities, so that waves run on from one to the
-/// other. Widths are left to the caller.
+/// Between two levels the section is a mixture of both surfaces over a band of densities, so that waves
+/// continue from one to the other. The caller sets the widths.
 pub(super) fn graded(
     context: &FillContext<'_>,
     map: &DensityMap,
@@ -88,7 +88,7 @@ pub(super) fn graded(
             let ((sx, cx), (sy, cy)) = (x[i], y[j]);
             sx * cy + sy * cz + sz * cx
         };
-        // Between two levels the finer one holds down to the root of a half of its density.
+        // The finer of two levels is used down to its density divided by the root of 2.
         let finer = levels.iter().rposition(|&level| level >= density).unwrap_or(0);
         let coarser = (finer + 1).min(levels.len() - 1);
         let share = 0.5 + (std::f64::consts::FRAC_1_SQRT_2 - density / levels[finer]) / MIXED;
@@ -105,7 +105,7 @@ pub(super) fn graded(
         for piece in clipper.clip(&points) {
             let points = simplify_line(&piece.points, 0.02);
             let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
-            // Where two levels meet, small rings come off.
+            // Small rings that arise where two levels meet are left out.
             if path.length_mm() > 6.0 * context.bead_width_mm {
                 out.push(path);
             }
@@ -113,17 +113,18 @@ pub(super) fn graded(
     }
 }
 
-/// Nodes over a period of the finest level. Source: derived: marching squares put a sine's zeros off by a share
-/// (2 pi / 16)^2 / 8 of its amplitude, 2 %, which is 5 um there.
+/// Nodes in a period of the finest level. Source: derived: marching squares misplace a sine's zeros by a
+/// share of (2 pi / 16)^2 / 8 of its amplitude, 2 %, which is 5 um there.
 const MIXED_POINTS: f64 = 16.0;
-/// Most nodes of a section. Source: derived: as in `mask` of core.
+/// Largest number of grid nodes for a section. Source: derived: as in `mask` of core.
 const MOST_NODES: f64 = 1.5e6;
-/// Band of densities over which two levels mix, as a share of the finer one. Source: derived: from one level to the next there is
-/// half of it, and a third leaves both levels pure for most of their range.
+/// Band of densities over which two levels mix, as a share of the finer level. Source: derived: two levels
+/// differ by half of the finer one, and a band of a third of that leaves both levels pure for most of their
+/// range.
 const MIXED: f64 = 0.16;
 
-/// The curves of the section at phase `z` over the bounds: functions of x, or of y where the waves
-/// run upright.
+/// The curves of the section at phase `z` within the bounds. Each is a function of x, or of y if the waves
+/// run along y.
 fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
     let (sz, cz) = sin_cos(z);
     let upright = sz.abs() > cz.abs();
@@ -132,7 +133,7 @@ fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
     let step = TAU / POINTS as f64;
     let (first, last) = ((along[0] / step).floor() as i64, (along[1] / step).ceil() as i64);
     let mut out = Vec::new();
-    // Each period across holds two curves; a curve wanders by less than a period.
+    // Each period across the waves holds two curves, and a curve deviates from its place by less than a period.
     let (low, high) = ((across[0] / TAU).floor() as i64 - 1, (across[1] / TAU).ceil() as i64 + 1);
     for (k, second) in (low..=high).flat_map(|k| [(k, false), (k, true)]) {
         let curve: Vec<DVec2> = (first..=last)
@@ -142,22 +143,22 @@ fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
                 (if upright { DVec2::new(v, u) } else { DVec2::new(u, v) }) * unit_mm
             })
             .collect();
-        // Every other wave runs backwards, so that the travel from the end of one to the start of
-        // the next is short.
+        // Every other wave is reversed, so that the travel from the end of one wave to the start of the
+        // next is short.
         out.push(if k.rem_euclid(2) == 0 { curve } else { curve.into_iter().rev().collect() });
     }
     out
 }
 
-/// One of the two solutions of the slice's equation for the coordinate across, given the one along.
+/// One of the two solutions of the section's equation: the coordinate across the waves for `u` along them.
 fn branch(u: f64, sz: f64, cz: f64, upright: bool, second: bool) -> f64 {
     // a sin v + b cos v + c = 0
     let (a, b, c) = if upright { (cos(u), sz, sin(u) * cz) } else { (cz, sin(u), sz * cos(u)) };
-    // Where a and b vanish together every coordinate solves the equation; the floor only keeps the
-    // division finite.
+    // Where a and b are both zero, every coordinate solves the equation; the lower bound only avoids a
+    // division by zero.
     let r = (a * a + b * b).sqrt().max(1e-12);
     let angle = asin((-c / r).clamp(-1.0, 1.0));
-    // The phase is kept continuous along the curve: it wanders within a half turn of where cz or sz puts it.
+    // The phase is continuous along the curve: it stays within half a turn of the value that cz or sz gives.
     let phase = if upright {
         // a = cos u changes sign along the curve, b = sz does not.
         PI / 2.0 * sz.signum() - atan2(a, b.abs()) * sz.signum()
@@ -168,11 +169,11 @@ fn branch(u: f64, sz: f64, cz: f64, upright: bool, second: bool) -> f64 {
     if second { PI - angle - phase } else { angle - phase }
 }
 
-/// Length of the curves in a unit of area, mean over all heights, in units of the phase.
+/// Mean length of the curves per unit area over all heights, in units of the phase.
 fn length_density() -> f64 {
     static DENSITY: OnceLock<f64> = OnceLock::new();
     *DENSITY.get_or_init(|| {
-        // Heights of the midpoint rule. Measured: with 64 heights and 256 points a period the
+        // Number of heights in the midpoint rule. Measured: with 64 heights and 256 points a period the
         // length is 0.39089, with 512 and 1024 it is 0.39131, 0.1 % more.
         const N: usize = 64;
         let mut sum = 0.0;

@@ -1,9 +1,9 @@
-//! Parallel lines in a polygon, and the pieces of border that join their ends.
+//! Cuts parallel lines by a polygon, and joins their ends along pieces of the border.
 //!
-//! Lines are rows of equal distance in a turned frame. Each edge of the polygon is cut by the rows
-//! it spans; the cuts of a row, sorted along it, are the ends of its pieces two by two. Along the
-//! border the ends are linked to their neighbours, so a zigzag follows a piece to its end, the
-//! border to the next free end if that is near enough ([`Joints`]), and the next piece back.
+//! Lines are rows at equal distances in a turned frame. Each edge of the polygon is cut by the rows that it
+//! spans. The cuts of a row are sorted along it, and each pair of them holds the ends of a piece. Every end
+//! is linked to its neighbours along the border. So a zigzag follows a piece to its end, then the border to
+//! the next free end if that is near enough ([`Joints`]), and then the next piece back.
 //!
 //! ```text
 //!    +--------+         A joint may not be longer than stated, nor bulge towards the
@@ -26,12 +26,12 @@ pub(super) struct Lines {
     pub step_mm: f64,
 }
 
-/// Rows that lie side by side in place of each line, the middle of the group on the line.
+/// Rows that replace each line: they lie side by side, with the middle of the group on the line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Group {
-    /// Number of rows; 1 for the line alone.
+    /// Number of rows in a group; 1 means the line alone.
     pub rows: usize,
-    /// Distance of neighbouring rows, mm.
+    /// Distance between neighbouring rows, mm.
     pub apart_mm: f64,
 }
 
@@ -42,7 +42,7 @@ impl Group {
         if self.rows == 1 {
             return ((y - lines.first_mm) / lines.step_mm).ceil();
         }
-        // From the lowest row of the group of line 0.
+        // Height above the lowest row of line 0's group.
         let above = y - lines.first_mm + 0.5 * (n - 1.0) * self.apart_mm;
         let group = (above / lines.step_mm).floor();
         let within = ((above - group * lines.step_mm) / self.apart_mm).ceil();
@@ -66,33 +66,33 @@ struct End {
     line: i32,
     x: f64,
     contour: u32,
-    /// Edge index plus share of the edge: the place along the contour.
+    /// Place along the contour: the number of the edge plus the share of the edge before the end.
     at: f64,
     /// The neighbouring ends along the contour, backwards and forwards.
     along: [u32; 2],
 }
 
-/// All lines of a polygon, cut by it.
+/// All pieces of lines inside a polygon.
 pub(super) struct Hatch {
     axis: DVec2,
     lines: Lines,
     group: Group,
     contours: Vec<Vec<DVec2>>,
-    /// Two by two the ends of each piece: 2k on the left, 2k + 1 on the right; pieces by line, then by x.
+    /// The ends of piece k: 2k on the left, 2k + 1 on the right. Pieces are sorted by line, then by x.
     ends: Vec<End>,
 }
 
 /// Which joints between lines are allowed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joints {
-    /// The longest piece of border followed, mm.
+    /// Longest piece of border that a joint may follow, mm.
     pub longest_mm: f64,
-    /// A joint from a line back to itself may bulge this far towards the next, mm.
+    /// A joint that returns to its own row may bulge this far towards the next row, mm.
     pub bulge_mm: f64,
 }
 
 impl Hatch {
-    /// Cuts the lines by the polygon: linear in edges and ends but for a sort.
+    /// Cuts the lines by the polygon. Cost: linear in edges and ends, except for a sort.
     pub(super) fn new(polygon: &Polygon, lines: Lines) -> Self {
         Self::in_groups(polygon, lines, &Group { rows: 1, apart_mm: lines.step_mm })
     }
@@ -106,7 +106,7 @@ impl Hatch {
         let mut ends = Vec::new();
         for (c, contour) in contours.iter().enumerate() {
             for (e, (a, b)) in grainpath_core::poly::edges(contour).enumerate() {
-                // Half-open interval: a vertex on a row counts for the edge that leaves it upwards.
+                // The interval is half-open: a vertex on a row belongs to the edge that leaves it upwards.
                 let [low, high] = [a.y.min(b.y), a.y.max(b.y)].map(|y| group.first_row_from(y, &lines));
                 let mut line = low;
                 while line < high {
@@ -126,8 +126,8 @@ impl Hatch {
                 }
             }
         }
-        // Pieces are ends two by two of a row, from left to right. Ties are broken by contour and
-        // place, so that the order is the same on every platform.
+        // After sorting, each two ends of a row from left to right form a piece. Ties are broken by contour
+        // and place, so that the order is the same on every platform.
         ends.sort_by(|a, b| {
             let by_line = a.line.cmp(&b.line).then(a.x.total_cmp(&b.x));
             by_line.then(a.contour.cmp(&b.contour)).then(a.at.total_cmp(&b.at))
@@ -174,8 +174,8 @@ impl Hatch {
                 continue;
             }
             let mut path = Vec::new();
-            // The first piece is walked to the right. After a joint the path enters the next piece
-            // at the end it reached.
+            // The first piece is followed to the right. After a joint the path enters the next piece at the
+            // end that the joint reached.
             let mut enter = 2 * first;
             loop {
                 used[enter / 2] = true;
@@ -198,13 +198,13 @@ impl Hatch {
         out
     }
 
-    /// From the end of a piece along the border to the end of one not used yet; adds the border's points.
+    /// Finds the next unused end along the border from the end of a piece, and adds the border's points.
     fn onward(&self, leave: usize, used: &[bool], joints: &Joints, path: &mut Vec<DVec2>) -> Option<usize> {
         let end = &self.ends[leave];
         let candidates = [1usize, 0].map(|forwards| {
             let next = end.along[forwards] as usize;
-            // A neighbour two rows away means that the border skips a row: the joint would cross
-            // that row's bead.
+            // A neighbour two rows away means that the border skips a row, and the joint would cross the
+            // bead of that row.
             if next == leave || used[next / 2] {
                 return None;
             }
@@ -221,8 +221,8 @@ impl Hatch {
                 from = p;
             }
             let allowed = length <= joints.longest_mm && (other.line != end.line || bulge <= joints.bulge_mm);
-            // Upwards before downwards, because the sweep begins at the lowest row; among equals
-            // the shorter way.
+            // A joint upwards is preferred, because the sweep begins at the lowest row. Of two joints in
+            // the same direction the shorter one is taken.
             allowed.then_some((other.line <= end.line, length, next, between))
         });
         let best = candidates.into_iter().flatten().min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
@@ -234,7 +234,7 @@ impl Hatch {
     fn between(&self, from: &End, to: &End, forwards: bool) -> Vec<DVec2> {
         let contour = &self.contours[from.contour as usize];
         let n = contour.len();
-        // An end on the contour's last vertex is at the end of its last edge.
+        // An end on the contour's last vertex belongs to the last edge.
         let edge = |end: &End| (end.at as usize).min(n - 1);
         let (a, b) = (edge(from), edge(to));
         let mut out = Vec::new();

@@ -1,8 +1,8 @@
 //! Honeycomb infill: regular hexagons, the same in every layer.
 //!
-//! Each path is a wave of flats and ramps; neighbouring waves lie mirrored, so that their flats lie
-//! side by side as one wall two beads thick and their ramps bound the hexagons. Printed as waves
-//! the pattern has no stops and no crossing:
+//! Each path is a wave of flats and ramps. Neighbouring waves are mirrored, so that their flats lie side by
+//! side as a wall two beads thick and their ramps bound the hexagons. Printed as waves, the pattern has no
+//! crossings and no stops within a wave:
 //!
 //! ```text
 //!     __      __            __      __
@@ -10,8 +10,8 @@
 //!    \__/  \_\__/  \_
 //! ```
 //!
-//! The side of a hexagon follows from the density, counting the double walls once each. Cost:
-//! linear in the waves.
+//! The side of a hexagon follows from the density; of a double wall each bead counts once. Cost: linear in
+//! the waves.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::LineClipper;
@@ -24,15 +24,15 @@ pub struct Honeycomb;
 
 impl Infill for Honeycomb {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-        // Cells smaller than a bead cannot be told from solid infill.
+        // Cells smaller than a bead would be the same as solid infill, so lines are laid.
         if !waves(context, infill_region, 1, out) {
             super::Rectilinear.fill(context, infill_region, out);
         }
     }
 }
 
-/// The middles of waves that are this number of beads wide. False, and no wave, where the sides of the
-/// hexagons would be shorter than a wave is wide.
+/// Lays the centrelines of waves that are this number of beads wide. Returns false, and lays nothing, if
+/// the sides of the hexagons would be shorter than the width of a wave.
 pub(super) fn waves(
     context: &FillContext<'_>,
     infill_region: &Polygon,
@@ -69,7 +69,7 @@ pub(super) fn waves(
                 wave.push(rotated(DVec2::new(x + dx, y + dy) + centre, axis));
             }
         }
-        // Every other wave runs backwards: the next one then starts where this one ends.
+        // Every other wave is reversed, so that it starts near the end of the wave before.
         if k.rem_euclid(2) == 1 {
             wave.reverse();
         }

@@ -1,7 +1,7 @@
-//! Fill: beads inside the walls.
+//! Infill patterns: they lay beads inside the walls.
 //!
-//! A pattern gets the area in which centrelines may lie and lays paths there; it never looks at
-//! other layers. Density is the volume of the beads over the volume of the area they fill.
+//! A pattern gets the area in which centrelines may lie, and lays paths there; it never looks at other
+//! layers. The density is the volume of the beads over the volume of the area to be filled.
 
 mod bridge;
 mod concentric;
@@ -33,27 +33,27 @@ pub use rectilinear::{Crossed, Rectilinear, Solid};
 pub use side_by_side::SideBySide;
 pub(crate) use spiral::join_rings;
 
-/// The layer as a pattern needs it.
+/// What a pattern needs to know of a layer.
 #[derive(Clone, Copy)]
 pub struct FillContext<'a> {
-    /// Middle of the layer above the plate, mm.
+    /// Height of the layer's middle above the plate, mm.
     pub z_mid_mm: f64,
     /// Thickness of the layer, mm.
     pub height_mm: f64,
     /// Full width of a bead, mm.
     pub bead_width_mm: f64,
-    /// Density; a fraction lies above 0.
+    /// Density of the infill; the fraction is above 0.
     pub density: Density,
     /// Direction of the lines from +X, radians.
     pub angle_rad: f64,
-    /// The whole part in plan, so that lines of different islands and layers line up.
+    /// Bounds of the whole part in plan. They align the lines of different islands and layers.
     pub part: Bounds2,
     /// Role of the paths.
     pub role: Role,
-    /// Distance from the area for centrelines to the edge of the area to be filled, mm: to the
-    /// strips around it.
+    /// Distance from the area for centrelines to the edge of the area to be filled, mm. At that edge the
+    /// strips of the surrounding beads begin.
     pub border_mm: f64,
-    /// Ends of beads along a field where they meet the border.
+    /// How beads along a field end at the border: joined or open.
     pub ends: BeadEnds,
     /// Whether beads along a field widen and narrow with the space they have.
     pub widths: BeadWidths,
@@ -62,7 +62,7 @@ pub struct FillContext<'a> {
 }
 
 impl FillContext<'_> {
-    /// Distance of neighbouring beads that touch, mm.
+    /// Distance between the centrelines of beads that touch, mm.
     pub fn spacing_mm(&self) -> f64 {
         grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
     }
@@ -70,10 +70,10 @@ impl FillContext<'_> {
 
 /// Fills one polygon of one layer with paths whose centrelines stay inside it.
 ///
-/// The result depends on the polygon and the context alone. Whatever needs other layers, such as
-/// bridges and skins, is decided before.
+/// The result depends only on the polygon and the context. Everything that depends on other layers, such as
+/// bridges and skins, has been decided before.
 pub trait Infill: Send + Sync {
-    /// Adds paths to `out`; none where no path fits.
+    /// Adds paths to `out`, or nothing if no path fits.
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>);
 }
 

@@ -1,13 +1,13 @@
-//! Straight lines: sparse in one or several directions, and dense.
+//! Straight lines: sparse infill in one or several directions, and solid infill.
 //!
-//! Sparse lines lie on a raster of the whole part, so that islands and layers line up; their
-//! distance is the bead spacing over the density, in `n` directions `n` times that. Dense lines are
-//! placed region by region ([`spaced`]) and their width follows the spacing, so that the volume
-//! laid is the volume of the region. Neighbouring lines are joined at their ends along the border
-//! where that is short ([`Joints`]), which turns a raster into few zigzag paths.
+//! Sparse lines lie on a raster of the whole part, so that islands and layers line up. Their distance is
+//! the bead spacing over the density; with `n` directions it is `n` times that. Solid lines are placed for
+//! each region ([`spaced`]), and their width follows the spacing, so that the volume laid equals the volume
+//! of the region. Ends of neighbouring lines are joined along the border if the joint is short
+//! ([`Joints`]), so a raster becomes a few zigzag paths.
 //!
-//! Units: mm, radians from +X. Cost: linear in the lines; a line is clipped by a scan over the
-//! edges of the region.
+//! Units: mm, radians from +X. Cost: linear in the lines and in the edges of the region, except for sorting
+//! the ends of each line.
 
 use std::f64::consts::PI;
 
@@ -27,9 +27,9 @@ pub struct Crossed {
     pub directions: usize,
 }
 
-/// Lines that fill an infill region: the outermost lie along its borders where those run with the
-/// lines, the others evenly between. The bead width follows the spacing, so that the volume laid is
-/// the volume of the region.
+/// Lines that fill an infill region. The outermost lines lie along its borders where these are parallel to
+/// the lines, and the others evenly between them. The bead width follows the spacing, so that the volume
+/// laid equals the volume of the region.
 pub struct Solid;
 
 impl Infill for Rectilinear {
@@ -52,7 +52,7 @@ impl Infill for Crossed {
     }
 }
 
-/// Sparse lines in this number of directions, each line of this number of beads side by side.
+/// Lays sparse lines in this number of directions, each line with this number of beads side by side.
 pub(super) fn crossed(
     context: &FillContext<'_>,
     infill_region: &Polygon,
@@ -68,7 +68,7 @@ pub(super) fn crossed(
     }
 }
 
-/// Lines whose position depends on the part alone, whatever the region.
+/// Lays lines whose position depends only on the part, not on the region.
 pub(super) fn sparse(
     context: &FillContext<'_>,
     infill_region: &Polygon,
@@ -85,9 +85,10 @@ pub(super) fn sparse(
     let apart_mm = context.spacing_mm();
     let lines = Lines { angle_rad, first_mm, step_mm };
     let hatch = Hatch::in_groups(infill_region, lines, &Group { rows: beads, apart_mm });
-    // Along a steep border two rows are joined by about one step; 1.8 steps allow borders down to
-    // 34 degrees from the lines. A longer joint would double the wall's bead for nothing.
-    // A joint that returns to its own row may bulge half the way to the next row, which lies side by side in a group.
+    // Along a border square to the lines a joint of two rows is one step long; 1.8 steps allow borders down
+    // to 34 degrees from the lines. A longer joint would lay a second bead along the wall for nothing. A
+    // joint that returns to its own row may bulge half way to the next row, which in a group lies one bead
+    // away.
     let bulge_mm = 0.5 * if beads > 1 { apart_mm } else { step_mm };
     let joints = Joints { longest_mm: 1.8 * step_mm, bulge_mm };
     let width = context.bead_width_mm;
@@ -104,9 +105,9 @@ impl Infill for Solid {
         };
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
         let paths = Hatch::new(infill_region, lines).paths(&joints);
-        // The volume laid is the volume of the region. Joints and line ends overlap their
-        // neighbours, so the beads get a little thinner. Beads are wider than their spacing, so no
-        // gap opens between them.
+        // The volume laid equals the volume of the region. Joints and line ends overlap their neighbours,
+        // so beads become a little narrower. No gap opens between them, because beads are wider than their
+        // spacing.
         let length: f64 = paths.iter().flat_map(|p| p.windows(2)).map(|w| w[0].distance(w[1])).sum();
         // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
         // corners of b x b.

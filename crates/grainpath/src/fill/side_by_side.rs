@@ -1,11 +1,11 @@
 //! Several beads side by side in each line of a sparse pattern.
 //!
-//! The beads of a line weld to each other, and in the layer the line bends `n^2` times less than as many single lines: its
-//! second moment of area grows with the cube of its width. Lines are `n` times as far apart as single ones, so that the
-//! volume stays what the density says.
+//! The beads of a line weld to each other. Compared with as many single lines, the line bends `n^2` times
+//! less within the layer, because its second moment of area grows with the cube of its width. Lines are `n`
+//! times as far apart as single lines, so that the volume still matches the density.
 //!
-//! Straight lines become `n` rows of one zigzag, a bead's spacing `s` apart. Loops along the border come in groups of
-//! `n`. Around every other line, nested loops are laid:
+//! Each straight line becomes `n` rows of a zigzag, one bead spacing `s` apart. Loops of `concentric` come
+//! in groups of `n`. Lines of the other patterns are surrounded by nested loops:
 //!
 //! ```text
 //!      ______________________      border of the region
@@ -13,11 +13,12 @@
 //!     | |  | |      | |  | |       one 0.5 s; for an odd n the line itself is the middle bead
 //! ```
 //!
-//! Loop `r` from its line is the border of all that lies within `r` of any line, cut by the region shrunk by `R - r`, where
-//! `R` is the radius of the outermost loop. So loops of lines that meet run around both, no two loops cross, and their
-//! ends lie side by side along the border too. Units: mm. Cost: `n / 2` unions of the bands around all lines, n log n in
-//! their vertices. Limits: where lines come nearer to each other than their own width, as streamlines may, beads are
-//! left out, and the density comes out lower.
+//! The loop at distance `r` from a line is the border of the area within `r` of any line, cut by the region
+//! shrunk by `R - r`, where `R` is the distance of the outermost loop. So where lines meet, loops run
+//! around both of them, no two loops cross, and their ends lie side by side along the border too. Units:
+//! mm. Cost: `n / 2` unions of the bands around all lines, n log n in their vertices. Limits: where lines
+//! come nearer to each other than their own width, as streamlines may, beads are left out, and the density
+//! is too low.
 
 use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath};
@@ -28,14 +29,14 @@ use super::{FillContext, Infill, concentric, honeycomb, infill, rectilinear};
 /// A pattern whose sparse lines are several beads wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SideBySide {
-    /// The pattern.
+    /// The pattern of the lines.
     pub pattern: Pattern,
     /// Number of beads in a line.
     pub beads: usize,
 }
 
-/// Shorter loops are left out, in bead widths. Source: derived. The loop around a line that is a point has a length of pi
-/// widths; a shorter one has no middle.
+/// Shorter loops are left out, in bead widths. Source: derived. A loop around a line as short as a point
+/// has a length of pi widths; a shorter loop encloses no free area.
 const SHORTEST_LOOP: f64 = 3.0;
 
 impl Infill for SideBySide {
@@ -54,7 +55,7 @@ impl Infill for SideBySide {
             Pattern::Honeycomb => {
                 let room = self.beyond(context, infill_region);
                 let mut lines = Vec::new();
-                // Hexagons with sides shorter than a line is wide are no hexagons.
+                // If the sides of the hexagons are shorter than the width of a line, straight lines are laid instead.
                 if room.iter().all(|p| honeycomb::waves(context, p, n, &mut lines)) {
                     self.loops(context, infill_region, &lines, out);
                 } else {
@@ -75,11 +76,11 @@ impl Infill for SideBySide {
                 let field = own.as_ref().map(|own| own as &dyn DirectionField);
                 let wider = FillContext { density: self.share(context), field, ..*context };
                 let mut lines = Vec::new();
-                // The field is known in the region alone, so lines end at its border.
+                // The field is known only inside the region, so lines end at its border.
                 infill(self.pattern).fill(&wider, infill_region, &mut lines);
                 self.loops(context, infill_region, &lines, out);
             }
-            // Refused when a job is read.
+            // The job's reader refuses several beads for these patterns.
             Pattern::SeedLines | Pattern::Continuous => {
                 infill(self.pattern).fill(context, infill_region, out);
             }
@@ -88,18 +89,18 @@ impl Infill for SideBySide {
 }
 
 impl SideBySide {
-    /// The density of the lines alone, without the beads at their sides.
+    /// The density that the lines would have if each were a single bead.
     fn share(&self, context: &FillContext<'_>) -> Density {
         Density::new(context.density.fraction() / self.beads as f64)
     }
 
-    /// The region with so much around it that the ends of lines that leave it are cut off with the region.
+    /// The region, grown so far that the ends of lines that leave it lie outside and are cut off.
     fn beyond(&self, context: &FillContext<'_>, infill_region: &Polygon) -> Vec<Polygon> {
         let room = Region::from(infill_region.clone());
         room.offset((0.5 * self.beads as f64 + 1.0) * context.spacing_mm(), Join::Round).polygons
     }
 
-    /// Lays the beads of lines that are given by their middles.
+    /// Lays the beads of lines, of which `lines` are the centrelines.
     fn loops(
         &self,
         context: &FillContext<'_>,
@@ -115,7 +116,7 @@ impl SideBySide {
             let clipper = LineClipper::new(&room(0.0));
             for line in lines {
                 let mut points = line.points.clone();
-                // A closed line is clipped as an open one that ends where it began.
+                // A closed line is clipped as an open line that ends at its start.
                 points.extend(line.closed.then(|| line.start()));
                 let pieces = clipper.clip(&points);
                 let uncut = line.closed && pieces.len() == 1 && pieces[0].points.len() == points.len();
@@ -145,7 +146,7 @@ impl SideBySide {
     }
 }
 
-/// A field whose own spacing is that of single beads, for lines of several.
+/// A field with line spacings for single beads, which are widened here for lines of several beads.
 struct Widened<'a> {
     field: &'a dyn DirectionField,
     beads: usize,

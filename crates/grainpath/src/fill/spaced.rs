@@ -1,11 +1,11 @@
-//! Offset and spacing of solid infill lines, so that edges parallel to them are neither under- nor
-//! over-filled.
+//! Chooses offset and spacing of solid infill lines, so that edges parallel to the lines are neither under-
+//! nor over-filled.
 //!
-//! Straight lines that fill a region evenly leave a part of a bead open along edges that run with
-//! them, wherever the region is not a whole number of beads high. The outermost two edges can
-//! always be met by spacing the lines evenly between them. Where a region has steps, other pairs of
-//! edges are tried: each pair fixes offset and spacing for a number of lines, and the pair wins
-//! that leaves the least area open or laid twice along all edges.
+//! Where the height of a region across the lines is not a whole number of beads, evenly spaced lines leave
+//! part of a bead open along edges parallel to them. For the two outermost edges this is always avoided by
+//! adapting the spacing. In a region with steps, other pairs of edges are tried as well: each pair decides
+//! offset and spacing for a given number of lines. The pair wins for which the area left open or laid twice
+//! along all edges is least.
 //!
 //! ```text
 //!    +------------------+   edges of a tensile bar: grips (outer pair) and gauge (inner pair);
@@ -13,46 +13,46 @@
 //!    |   |          |   |
 //! ```
 //!
-//! Spacing moves by at most [`PLAY`], so widths stay within that of the nominal bead. Measured
-//! (CHANGELOG 0.1.0): gap of the tensile bar of ISO 527 at 0 degrees 1.53 % before, 0.12 % after.
-//! Cost: pairs of the [`MOST`] longest edges times a few spacings. Degenerate cases: a region
-//! without height gives `None`; one narrower than two beads gets a single line.
+//! For such pairs spacing and bead widths change by at most [`PLAY`]. Measured (CHANGELOG 0.1.0): the gap
+//! of the tensile bar of ISO 527 at 0 degrees fell from 1.53 % to 0.12 %. Cost: pairs of the [`MOST`]
+//! longest edges times a few spacings. Degenerate cases: a region without height gives `None`; a region
+//! narrower than two beads gets a single line.
 
 use grainpath_core::Polygon;
 use grainpath_core::math::{direction, rotated};
 
 use super::hatch::Lines;
 
-/// Largest change of the spacing, as a share: lines may lie this much closer or farther apart than
-/// beads that just touch, where that serves more borders than the outermost two. Source:
-/// derived. Gap and overlap of 3 % are hardly more than the 2.3 % that a filament of 1.75 +- 0.02 mm
+/// Largest change of the spacing, as a share. Lines may lie this much closer or farther apart than
+/// beads that just touch, if they then fit more borders than the outermost two. Source: derived.
+/// Gap and overlap of 3 % are hardly more than the 2.3 % that a filament of 1.75 +- 0.02 mm
 /// causes.
 const PLAY: f64 = 0.03;
-/// A border runs with the lines if it rises by at most this share of the spacing over its length.
+/// A border counts as parallel to the lines if it rises by at most this share of the spacing over its length.
 const RISE: f64 = 0.1;
-/// Number of borders that are tried in pairs: the longest ones.
+/// Number of borders that are tried in pairs; the longest ones are taken.
 const MOST: usize = 8;
 
-/// A line exactly on a border would be cut by one of its two sides only. It is moved inwards by
-/// this share of a strip. Source: derived: 1e-3 of a strip of 0.45 mm is 0.45 um, more than four
-/// times the polygon grid of 0.1 um and far below what a machine resolves.
+/// A line exactly on a border may be lost when the region cuts it. So it is moved inwards by this share of
+/// a strip. Source: derived: 1e-3 of a strip of 0.45 mm is 0.45 um, more than four times the polygon grid
+/// of 0.1 um and far below what a machine resolves.
 const HAIR: f64 = 1e-3;
 
-/// A border along the lines.
+/// A border parallel to the lines.
 #[derive(Debug, Clone, Copy)]
 struct Border {
     y_mm: f64,
     length_mm: f64,
-    /// 1 where the region lies above the border, -1 where it lies below.
+    /// 1 if the region lies above the border, -1 if it lies below.
     side: f64,
 }
 
-/// The lines that fill a region with beads whose strips are about `s_mm` wide, and the width of
-/// their strips. `None` for a region without height.
+/// The lines that fill a region with beads whose strips are about `s_mm` wide, and the exact width of the
+/// strips. `None` for a region without height.
 ///
-/// The strips of the outermost lines reach half a strip beyond the region, and the lines between
-/// are spaced evenly. Where a region is narrower in places, lines that serve its lowest and highest
-/// border leave a gap along other borders; then all pairs of borders are tried.
+/// The strips of the outermost lines extend half a strip beyond the region, and the other lines are evenly
+/// spaced between them. Where a region is narrower in places, lines that fit its lowest and highest border
+/// leave a gap along other borders; then all pairs of borders are tried.
 pub(super) fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
     let back = direction(-angle_rad);
     let rows = || infill_region.outer.iter().map(|&p| rotated(p, back).y);
@@ -60,9 +60,9 @@ pub(super) fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Optio
     if low >= high {
         return None;
     }
-    // The strips reach half a spacing beyond the region on both sides, and share that height
-    // evenly. The surplus of 0.02 lets a region that lacks a fiftieth of a bead through rounding
-    // keep its last line.
+    // The strips extend half a spacing beyond the region on both sides, and share this height evenly. The
+    // surplus of 0.02 keeps the last line if rounding has taken up to a fiftieth of a bead from the
+    // region.
     let n = ((high - low + s_mm) / s_mm + 0.02).floor().max(1.0);
     if n < 2.0 {
         let middle = Lines { angle_rad, first_mm: 0.5 * (low + high), step_mm: 2.0 * (high - low) };
@@ -80,8 +80,8 @@ pub(super) fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Optio
     let mut best = (today, even);
     for (i, a) in borders.iter().enumerate() {
         for b in &borders[i + 1..] {
-            // `turn` counts half strips: facing borders (1) add a strip, borders that look the same
-            // way (0) none, borders back to back (-1) take one away.
+            // `turn` is the number of strips to add to the distance of the borders: 1 if they face each
+            // other, 0 if the region lies on the same side of both, -1 if they are back to back.
             let turn = 0.5 * (a.side - b.side);
             let height = b.y_mm - a.y_mm + turn * s_mm;
             let fewest = (height / ((1.0 + PLAY) * s_mm) - turn).ceil().max(1.0);
@@ -99,18 +99,18 @@ pub(super) fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Optio
             }
         }
     }
-    // A gain below the square of a bead, or below a tenth, does not pay for a spacing that differs
-    // from the layers around.
+    // A gain below the square of a bead, or below a tenth, is not worth a spacing that differs from the
+    // layers above and below.
     let better = best.0 < today - (0.1 * today).max(s_mm * s_mm);
     Some(if better { (best.1, best.1.step_mm) } else { (even, apart) })
 }
 
-/// Lines that serve two borders, the lower one first, in this number of steps.
+/// Lines that fit two borders, `a` below `b`, in this number of steps.
 fn between(a: &Border, b: &Border, steps: f64, angle_rad: f64, s_mm: f64) -> Lines {
     let (height, turn) = (b.y_mm - a.y_mm, 0.5 * (a.side - b.side));
     let apart = (height + turn * s_mm) / (steps + turn);
-    // Wider beads keep farther from the border. Narrower beads cannot lie outside the region, so
-    // they get no offset.
+    // Wider beads lie farther from the border. Narrower beads must not lie outside the region, so they get
+    // no offset.
     let inwards = (0.5 * (apart - s_mm)).max(0.0);
     let inwards = inwards.max(HAIR * s_mm);
     let first_mm = a.y_mm + a.side * inwards;
@@ -129,13 +129,13 @@ fn missed_mm2(borders: &[Border], lines: &Lines, s_mm: f64) -> f64 {
     borders.iter().map(one).sum()
 }
 
-/// The longest borders along the lines, from the lowest up.
+/// The longest borders parallel to the lines, from the lowest up.
 fn borders(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Vec<Border> {
     let back = direction(-angle_rad);
     let mut all: Vec<Border> = Vec::new();
     for contour in infill_region.contours() {
         for (a, b) in grainpath_core::poly::edges(contour) {
-            // The exact turn is costly, so short edges are dropped first.
+            // Short edges are dropped first, because the exact rotation is costly.
             let d = rotated(b - a, back);
             if d.x.abs() < s_mm || d.y.abs() > RISE * s_mm {
                 continue;

@@ -1,22 +1,23 @@
-//! Closed rings opened into each other: rings around one another become one spiral.
+//! Joins closed rings that lie inside each other to one spiral.
 //!
-//! Concentric infill, and beads along a field that turns around a point, are rings: each starts and stops, and the nozzle
-//! travels from one to the next. A spiral is one bead. A ring is printed up to [`RAMP`] steps before its start; the rest of
-//! it is drawn over to the next ring, from its own line at the beginning of the ramp to that of the neighbour at its end,
-//! where the neighbour starts:
+//! Concentric infill, and beads along a field that turns around a point, consist of rings. Each ring starts
+//! and stops, and the nozzle travels from one to the next; a spiral is a single bead. A ring is printed up
+//! to [`RAMP`] steps before its end. Its rest becomes a ramp, which begins on the ring and gradually
+//! changes over to the next ring, where that ring starts:
 //!
 //! ```text
 //!     ===== ring 1 ====.          <- ends here
 //!     ===== ring 2 ===. `-.____ ring 1 goes on as ring 2
 //! ```
 //!
-//! Ramps of consecutive rings lie beside each other at the distance of the rings, so that nothing stays open between them;
-//! the first and the last ramp leave a wedge of a triangle, [`RAMP`] steps long and one step wide, beside the bead. The next
-//! ring is the nearest one that lies along the whole ramp; where rings part into two groups, one group goes on and the
-//! other begins a spiral of its own. Each spiral begins on the longest ring that is left, in the middle of the long edge that
-//! lies nearest to the shortest, so that ramps keep clear of corners.
+//! Ramps of consecutive rings lie beside each other at the distance of the rings, so nothing stays open
+//! between them. The first and the last ramp leave a triangular wedge beside the bead, [`RAMP`] steps long
+//! and one step wide. The next ring is the nearest one that lies along the whole ramp. If rings split into
+//! two groups, one group continues the spiral and the other begins its own. Each spiral begins on the
+//! longest ring that is left, in the middle of the long edge nearest to the shortest ring, so that ramps
+//! keep clear of corners.
 //!
-//! Lengths are in mm. Cost: the number of rings times that of their points. Open paths are left as they are.
+//! Lengths are in mm. Cost: the number of rings times the number of all their points. Open paths are not changed.
 
 use std::collections::BTreeSet;
 
@@ -25,31 +26,34 @@ use grainpath_core::{BeadWidth, DVec2, Toolpath};
 
 use crate::order::{opened, part};
 
-/// Length of a ramp, in distances of the rings. Source: derived. The wedge beside the first ramp is half this number of
-/// squares of a bead's width: one. On shorter ramps the bead turns by more than 27 degrees.
+/// Length of a ramp, in distances between rings. Source: derived. The area of the wedge beside the first
+/// ramp is half this number times the square of a bead's width: one square. On a shorter ramp the bead
+/// turns by more than 27 degrees.
 const RAMP: f64 = 2.0;
-/// Largest share of a ring that is its ramp. Source: derived. With a half, as much of a ring lies along the guide as leads away.
+/// Largest share of a ring that becomes its ramp. Source: derived. With a half, at least as
+/// much of each ring lies along the guide as leaves it.
 const MOST_OF_RING: f64 = 0.5;
-/// Farthest neighbour, in distances of the rings. Source: derived. Beads along a field lie up to 1.6 times their usual
-/// distance apart (`WIDEST` of stripes); from twice on another ring fits between.
+/// Greatest distance of the next ring, in distances between rings. Source: derived. Beads along a field lie
+/// up to 1.6 times their usual distance apart (`WIDEST` of stripes); from twice that distance on another
+/// ring fits between.
 const REACH: f64 = 1.7;
-/// Points of a ramp. Source: derived. On the smallest ring whose ramp is half of it, 1.3 steps across, the chord of an
-/// eighth lies 0.01 steps off the arc.
+/// Number of points of a ramp. Source: derived. On the smallest ring, 1.3 steps across and with a ramp of
+/// half its length, the chord of an eighth of the ramp lies 0.01 steps off the arc.
 const RAMP_POINTS: usize = 8;
 
-/// A ring as an open path that ends where it begins.
+/// A ring, stored as an open path that ends at its start.
 struct ClosedBead {
     path: Toolpath,
     length_mm: f64,
 }
 
-/// Where a ring comes nearest to a point.
+/// The place of a ring that is nearest to a point.
 struct Nearest {
     distance_mm: f64,
     along_mm: f64,
     at: DVec2,
     width_mm: f64,
-    /// From the beginning to the end of the segment there.
+    /// Vector from the start to the end of the segment at this place.
     ahead: DVec2,
 }
 
@@ -79,8 +83,8 @@ impl ClosedBead {
         }
     }
 
-    /// The middle of that edge, of those on which two ramps lie straight, which comes nearest to a point; the ring's own
-    /// nearest point where no edge is as long.
+    /// A place to start near a point: the middle of the nearest edge that is long enough for two straight
+    /// ramps, or the ring's own nearest point if no edge is long enough.
     fn start_near(&self, target: DVec2, step_mm: f64) -> DVec2 {
         let edges = (0..self.path.n_segments()).map(|i| self.path.segment(i));
         let long = edges.filter(|(a, b, _)| a.distance(*b) > 2.0 * RAMP * step_mm);
@@ -90,7 +94,7 @@ impl ClosedBead {
             .unwrap_or_else(|| self.nearest(target).at)
     }
 
-    /// The ring from a place all around to it, in the direction of `ahead`.
+    /// The whole ring as a path that starts and ends at a place, in the direction of `ahead`.
     fn from(&self, place: &Nearest, ahead: DVec2) -> Toolpath {
         let mut path = part(&self.path, place.along_mm, self.length_mm);
         append(&mut path, part(&self.path, 0.0, place.along_mm));
@@ -101,7 +105,7 @@ impl ClosedBead {
     }
 }
 
-/// Adds a path that begins where another ends.
+/// Appends a path that begins where `path` ends.
 fn append(path: &mut Toolpath, next: Toolpath) {
     let again =
         usize::from(path.points.last().zip(next.points.first()).is_some_and(|(a, b)| a.distance(*b) < 1e-9));
@@ -111,7 +115,7 @@ fn append(path: &mut Toolpath, next: Toolpath) {
     path.points.extend(next.points.into_iter().skip(again));
 }
 
-/// Opens closed paths into each other where they lie about `step_mm` apart.
+/// Joins closed paths to spirals where they lie about `step_mm` apart.
 pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
     let (closed, open): (Vec<_>, Vec<_>) = std::mem::take(paths).into_iter().partition(|p| p.closed);
     *paths = open;
@@ -119,7 +123,7 @@ pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
         closed.into_iter().filter(|p| p.points.len() > 2).map(ClosedBead::new).collect();
     let mut left: BTreeSet<usize> = (0..rings.len()).collect();
     let by_length = |i: &usize, j: &usize| rings[*i].length_mm.total_cmp(&rings[*j].length_mm);
-    // Of equally long rings the first one.
+    // Among equally long rings the first one is taken.
     while let Some(first) = left.iter().copied().max_by(|i, j| by_length(i, j).then(j.cmp(i))) {
         let shortest = left.iter().copied().min_by(by_length).unwrap_or(first);
         left.remove(&first);
@@ -146,7 +150,7 @@ pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
                 append(&mut spiral, ring);
                 spiral
             }
-            // A ring without a neighbour stays as it is.
+            // A ring without a neighbour stays closed.
             None => {
                 ring.points.pop();
                 if let BeadWidth::PerVertex(widths) = &mut ring.width {
@@ -158,14 +162,14 @@ pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
     }
 }
 
-/// The way from one ring to the next.
+/// The bead from one ring to the next.
 struct Ramp {
     path: Toolpath,
-    /// Length of the ring that it replaces.
+    /// Length of the piece of ring that the ramp replaces, mm.
     length_mm: f64,
 }
 
-/// The ramp from the end of a ring to its nearest neighbour, and the neighbour from there on.
+/// The next ring, the ramp that leads to it from the end of this ring, and the path around the next ring.
 fn ramp_to_next(
     rings: &[ClosedBead],
     left: &BTreeSet<usize>,
@@ -183,7 +187,7 @@ fn ramp_to_next(
         .filter(|(_, place)| place.distance_mm < REACH * step_mm)
         .collect();
     near.sort_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm));
-    // Points of the ramp on the ring itself, without the first, with which the ring ends.
+    // The last piece of the ring itself, which the ramp replaces.
     let own = part(ring, length_mm - ramp_mm, length_mm);
     let ahead = own.points.last().zip(own.points.iter().rev().nth(1)).map(|(b, a)| *b - *a)?;
     near.into_iter().find_map(|(next, place)| {
@@ -194,7 +198,7 @@ fn ramp_to_next(
             let along = part(&own, 0.0, t * ramp_mm);
             let (p, w) = (along.end(), along.width_at(along.points.len() - 1));
             let q = rings[next].nearest(p);
-            // The neighbour lies along the whole ramp.
+            // The neighbour must lie along the whole ramp.
             if q.distance_mm > REACH * step_mm {
                 return None;
             }

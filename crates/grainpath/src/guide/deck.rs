@@ -1,9 +1,11 @@
-//! The supports and loads of a finite-element deck as fixtures and load cases of the job's part.
+//! Turns the supports and loads of a finite-element deck into fixtures and load cases of the job's part.
 //!
-//! The deck has the coordinates of the part's file. Its places and vectors are turned, scaled and lowered with the part, as
-//! those of a job with `guide.frame = "part"`: forces, pressures and displacements keep their size, and places grow. Its faces
-//! become patches of the part's surface: a point of the part belongs to the nearest triangle of the deck when it lies in front
-//! of or behind it by no more than [`patch_within_mm`], no farther beside it than facets reach, and looks the same way.
+//! The deck has the coordinates of the part's file. Its positions and vectors are rotated,
+//! scaled and lowered with the part, as in a job with `guide.frame = "part"`: forces, pressures
+//! and displacements keep their size. Its faces become patches of the part's surface. A point
+//! of the part belongs to the nearest triangle of the deck if it lies at most
+//! [`patch_within_mm`] in front of or behind it, no farther beside it than facets reach, and
+//! faces the same way.
 
 use std::sync::Arc;
 
@@ -17,17 +19,18 @@ use crate::shape::Standing;
 
 use super::GuideError;
 
-/// Share of the part's size by which the deck's part may differ from it before it is refused. Source: chosen; as for imported
-/// results.
+/// If the bounding box in the deck differs from the part's by more than this share of the part's size, the
+/// deck is refused. Source: chosen; the same limit as for imported results.
 const SAME_PLACE: f64 = 0.05;
 
-/// Greatest distance between the part's surface and a patch of the deck over the longest edge of the patch. Source: derived:
-/// the middle of a side of a hexagon lies 0.134 of the side inside its circle, and curved places have more sides.
+/// Greatest distance between the part's surface and a patch of the deck, as a share of the patch's longest
+/// edge. Source: derived: the middle of a hexagon's side lies 0.134 of the side inside its circle, and
+/// curved surfaces are meshed with more sides.
 const OFF_BY_EDGE: f64 = 0.15;
-/// The same over the size of the part, for fine decks beside coarse meshes of the part. Source: chosen: 0.1 mm of 100 mm, a
-/// usual chord error of exported meshes.
+/// The same distance as a share of the part's size, for fine decks on coarse meshes of the part. Source:
+/// chosen: 0.1 mm of 100 mm, a usual chord error of exported meshes.
 const OFF_BY_SIZE: f64 = 1e-3;
-/// Least such distance, mm. Source: derived: that of listed facets, a tenth of a layer.
+/// Lower limit of that distance, mm. Source: derived: that of listed facets, a tenth of a layer.
 const LEAST_OFF_MM: f64 = 0.02;
 
 /// Greatest distance between the part's surface and the triangles of a patch, mm.
@@ -37,18 +40,18 @@ fn patch_within_mm(triangles: &[[DVec3; 3]], size_mm: f64) -> f64 {
     (OFF_BY_EDGE * edge).max(OFF_BY_SIZE * size_mm).max(LEAST_OFF_MM)
 }
 
-/// The part that a deck's places are brought to.
+/// The part on which the deck's positions and vectors are placed.
 struct OnPart<'a> {
     standing: &'a Standing,
     surface: Bvh,
     size_mm: f64,
 }
 
-/// The fixtures and load cases of a deck on the part `mesh`. `first` is the number of the first fixture.
+/// The fixtures and load cases of a deck on the part `mesh`. Fixtures are numbered from `first`.
 ///
 /// # Errors
-/// [`GuideError::DeckElsewhere`] for a deck of another part or in another unit, [`GuideError::DeckOffPart`] for nodes that lie off
-/// the surface of the part.
+/// [`GuideError::DeckElsewhere`] if the deck is of another part or in another unit,
+/// [`GuideError::DeckOffPart`] if nodes lie away from the part's surface.
 pub(super) fn conditions(
     deck: &DeckConditions,
     mesh: &TriMesh,
@@ -61,7 +64,7 @@ pub(super) fn conditions(
     part.check_place(deck, mesh)?;
     let mut fixtures = Vec::with_capacity(deck.supports.len());
     for (k, support) in deck.supports.iter().enumerate() {
-        // Numbers go on after the job's own fixtures, so that a message names one place.
+        // Numbering continues after the job's own fixtures, so that a message means one fixture only.
         let name = format!("fixture {}", first + k);
         let on = match &support.on {
             DeckPlace::Faces(triangles) => Selection::Patch(part.patch(triangles)),
@@ -73,7 +76,7 @@ pub(super) fn conditions(
         };
         fixtures.push(Fixture { name, on, held, displacement_mm: part.vector(support.displacement_mm) });
     }
-    // A step of the deck holds all loads that act in it, those of earlier steps that stay on included.
+    // A step of the deck contains all loads that act in it, including those that remain from earlier steps.
     let mut cases = Vec::with_capacity(deck.steps.len());
     for step in &deck.steps {
         let mut loads = Vec::with_capacity(step.loads.len());
@@ -89,7 +92,7 @@ pub(super) fn conditions(
 
 impl OnPart<'_> {
     fn vector(&self, v: DVec3) -> DVec3 {
-        // Vectors of an unturned part keep their bits.
+        // For a part that is not rotated, vectors stay the same to the last bit.
         if self.standing.is_as_in_file() { v } else { self.standing.rotation * v }
     }
 
@@ -97,8 +100,8 @@ impl OnPart<'_> {
         self.vector(self.standing.scale * p) + self.standing.shift()
     }
 
-    /// Refuses a deck whose part lies elsewhere or is of another size. The box is compared in the frame of the file, in which
-    /// that of the deck is known.
+    /// Refuses a deck whose part has another position or size. The bounding boxes are compared in the
+    /// coordinates of the part's file, which are those of the deck.
     fn check_place(&self, deck: &DeckConditions, mesh: &TriMesh) -> Result<(), GuideError> {
         let (back, scale) = (self.standing.rotation.transpose(), self.standing.scale);
         let in_file = mesh.vertices.iter().map(|p| back * (*p - self.standing.shift()) / scale);
@@ -123,14 +126,14 @@ impl OnPart<'_> {
         SurfacePatch { triangles: Facets::new(triangles), within_mm }
     }
 
-    /// Nodes of the deck on the part's surface.
+    /// Moves nodes of the deck to the part's surface.
     fn points(&self, points: impl Iterator<Item = DVec3>, name: &str) -> Result<Selection, GuideError> {
         let mut all = Vec::new();
-        // Nodes are brought to the surface: between them the part's mesh may lie a chord error off the deck's.
+        // The part's mesh may differ from the deck's by a chord error, so nodes are moved to its surface.
         for p in points.map(|p| self.point(p)) {
             let found = self.surface.closest_point(p, f64::INFINITY);
             let off_mm = found.map_or(f64::INFINITY, |f| f.distance);
-            // Nodes stand for themselves, so that there is no edge to measure by.
+            // Nodes have no edge by which the distance could be judged, so the part's size is used.
             if off_mm > SAME_PLACE * self.size_mm {
                 return Err(GuideError::DeckOffPart { what: name.to_owned(), at_mm: p, off_mm });
             }
@@ -144,7 +147,7 @@ impl OnPart<'_> {
             DeckLoad::Traction { triangles, corners_mpa, is_pressure, force_n, moment_nmm } => {
                 let patch = self.patch(triangles);
                 let scale = self.standing.scale;
-                // A pressure keeps its size and its force grows with the area; other forces keep theirs.
+                // A pressure keeps its value, so its force grows with the area; other loads keep their force.
                 let grown = if *is_pressure { scale * scale } else { 1.0 };
                 let force_n = self.vector(grown * *force_n);
                 let shift = self.standing.shift();

@@ -1,17 +1,17 @@
-//! Degenerate points, where both principal stresses are equal.
+//! Finds degenerate points, where both principal stresses are equal.
 //!
-//! At such a point no direction is better than another, and the principal lines turn around it: by
-//! half a turn around a *wedge* (index +1/2), by half a turn in the opposite sense around a
-//! *trisector* (index -1/2) (`Delmarcelle1994`). On a free border the stress across it is zero, so
-//! a point where the stress along it changes sign is degenerate too.
+//! At such a point all directions are equal. On a walk around it the principal lines make half a turn: in
+//! the sense of the walk at a *wedge* (index +1/2), against it at a *trisector* (index -1/2)
+//! (`Delmarcelle1994`). On a free border the stress across it is zero, so a point where the stress along it
+//! changes sign is degenerate too.
 //!
-//! Method: the deviator (half the difference of the normal stresses, and the shear stress) is
-//! linear inside an element. It passes zero if the three deviators at the corners surround the
-//! origin, and their sense of rotation is the index. Pairs of a wedge and a trisector within a few
-//! cells of each other come and go with the noise of the solution; they are removed.
+//! Method: the deviator (half the difference of the normal stresses, and the shear stress) is linear inside
+//! an element. It has a zero there if its values at the three corners surround the origin, and their sense
+//! of rotation gives the index. Pairs of a wedge and a trisector within a few cells of each other come and
+//! go with the noise of the solution, so they are removed.
 //!
-//! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Held by tests on
-//! linear fields, Kirsch's hole (four points on its edge) and a ring. Cost: linear in the elements.
+//! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Tests check linear
+//! fields, Kirsch's hole (four points on its edge) and a ring. Cost: linear in the elements.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};
@@ -46,12 +46,12 @@ impl Degenerates {
     }
 }
 
-/// Stresses below this share of the greatest are noise. Measured: recovered stresses of the test
-/// plates are wrong by about this share away from corners (docs/verification.md).
+/// Stresses below this share of the greatest count as noise. Measured: away from corners, the recovered
+/// stresses of the test plates have errors of about this share (docs/verification.md).
 const NOISE: f64 = 5e-3;
 
-/// Finds the degenerate points: inside elements from the stress at their corners, and on the border
-/// where the stress along it passes zero and the stress across it is zero already.
+/// Finds the degenerate points of a plate. Inside elements they follow from the stress at the corners. On
+/// the border they lie where the stress along it changes sign and the stress across it is zero.
 pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
     let mesh = stress.mesh();
     let nodal = stress.nodal_mpa();
@@ -60,7 +60,7 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
     let mut points = Vec::new();
     for e in &mesh.elements {
         let corners = [e[0], e[1], e[2]];
-        // Where all corners are nearly free of stress, the deviator's zero is noise.
+        // If all corners are nearly free of stress, a zero of the deviator is noise.
         let strong = corners.iter().any(|&i| von_mises_plane(nodal[i as usize]) > NOISE * greatest);
         if let Some((kind, s, t)) = within(corners.map(deviator), greatest).filter(|_| strong) {
             let p = corners.map(|i| mesh.nodes[i as usize]);
@@ -77,8 +77,8 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
         };
         let ((first, across), (second, other)) = (parts(a), parts(b));
         let change = (first - second).abs();
-        // On a free border the stress across is zero but for the error of recovery, which grows
-        // with the gradient along it.
+        // On a free border the stress across is zero, except for the error of recovery, which grows with
+        // the gradient along the border.
         let free = across.abs().max(other.abs()) < 0.25 * change + NOISE * greatest;
         if first * second < 0.0 && free && change > NOISE * greatest {
             points.push((Degenerate::Border, p.lerp(q, first / (first - second))));
@@ -91,12 +91,12 @@ fn deviator([xx, yy, xy]: PlaneTensor) -> DVec2 {
     DVec2::new(0.5 * (xx - yy), xy)
 }
 
-/// The point of a counter-clockwise triangle where the deviators at its corners, MPa, pass zero:
-/// the shares of the second and the third corner.
+/// The point of a counter-clockwise triangle where the deviator is zero, from its values at the corners,
+/// MPa. Returned as the shares of the second and the third corner.
 fn within(d: [DVec2; 3], greatest_mpa: f64) -> Option<(Degenerate, f64, f64)> {
     let (u, v) = (d[1] - d[0], d[2] - d[0]);
     let det = cross(u, v);
-    // Nearly parallel deviators: the zero, if any, is ill-determined.
+    // With nearly parallel deviators the position of a zero is uncertain.
     if det.abs() < (1e-3 * greatest_mpa).powi(2) * 1e-3 {
         return None;
     }
@@ -105,14 +105,14 @@ fn within(d: [DVec2; 3], greatest_mpa: f64) -> Option<(Degenerate, f64, f64)> {
     (s > 0.0 && t > 0.0 && s + t < 1.0).then_some((kind, s, t))
 }
 
-/// A wedge and a trisector nearer than this number of cells annul each other. Such pairs come and
-/// go with the noise of the stress, and no bead can follow them.
+/// A wedge and a trisector nearer to each other than this number of cells are both removed. Such pairs come
+/// and go with the noise of the stress, and no bead can follow them.
 const PAIR_CELLS: f64 = 4.0;
 /// Stress along a border below this share of the greatest stress has no certain sign.
 const BORDER_NOISE: f64 = 0.02;
 
-/// The degenerate points of a section of a solid: within the section from the in-plane stress at
-/// the nodes of a grid, and along its free border.
+/// The degenerate points of a section of a solid: inside the section from the in-plane stress at the nodes
+/// of a grid, and along its free border from the stress that `at` gives.
 pub(super) fn of_section(
     grid: &FieldMesh,
     nodal_mpa: &[PlaneTensor],
@@ -129,8 +129,8 @@ pub(super) fn of_section(
     for triangle in &grid.triangles {
         let mut corners = triangle.corners;
         let mut p = corners.map(|i| grid.nodes[i as usize]);
-        // Triangles of the grid come in both senses, and the sign of the index depends on the
-        // sense.
+        // Triangles of the grid have either sense of rotation, and the sign of the index depends on
+        // it.
         if cross(p[1] - p[0], p[2] - p[0]) < 0.0 {
             corners.swap(1, 2);
             p.swap(1, 2);
@@ -155,8 +155,8 @@ pub(super) fn of_section(
                 along.push((p, if free(p) { stress } else { f64::NAN }));
             }
         }
-        // Once around the contour, starting from its last certain sign. Held or loaded parts of the
-        // border have no sign.
+        // The loop goes once around the contour and starts with the last sign that is certain. Held or
+        // loaded parts of the border have no sign.
         let clear = |v: f64| v.abs() > BORDER_NOISE * greatest;
         let mut last = along.iter().rposition(|a| clear(a.1)).map(|i| along[i]);
         for &(p, v) in &along {

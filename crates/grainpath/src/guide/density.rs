@@ -1,13 +1,15 @@
 //! Graded density: how much material each place of the part gets.
 //!
-//! By stress the part is *fully stressed*: the density is in proportion to what the stress takes of the material's
-//! strengths, so that every place has the same reserve, between a least and a greatest density. The share taken is the failure
-//! index of beads along the larger principal stress ([`StrengthCard::index`]), or that between layers where it is larger, and the
-//! largest of all load cases; where fixtures and loads act it is not counted. By file the densities are those of another program.
+//! With `by = "stress"` the part is *fully stressed*: within a range the density is proportional to the
+//! share of the material's strength that the stress takes, so every place has the same reserve. This share
+//! is the larger of two failure indices: that of beads along the larger principal stress
+//! ([`StrengthCard::index`]), and that between layers. The largest of all load cases counts; places near
+//! fixtures and loads do not. With `by = "file"` the densities come from another program.
 //!
-//! Densities are kept on a grid of nodes and interpolated linearly. The distance between lines, spacing over density, grows
-//! by no more than `STEEPEST` for each millimetre, as the patterns can follow; where more is asked for, the place
-//! around gets more material, never less. A job that asks for a mass scales the densities before both limits.
+//! Densities are stored on a grid of nodes and interpolated linearly. The distance between lines, spacing
+//! over density, grows by at most `STEEPEST` for each millimetre, so that the patterns can follow; where it
+//! would grow faster, the surroundings get more material. A job that asks for a mass scales the densities
+//! before both limits are applied.
 //!
 //! Units: mm and MPa. Cost: linear in the nodes, at most about `MOST_NODES`, times the number of masses tried.
 
@@ -25,19 +27,21 @@ use grainpath_job::choices::DensityBy;
 use super::Guide;
 use super::field::{FieldSettings, to_file};
 
-/// The distance between lines grows by at most this much for each mm. Source: derived. Over one distance it grows by half, so that
-/// two lines of the sparse side face three of the dense one; steeper, lines end before they have a neighbour of their own density.
+/// The distance between lines grows by at most this much for each mm. Source: derived. Over one distance it
+/// then grows by half, so two sparse lines face three dense ones. With faster growth, lines end before they
+/// have a neighbour of their own density.
 const STEEPEST: f64 = 0.5;
-/// Distance of the nodes in parts that are small enough, mm. Source: derived: a fifth of the cells of 5 mm over which densities are
-/// measured.
+/// Distance between the nodes, mm; in large parts it is larger. Source: derived: a fifth of the cells of 5
+/// mm over which densities are measured.
 const NODES_MM: f64 = 1.0;
-/// About the most nodes. Source: derived: a density for a mass is found in some 20 passes of 26 neighbours over all nodes; this
-/// many take about 2 s.
+/// Approximate upper limit of the number of nodes. Source: derived: a density for a given mass takes some
+/// 20 passes over all nodes with 26 neighbours each; with this number of nodes that takes about 2 s.
 const MOST_NODES: f64 = 300_000.0;
-/// The greatest density belongs to the stress that this share of the part does not exceed. Source: derived. The peaks of a
-/// stress at corners and contacts grow with a finer mesh; 2 % of the part hold them.
+/// The greatest density belongs to a stress that this share of the part does not exceed. Source: derived.
+/// Stress peaks at corners and contacts grow with a finer mesh, and 2 % of the part contain them.
 const FULL_SHARE: f64 = 0.98;
-/// Reach of the mean that smooths the stress, in nodes. Source: derived: with nodes of 1 mm about two beads to either side.
+/// Reach of the mean that smooths the stress, in nodes. Source: derived: two beads to either side, with
+/// nodes of 1 mm.
 const SMOOTHED: usize = 1;
 
 /// Why a graded density cannot be laid.
@@ -57,18 +61,18 @@ pub enum DensityError {
     NoStress,
 }
 
-/// What a graded density is made with.
+/// Settings from which a graded density is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensitySettings {
     /// The least and the greatest density.
     pub range: [f64; 2],
-    /// What it follows.
+    /// What the density follows: the stress or a file.
     pub by: DensityBy,
-    /// Distance of beads that touch, mm.
+    /// Distance between the centrelines of beads that touch, mm.
     pub spacing_mm: f64,
-    /// Strengths of the material; without them the equivalent stress counts.
+    /// Strengths of the material. Without them the equivalent stress decides.
     pub card: Option<StrengthCard>,
-    /// Where a file's coordinates lie.
+    /// How the file's coordinates relate to the part.
     pub place: FieldSettings,
 }
 
@@ -82,7 +86,7 @@ pub struct DensityMap {
 }
 
 impl DensityMap {
-    /// A map with this density at every node of a box.
+    /// A map over a box; `at` gives the density of each node. A `flat` map has a single layer of nodes.
     pub fn new(low: DVec3, high: DVec3, cell_mm: f64, flat: bool, at: impl Fn(DVec3) -> f64) -> Self {
         let size = high - low;
         let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize + 1;
@@ -99,7 +103,7 @@ impl DensityMap {
         self.low + at * self.cell_mm
     }
 
-    /// The density at a point; outside the grid that of its nearest place.
+    /// The density at a point. Outside the grid it is that of the nearest point of the grid.
     pub fn at(&self, p: DVec3) -> f64 {
         let q = (p - self.low) / self.cell_mm;
         let axis = |k: usize| {
@@ -119,7 +123,7 @@ impl DensityMap {
         self.n[2] == 1
     }
 
-    /// The least and the greatest density of any node within a box of the plan, at a height.
+    /// The least and the greatest density within a box of the plan, at height `z_mm`.
     pub fn range_in(&self, bounds: Bounds2, z_mm: f64) -> [f64; 2] {
         let step = self.cell_mm.x.min(self.cell_mm.y);
         let size = bounds.size();
@@ -135,12 +139,12 @@ impl DensityMap {
         range
     }
 
-    /// Where the density is at least this in a layer, within these bounds.
+    /// The region in which the density is at least `density`, at height `z_mm` and within `bounds`.
     pub fn at_least(&self, density: f64, bounds: Bounds2, z_mm: f64) -> Region {
-        // A margin below it, so that every border is closed.
+        // Around the bounds lies a margin of lower density, so that every contour is closed.
         let bounds = bounds.grown(2.0);
         let size = bounds.size();
-        // Half a millimetre: finer than any distance of lines at which levels change.
+        // Half a millimetre is finer than any distance between lines at which levels change.
         let cell_mm = 0.5f64.max((size.x * size.y / MOST_NODES).sqrt());
         let [nx, ny] = [size.x, size.y].map(|mm| (mm / cell_mm).ceil() as usize + 1);
         let value = |k: usize| {
@@ -157,11 +161,11 @@ impl DensityMap {
         Region::from_contours(&lines, FillRule::NonZero).simplified(0.02)
     }
 
-    /// Makes the distance between lines grow by no more than `STEEPEST`, by more density where it would.
+    /// Limits the growth of the distance between lines to `STEEPEST`, by raising the density where it is exceeded.
     fn limit(&mut self, spacing_mm: f64) {
         let [nx, ny, nz] = self.n;
         let mut far: Vec<f64> = self.values.iter().map(|v| spacing_mm / f64::from(*v)).collect();
-        // The neighbours that come before a node in the order of the grid, and how far they are.
+        // The neighbours that come before a node in the grid's order, and the allowed growth to each of them.
         let mut before = Vec::new();
         for (dz, dy, dx) in
             (-1..=0).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| (z, y, x))))
@@ -186,32 +190,32 @@ impl DensityMap {
                 }
             }
         };
-        // Twice there and back: what comes around a corner of the sweep needs the second time.
+        // The sweep goes there and back twice, because a value that has to go around a corner needs the second time.
         (0..4).for_each(|k| pass(k % 2 == 0));
         self.values.iter_mut().zip(far).for_each(|(v, far)| *v = (spacing_mm / far) as f32);
     }
 }
 
-/// The density of a part, from place to place another one.
+/// The density of a part, which varies from place to place.
 pub struct GradedDensity {
-    /// What is asked for before scale and limits.
+    /// The wanted densities before scaling and limits.
     wanted: DensityMap,
     /// Whether each node lies in the part.
     inside: Vec<bool>,
     range: [f64; 2],
     spacing_mm: f64,
     by: DensityBy,
-    /// The mean density that is asked for, where no mass decides.
+    /// The mean density of the map without scaling, which holds if the job asks for no mass.
     pub mean: f64,
-    /// The means that were asked for, and their maps.
+    /// The maps made so far, each with its mean density.
     made: Mutex<Vec<(f64, Arc<DensityMap>)>>,
 }
 
 impl GradedDensity {
-    /// The density of a part by the stress of its guide, or by the samples of a file.
+    /// The density of a part, from the stress of its guide or from the samples of a file.
     ///
     /// # Errors
-    /// [`DensityError`] for samples off the part and a stress of zero.
+    /// [`DensityError`] if samples lie away from the part, or if the stress is zero.
     pub fn new(
         settings: &DensitySettings,
         stack: &LayerStack,
@@ -234,10 +238,10 @@ impl GradedDensity {
                 map.values.iter_mut().for_each(|v| *v *= max as f32);
                 (map, inside)
             }
-            // The job's reader refuses a density by stress without a guide.
+            // The job's reader refuses a density by stress if there is no guide.
             (DensityBy::File, _, None) | (DensityBy::Stress, None, _) => return Err(DensityError::NoFile),
         };
-        // A scale changes nothing that is zero.
+        // A zero would stay zero at any scale, so values have a small lower limit.
         wanted.values.iter_mut().for_each(|v| *v = v.max(1e-6));
         let (range, spacing_mm, by) = (settings.range, settings.spacing_mm, settings.by);
         let mut graded =
@@ -253,7 +257,7 @@ impl GradedDensity {
         self.range
     }
 
-    /// What it follows.
+    /// What the density follows: the stress or a file.
     pub fn by(&self) -> DensityBy {
         self.by
     }
@@ -263,13 +267,14 @@ impl GradedDensity {
         self.wanted.is_upright()
     }
 
-    /// The densities whose mean over the part is this; the nearest that the range allows.
+    /// The densities with this mean over the part, or with the nearest mean that the range allows.
     pub fn of_mean(&self, mean: f64) -> Arc<DensityMap> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, map)) = made.iter().find(|m| m.0 == mean) {
             return map.clone();
         }
-        // The mean rises with the scale. Where all of the range is asked for, the ends of the bisection give it.
+        // The mean grows with the scale. At the ends of the bisection every node has the least or the
+        // greatest density.
         let least = self.wanted.values.iter().fold(f32::INFINITY, |a, b| a.min(*b));
         let most = self.wanted.values.iter().fold(0.0f32, |a, b| a.max(*b));
         let (mut low, mut high) =
@@ -305,7 +310,7 @@ impl GradedDensity {
     }
 }
 
-/// The nodes over a part.
+/// The grid of nodes over a part.
 struct Nodes<'a> {
     stack: &'a LayerStack,
     low: DVec3,
@@ -334,11 +339,11 @@ impl<'a> Nodes<'a> {
     }
 }
 
-/// How much of the material's strength the stress takes at each place of a part, smoothed: 1 where it takes as much as in the
-/// most stressed 2 % of the part.
+/// The share of the material's strength that the stress takes at each place of a part, smoothed. A value of
+/// 1 is the share that only the most stressed 2 % of the part exceed.
 ///
 /// # Errors
-/// [`DensityError::NoStress`] where the stress is zero.
+/// [`DensityError::NoStress`] if the stress is zero everywhere.
 pub fn stress_share(
     stack: &LayerStack,
     guide: &Guide,
@@ -347,7 +352,7 @@ pub fn stress_share(
     share_taken(&Nodes::over(stack), guide, card).map(|(map, _)| map)
 }
 
-/// The same, and which nodes lie in the part.
+/// As [`stress_share`], and for each node whether it lies in the part.
 fn share_taken(
     nodes: &Nodes<'_>,
     guide: &Guide,
@@ -371,7 +376,7 @@ fn share_taken(
     Ok((map, inside))
 }
 
-/// Places the samples of a file over the part, or refuses them.
+/// Fits the samples of a file to the part, or returns an error if they lie elsewhere.
 fn lay(
     samples: &mut DensitySamples,
     to_file: DMat3,
@@ -390,7 +395,7 @@ fn lay(
     Ok(())
 }
 
-/// The share that the stress at a point takes of the strengths of a dense part: the largest of all cases.
+/// The share of a dense part's strength that the stress at a point takes, in the worst load case.
 fn taken(guide: &Guide, card: Option<&StrengthCard>, p: DVec3) -> f64 {
     let of_case = |stress: [f64; 6]| {
         let [xx, yy, zz, xy, yz, zx] = stress;
@@ -403,7 +408,7 @@ fn taken(guide: &Guide, card: Option<&StrengthCard>, p: DVec3) -> f64 {
     all.filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 
-/// Which nodes lie in the part; upright maps are asked at half its height.
+/// For each node whether it lies in the part. Maps with a single layer of nodes are tested at half height.
 fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
     let layers = stack.layers();
     let [nx, ny, nz] = map.n;
@@ -425,7 +430,7 @@ fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
     out
 }
 
-/// Replaces each value by the mean of the nodes in the part around it.
+/// Replaces each value by the mean over the surrounding nodes that lie in the part.
 fn smooth(map: &mut DensityMap, inside: &[bool]) {
     let [nx, ny, nz] = map.n;
     let around = |i: usize, n: usize| i.saturating_sub(SMOOTHED)..(i + SMOOTHED + 1).min(n);

@@ -1,10 +1,10 @@
-//! The directions of one layer.
+//! Finds the directions of one layer from the stress.
 //!
-//! At every node the axis wanted is the principal direction of the stress, weighted by the
-//! difference of both principal stresses: that is what a bead in another direction gives up. A
-//! smooth field is fitted to these wishes by least squares (a screened Poisson problem in double
-//! angles, in which an axis has no sign). Cost: a sparse solve by conjugate gradients, linear in
-//! the nodes for each iteration.
+//! At every node the wanted axis is a principal direction of the stress. Its weight is the difference of
+//! both principal stresses, because that is what a bead in another direction loses. A smooth field is
+//! fitted to the wanted axes by least squares (a screened Poisson problem in double angles, in which an
+//! axis has no sign). Cost: a sparse solve by conjugate gradients, linear in the nodes for each
+//! iteration.
 
 use std::sync::Arc;
 
@@ -23,9 +23,9 @@ pub use grainpath_job::choices::Follow;
 pub struct DirectionSettings {
     /// The principal stress that beads follow.
     pub follow: Follow,
-    /// Whether this layer follows the other family.
+    /// Whether this layer follows the other principal direction.
     pub across: bool,
-    /// Length over which directions are smoothed where the principal stresses differ most, mm.
+    /// Length over which directions are smoothed in places where the principal stresses differ most, mm.
     pub smoothing_mm: f64,
     /// Whether directions are aligned with free borders.
     pub tangent: bool,
@@ -37,7 +37,7 @@ pub struct DirectionSettings {
 
 /// The directions of one layer, smoothed where both principal stresses are nearly equal.
 ///
-/// At the nodes the axis is kept as the vector `(cos 2a, sin 2a)`, which has no sign to choose.
+/// Each node stores the axis as the vector `(cos 2a, sin 2a)`, which is the same for both signs of the axis.
 pub struct LayerField {
     mesh: Option<Arc<FieldMesh>>,
     double: Vec<DVec2>,
@@ -46,13 +46,13 @@ pub struct LayerField {
     degenerate: Degenerates,
 }
 
-/// Relative difference of the two principal stresses, by amount, below which either may be
-/// followed.
+/// If the magnitudes of the two principal stresses differ by less than this share, a bead may follow either
+/// of them.
 pub(super) const EITHER: f64 = 0.25;
 /// Weight of a free border relative to that of a large stress.
 const BORDER_WEIGHT: f64 = 0.2;
 
-/// A layer's section with the stress of every case at its nodes, from which the fields of several weightings are made.
+/// A layer's section with the stress of every load case at its nodes. Fields for different weights are made from it.
 pub struct StressedSection<'a> {
     region: &'a Region,
     z_mm: f64,
@@ -61,13 +61,13 @@ pub struct StressedSection<'a> {
     mesh: Option<Arc<FieldMesh>>,
     /// The stress of each case at each node.
     stresses: Vec<Vec<[f64; 3]>>,
-    /// Nodes at free borders, with the border's tangent.
+    /// Nodes at free borders, each with the border's tangent.
     border: Vec<(u32, DVec2)>,
 }
 
 impl<'a> StressedSection<'a> {
-    /// The section at height `z_mm` under all cases. `free` is true for points of the border that are neither held nor
-    /// loaded.
+    /// The section at height `z_mm` under all load cases. `free` is true for points of the border that are
+    /// neither held nor loaded.
     pub fn new(
         region: &'a Region,
         z_mm: f64,
@@ -86,13 +86,13 @@ impl<'a> StressedSection<'a> {
         Self { region, z_mm, cases, mesh, stresses, border }
     }
 
-    /// The places of the nodes and the stress of every case at each of them.
+    /// The position of each node, and the stress of every load case there.
     pub(super) fn nodes(&self) -> impl Iterator<Item = (DVec3, &[[f64; 3]])> {
         let nodes = self.mesh.iter().flat_map(|m| &m.nodes).map(|p| p.extend(self.z_mm));
         nodes.zip(self.stresses.iter().map(Vec::as_slice))
     }
 
-    /// The field that weighs the cases by `emphasis`. `free` is that of [`Self::new`].
+    /// The field for load cases weighted by `emphasis`. `free` means the same as in [`Self::new`].
     pub fn field(
         &self,
         emphasis: &[f64],
@@ -125,8 +125,8 @@ impl<'a> StressedSection<'a> {
         let first = wanted(None);
         let scale = typical(first.iter().map(|w| w.1));
         let mut double = settle(&mesh, &first, scale, border, settings, None);
-        // Where both principal stresses are about equal in amount the choice depends on the
-        // neighbourhood: two more rounds let it follow the field found so far.
+        // Where both principal stresses have about the same magnitude, the neighbourhood decides: two more
+        // rounds follow the field found so far.
         if matches!(settings.follow, Follow::MaxAbs | Follow::Alternate) {
             for _ in 0..2 {
                 double = settle(&mesh, &wanted(Some(&double)), scale, border, settings, Some(&double));
@@ -138,7 +138,7 @@ impl<'a> StressedSection<'a> {
         if settings.across {
             double.iter_mut().for_each(|q| *q = -*q);
         }
-        // The stresses along and across are those of the case that counts most.
+        // The stresses along and across the axis are those of the load case with the largest emphasis.
         let main = heaviest(emphasis);
         let principal_mpa = stresses
             .iter()
@@ -165,7 +165,7 @@ impl<'a> StressedSection<'a> {
     }
 }
 
-/// The index of the largest of some weights, the first of equal ones.
+/// The index of the largest weight; if several are equal, the first of them.
 fn heaviest(weights: &[f64]) -> Option<usize> {
     (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]).then(b.cmp(&a)))
 }
@@ -176,8 +176,8 @@ impl LayerField {
         self.double.iter().map(|q| 0.5 * atan2(q.y, q.x))
     }
 
-    /// The points where the principal stresses of the case with the largest weight are equal, if
-    /// they were looked for.
+    /// The points where the principal stresses of the load case with the largest weight are equal. The list
+    /// is empty if the settings did not ask for them.
     pub fn degenerate(&self) -> &Degenerates {
         &self.degenerate
     }
@@ -203,8 +203,8 @@ impl DirectionField for LayerField {
     }
 }
 
-/// The axis to follow in double angles, and its certainty. Where both principal stresses are about
-/// equal in amount, the axis nearer to `near` is taken.
+/// The axis to follow, in double angles, and its certainty. If both principal stresses have about the same
+/// magnitude, the axis nearer to `near` is taken.
 fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f64) {
     let p = plane_principal(tensor);
     let [a, b] = p.values_mpa;
@@ -222,14 +222,14 @@ fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f6
     }
     match near {
         Some(q) => (if greater.dot(q) >= 0.0 { greater } else { -greater }, 1.0),
-        // Without a neighbourhood the certainty falls to zero where both are equal, so that other
-        // nodes decide.
+        // Without a neighbourhood the certainty falls to zero where both magnitudes are equal, so that
+        // other nodes decide.
         None => (axis, (apart / EITHER).powi(2)),
     }
 }
 
-/// The axis that stress alone asks for at a point, as a vector in double angles, and its weight in
-/// MPa: the sum over all cases of |s1 - s2| along the followed axis, weighed by `emphasis`.
+/// The axis that the stress alone asks for at a point, as a vector in double angles, and its weight in MPa:
+/// the length of the sum over all load cases of |s1 - s2| along the followed axis, weighted by `emphasis`.
 pub(super) fn asked(cases: &[CaseStress], emphasis: &[f64], follow: Follow, p: DVec3) -> (DVec2, f64) {
     let sum = cases.iter().zip(emphasis).fold(DVec2::ZERO, |sum, (case, emphasis)| {
         let tensor = case.stress.at(p);
@@ -245,8 +245,8 @@ pub(super) fn asked(cases: &[CaseStress], emphasis: &[f64], follow: Follow, p: D
     (sum.normalize_or(DVec2::X), sum.length())
 }
 
-/// The ninth decile: a typical size in which peaks at corners and at the edges of loads do not
-/// count.
+/// The ninth decile: a typical value that does not depend on peaks at corners and at the edges of
+/// loads.
 fn typical(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();
     let at = all.len() * 9 / 10;
@@ -257,9 +257,9 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
     value.max(1e-9)
 }
 
-/// The smoothest field close to the wishes: it minimises `sum |q_i - q_j|^2 + (cell / smoothing)^2
-/// sum w |q - wanted|^2`. The iteration starts from `before` where that is given. Vectors are
-/// shorter than 1 where wishes disagree.
+/// The smoothest field close to the wanted axes: it minimises `sum |q_i - q_j|^2 + (cell / smoothing)^2 sum
+/// w |q - wanted|^2`. The iteration starts from `before` if it is given. Vectors are shorter than 1 where
+/// wanted axes disagree.
 fn settle(
     mesh: &FieldMesh,
     wanted: &[(DVec2, f64)],
@@ -270,12 +270,12 @@ fn settle(
 ) -> Vec<DVec2> {
     let n = mesh.nodes.len();
     let keep = (mesh.cell_mm / settings.smoothing_mm).powi(2);
-    // The tiny weight keeps the matrix positive definite where no stress acts at all.
+    // The tiny weight keeps the matrix positive definite if no stress acts at all.
     let mut weight = vec![1e-7; n];
     let mut pull = vec![DVec2::ZERO; n];
     for (i, (q, all)) in wanted.iter().enumerate() {
         let w = keep * (all / scale).min(1.0);
-        // Cases that disagree, or an uncertain choice, have less weight.
+        // Load cases that disagree, or an uncertain choice, get less weight.
         let length = q.length();
         let certain = if *all > 0.0 { (length / all).min(1.0) } else { 0.0 };
         weight[i] += w * certain;
@@ -315,8 +315,8 @@ fn tangents(mesh: &FieldMesh, region: &Region, z_mm: f64, free: &dyn Fn(DVec3) -
                     continue;
                 }
                 let (nodes, shares) = mesh.around(p);
-                // A node with less than a fifth of the weight is too far from the border to be
-                // aligned with it.
+                // A node with less than a fifth of the interpolation weight is too far from the border to
+                // be aligned with it.
                 for (&i, share) in nodes.iter().zip(shares).filter(|(_, s)| *s > 0.2) {
                     *sums.entry(i).or_insert(DVec2::ZERO) += share * double * (d.length() / steps as f64);
                 }

@@ -1,14 +1,14 @@
-//! A user's own directions as a guide: where they lie on the part, and how they turn with it.
+//! A guide from the user's own directions: places the directions on the part and turns them with it.
 //!
 //! The reader, the interpolation and their limits are in [`grainpath_io::directions`]. This module
-//! maps a point of the part to the coordinates of the file. In the frame of the part these are the
-//! coordinates of the shape's file, so that unit, scale, rotation and lowering of the part are
-//! undone; a direction found there is turned as the part was. In the frame of the plate positions
-//! are those of the bed, and directions stay as they are.
+//! maps a point of the part to the coordinates of the directions file. With the frame "part", these
+//! are the coordinates of the shape's file: unit, scale, rotation and lowering of the part are undone,
+//! and the direction found at the mapped point is turned like the part. With the frame "plate", the
+//! file's positions are bed coordinates, and its directions are used unchanged.
 //!
-//! A grid without positions is centred on the part, and covers it where no cell size is given.
-//! Degenerate cases: samples that lie nowhere near the part are refused; a part that reaches beyond
-//! them is warned of.
+//! A grid without positions is centred on the part. Without a cell size it is stretched to cover the
+//! part. Degenerate cases: samples that lie entirely beside the part are an error; a part that reaches
+//! beyond the samples gives a warning.
 
 use grainpath_core::math::sin_cos;
 use grainpath_core::{
@@ -18,10 +18,10 @@ use grainpath_io::directions::{DirectionSamples, DirectionSummary};
 use grainpath_job::choices::FieldFrame;
 use serde::Serialize;
 
-/// Where directions lie.
+/// Settings that place directions on a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldSettings {
-    /// Coordinates of the positions.
+    /// The coordinate system of the file's positions: that of the part or that of the plate.
     pub frame: FieldFrame,
     /// Size of a cell of a grid, mm.
     pub cell_mm: Option<f64>,
@@ -49,7 +49,7 @@ pub enum FieldError {
     Elsewhere { directions: [DVec3; 2], part: [DVec3; 2] },
 }
 
-/// How directions were read and laid, for the report.
+/// How directions were read and placed on the part, for the report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct FieldReport {
@@ -67,28 +67,28 @@ pub struct FieldReport {
     pub high_mm: [f64; 3],
 }
 
-/// Directions laid on a part.
+/// Directions placed on a part.
 pub struct FieldGuide {
     samples: DirectionSamples,
-    /// Turns a direction of the file to the part.
+    /// Rotation that turns a direction of the file into part coordinates.
     turn: DMat3,
     /// From part coordinates to the file's: `to_file * (p + shift_mm)`.
     to_file: DMat3,
     shift_mm: DVec3,
-    /// How the directions were read and laid.
+    /// How the directions were read and placed on the part.
     pub report: FieldReport,
 }
 
-/// A grid may be stretched by factors that differ by this share before that is warned of. Source:
-/// derived: a direction at 45 degrees turns by half of it, 0.6 degrees, which is less than the
-/// angle between a plan's beads and its guide.
+/// Largest relative difference between the stretch factors of a grid in x and y that gives no warning.
+/// Source: derived: a direction at 45 degrees turns by half of this share, 0.6 degrees, which is less
+/// than the angle between a plan's beads and its guide.
 const MAX_STRETCH: f64 = 0.02;
 
 impl FieldGuide {
-    /// Lays samples on the part that `stack` is cut from.
+    /// Places samples on the part from which `stack` was sliced.
     ///
     /// # Errors
-    /// [`FieldError::Elsewhere`] for samples whose box does not meet the part's.
+    /// [`FieldError::Elsewhere`] if the bounding box of the samples does not overlap that of the part.
     pub fn new(
         mut samples: DirectionSamples,
         settings: &FieldSettings,
@@ -128,7 +128,7 @@ impl FieldGuide {
         Ok(guide)
     }
 
-    /// Refuses samples beside the part, and warns of a part that reaches beyond them.
+    /// Returns an error for samples that lie beside the part, and warns if the part reaches beyond them.
     fn check_cover(
         &self,
         samples: (DVec3, DVec3),
@@ -142,7 +142,7 @@ impl FieldGuide {
         if (0..axes).any(apart) {
             return Err(FieldError::Elsewhere { directions: [samples.0, samples.1], part: [part.0, part.1] });
         }
-        // Samples at the centres of cells end half a cell within the part.
+        // Samples lie at the centres of cells, so the outermost ones lie half a cell inside the part's border.
         let size = (samples.1 - samples.0).truncate();
         let pitch = (size.x * size.y / self.samples.summary().samples as f64).sqrt();
         let far = (0..axes).map(beyond).fold(0.0, f64::max);
@@ -160,7 +160,7 @@ impl FieldGuide {
         self.samples.is_plane() && self.turn.z_axis == DVec3::Z
     }
 
-    /// The axis that the file asks for at a point of the part, radians, and its strength, 0 to 1.
+    /// The direction that the file gives at a point of the part, radians, and its strength, 0 to 1.
     pub fn asked(&self, p: DVec3) -> (f64, f64) {
         self.samples.sample(self.to_file * (p + self.shift_mm)).in_plane(&self.turn)
     }
@@ -177,7 +177,8 @@ impl DirectionField for FieldGuide {
     }
 }
 
-/// The turn from a file to the part, and the way from a point of the part to the file: `to_file * (p + shift_mm)`.
+/// Returns the rotation from the file to the part, then `to_file` and `shift_mm` of the map from a point of the part to
+/// the file: `to_file * (p + shift_mm)`.
 pub(super) fn to_file(settings: &FieldSettings) -> (DMat3, DMat3, DVec3) {
     match settings.frame {
         FieldFrame::Part => {
@@ -190,7 +191,7 @@ pub(super) fn to_file(settings: &FieldSettings) -> (DMat3, DMat3, DVec3) {
     }
 }
 
-/// The turn about an axis, 0 to 2, by the right-hand rule.
+/// The rotation matrix about an axis (0 is x, 1 is y, 2 is z) by the right-hand rule.
 fn turn_about(axis: usize, angle_rad: f64) -> DMat3 {
     let (s, c) = sin_cos(angle_rad);
     match axis {

@@ -1,4 +1,4 @@
-//! The grain of photographs or of a scan as a guide: directions and curves for every layer.
+//! A guide from the grain in photographs or in a scan: directions and curves for every layer.
 //!
 //! A photograph is rectified, its directions come from the structure tensor and its curves from
 //! edges (crate `grainpath-imaging`). Between photographs of several heights directions are
@@ -39,7 +39,7 @@ pub enum Corners {
     /// At these pixels: upper left, upper right, lower right, lower left; one set for all
     /// photographs, or one for each.
     Given(Vec<[DVec2; 4]>),
-    /// The corners of the photograph, which shows the board alone.
+    /// The corners of the photograph itself, because the board fills the whole picture.
     Image,
     /// The corners of the board's outline on a plain background.
     Outline,
@@ -47,7 +47,7 @@ pub enum Corners {
     Markers,
 }
 
-/// Lines that are laid.
+/// Which lines the beads follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Along the directions of the grain.
@@ -59,13 +59,13 @@ pub enum Mode {
 /// Settings for reading photographs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrainSettings {
-    /// Position of the board in them.
+    /// Position of the board in the photographs.
     pub corners: Corners,
     /// Width and height of the area between the corners, mm.
     pub size_mm: DVec2,
     /// Position of the lower left corner on the part, mm.
     pub origin_mm: DVec2,
-    /// Rotation about that corner, counter-clockwise, radians.
+    /// Rotation of the picture about its lower left corner, counter-clockwise, radians.
     pub rotate_rad: f64,
     /// Whether left and right are exchanged before the rotation.
     pub mirror: bool,
@@ -73,7 +73,7 @@ pub struct GrainSettings {
     pub heights_mm: Vec<f64>,
     /// Horizontal displacement of the grain for each millimetre upwards: the knot's inclination.
     pub shift_mm_per_mm: DVec2,
-    /// Which lines are laid.
+    /// Which lines the beads follow.
     pub mode: Mode,
     /// Side of a pixel of the rectified picture, mm; `None` takes that of the photograph.
     pub pixel_mm: Option<f64>,
@@ -82,20 +82,20 @@ pub struct GrainSettings {
     pub blur_mm: Option<f64>,
     /// Radius of the median filter against specks, pixels.
     pub median_px: usize,
-    /// Thresholds of the edges.
+    /// Thresholds of the edge detection.
     pub canny: CannySettings,
-    /// Settings for making curves of edges.
+    /// Settings for joining edges into curves.
     pub curves: CurveSettings,
     /// Neighbourhood over which the direction is averaged, mm.
     pub integration_mm: f64,
-    /// Length over which unclear places take the direction of clear ones, mm.
+    /// Distance over which clear directions spread into places with unclear grain, mm.
     pub smooth_mm: f64,
     /// Borders along which the grain is bent.
     pub tangent: Tangent,
     /// How much closer lines lie where the picture is dark: 0 for no effect, 1 for twice as close
     /// as on average.
     pub darkness: f64,
-    /// Whether pictures of the steps are wanted.
+    /// Whether to keep pictures of the processing steps.
     pub pictures: bool,
 }
 
@@ -113,7 +113,7 @@ pub enum GrainError {
     Blank { spread: f32 },
 }
 
-/// Findings in a photograph.
+/// What was found in a photograph.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct PhotoReport {
@@ -141,7 +141,7 @@ struct Slice {
 enum Seen {
     /// Photographs, lowest first; at least one once they are read.
     Photos(Vec<Slice>),
-    /// A scan, and how much higher its lowest voxel lies than the part's bottom, mm.
+    /// A scan, and the height of its lowest voxel above the part's bottom, mm.
     Texture(AxisVolume, f64),
 }
 
@@ -154,19 +154,19 @@ pub struct GrainGuide {
     mirror_mm: Option<f64>,
     shift_mm_per_mm: DVec2,
     darkness: f64,
-    /// Which lines are laid.
+    /// Which lines the beads follow.
     pub mode: Mode,
-    /// Findings in each photograph.
+    /// What was found in each photograph.
     pub photos: Vec<PhotoReport>,
-    /// Findings in a scan.
+    /// What was found in the scan.
     pub texture: Option<TextureReport>,
-    /// Steps of each photograph, if pictures were asked for.
+    /// The processing steps of each photograph, if pictures were asked for.
     pub photo_steps: Vec<PhotoSteps>,
-    /// Slices of a scan to draw its directions over, if pictures were asked for.
+    /// Slices of the scan over which its directions are drawn, if pictures were asked for.
     pub shown_slices: Vec<ShownSlice>,
 }
 
-/// The steps from a photograph to directions and curves, kept for pictures.
+/// Intermediate results between a photograph and its directions and curves, kept for pictures.
 pub struct PhotoSteps {
     /// The photograph as taken, in grey, rows from the top.
     pub photo: Grey,
@@ -184,24 +184,24 @@ pub struct PhotoSteps {
     pub curves: Vec<Vec<DVec2>>,
 }
 
-/// Coherence over a wide neighbourhood below which a warning says that there is hardly any grain.
+/// A photograph with less coherence over a wide neighbourhood gives the warning that there is hardly any grain.
 const LEAST_COHERENCE: f64 = 0.2;
 /// Spread of brightness, as a share of white, below which a picture is blank. Source:
 /// derived. One step of an image of 8 bits is 0.0039.
 const LEAST_SPREAD: f32 = 0.004;
-/// Curves that turn away from the grain by more than this are left out, radians: cracks, nails, saw
-/// marks.
+/// Largest angle between a curve and the grain, radians. Curves with a larger angle are left out: they are
+/// cracks, nails or saw marks.
 const STRAY_RAD: f64 = 0.6;
 /// Standard deviation of the Gaussian filter where none is given, mm.
 const BLUR_MM: f64 = 0.12;
 /// Largest number of pixels of the rectified picture when its pixel size is not given.
 const MAX_PIXELS: f64 = 16e6;
 
-/// Reads photographs, one for each height and at least one. `section` gives the part's section at a
-/// height, for borders that bend the grain.
+/// Reads at least one photograph, one for each height. `section` gives the part's section at a height;
+/// its borders bend the grain.
 ///
 /// # Errors
-/// The photograph's index and [`GrainError`].
+/// The index of the photograph that failed and its [`GrainError`].
 pub fn read_grain(
     photos: &[Photo],
     settings: &GrainSettings,
@@ -226,8 +226,8 @@ pub fn read_grain(
     let mut slices = Vec::new();
     for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
         let read = read_photo(photo, k, settings, diagnostics).map_err(|e| (k, e))?;
-        // Borders are moved into the picture instead of the picture onto the part: the directions
-        // are computed there.
+        // The directions are computed in the coordinates of the picture, so the part's borders are
+        // mapped into the picture.
         let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
         let axes = guided_axes(&read, &borders, settings);
         let coherence = read.axes.mean_coherence();
@@ -258,7 +258,7 @@ pub fn read_grain(
                 curves: read.curves.clone(),
             });
         }
-        // Needed only for moving curves towards another photograph.
+        // This index is needed only to move curves towards those of another photograph.
         let near = points_of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
         slices.push(Slice { z_mm, axes, curves: read.curves, near });
     }
@@ -308,7 +308,7 @@ pub fn read_scan(
     });
     let upright = (origin.z).max(height - origin.z - top);
     let beyond = outside.into_iter().fold(upright, f64::max);
-    // Less than a voxel is rounding of the scan's size.
+    // A distance below one voxel comes from rounding the scan's size.
     if beyond > spacing[0].max(spacing[2]) {
         diagnostics.warn(
             WarningId::ScanTooSmall,
@@ -337,7 +337,7 @@ fn round(v: f64, digits: i32) -> f64 {
     (v * scale).round() / scale
 }
 
-/// A photograph after all steps.
+/// A photograph after all processing steps.
 struct Read {
     corners: [DVec2; 4],
     image: MetricImage,
@@ -390,12 +390,12 @@ fn read_photo(
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
     let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
-    // A pixel finer than half of the filter that follows shows nothing more.
+    // Pixels smaller than half the standard deviation of the Gaussian filter add no detail.
     let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
     let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
     let image = rectify(photo, corners, s.size_mm, pixel_mm);
-    // From the second to the 98th percentile: a few specks must not make a blank picture look like
-    // grain.
+    // The spread is taken from the 2nd to the 98th percentile, so that a few specks do not make a blank
+    // picture look like grain.
     let spread = image.grey.spread(0.02, 0.98);
     if spread < LEAST_SPREAD {
         return Err(GrainError::Blank { spread });
@@ -409,8 +409,8 @@ fn read_photo(
     let cleaned = in_mm(image.grey.median(s.median_px));
     let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
     let wanted = s.mode == Mode::Edges || s.pictures;
-    // Tracing curves uses one thread, and so does much of the directions, so both run at the same
-    // time.
+    // Tracing curves uses one thread, and most of the computation of directions does too, so both run at
+    // the same time.
     let (axes, (denoised, edges, curves)) = rayon::join(
         || grain_axes(&cleaned, &tensor),
         || {
@@ -424,7 +424,7 @@ fn read_photo(
     Ok(Read { corners, image, denoised, axes, edges, curves })
 }
 
-/// The axes, bent along the curves where those are laid, and along borders.
+/// The axes of the photograph, bent along the part's borders and, in mode `Edges`, along the curves.
 fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
     let mut lines = border_lines(borders, s.tangent);
     if s.mode == Mode::Edges {
@@ -433,8 +433,8 @@ fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
     if lines.is_empty() {
         return read.axes.clone();
     }
-    // Where curves are laid the lines between have to follow them closely, so the axes of the
-    // picture keep a fifth of their weight.
+    // In mode `Edges` the lines between the curves have to follow the curves closely, so the axes of
+    // the picture keep only a fifth of their weight.
     along_lines(&read.axes, &lines, if s.mode == Mode::Edges { 0.2 } else { 1.0 }, s.smooth_mm.max(0.3))
 }
 
@@ -443,14 +443,14 @@ impl GrainGuide {
         (z_mm - from_mm) * self.shift_mm_per_mm
     }
 
-    /// A point of the part in the picture, after the grain's shift was taken back.
+    /// Maps a point of the part to the picture. The caller has already subtracted the grain's shift from `p`.
     pub fn to_picture(&self, p: DVec2) -> DVec2 {
         let back = DVec2::new(self.turn.x, -self.turn.y);
         let p = rotated(p - self.origin_mm, back);
         self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y))
     }
 
-    /// A point of the rectified picture on the part, without the grain's shift.
+    /// Maps a point of the rectified picture to the part. The caller adds the grain's shift.
     pub fn to_part(&self, p: DVec2) -> DVec2 {
         let p = self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y));
         rotated(p, self.turn) + self.origin_mm
@@ -488,8 +488,8 @@ impl GrainGuide {
         }
     }
 
-    /// Distance of lines at a point, relative to the mean, for lines that follow the picture's
-    /// darkness.
+    /// Factor on the mean line spacing at a point, for lines that are denser where the picture is dark;
+    /// 1 where darkness has no effect.
     pub fn sparseness(&self, p: DVec3) -> f64 {
         if self.darkness <= 0.0 {
             return 1.0;
@@ -498,8 +498,8 @@ impl GrainGuide {
         grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
     }
 
-    /// The axis that the picture alone asks for at a point of the part, radians, and its coherence;
-    /// 0 where that is below 0.3.
+    /// The direction of the grain at a point of the part, radians, and its coherence. A coherence of 0.3 or
+    /// less is returned as 0.
     pub fn asked(&self, p: DVec3) -> (f64, f64) {
         let s = self.sample(p);
         (s.axis_rad, if s.strength > 0.3 { s.strength } else { 0.0 })
@@ -510,13 +510,13 @@ impl GrainGuide {
         matches!(&self.seen, Seen::Photos(s) if s.len() == 1) && self.shift_mm_per_mm == DVec2::ZERO
     }
 
-    /// Whether lines follow the picture's darkness.
+    /// Whether lines are denser where the picture is dark.
     pub fn has_darkness(&self) -> bool {
         self.darkness > 0.0
     }
 
-    /// The curves at a height, on the part, longest first: those of a photograph, or between two
-    /// photographs those of the nearer one, moved towards the other. A scan has none.
+    /// The curves at a height, in part coordinates, longest first. Between two photographs these are the curves
+    /// of the nearer photograph, moved towards those of the other. A scan has no curves.
     pub fn curves(&self, z_mm: f64) -> Vec<Vec<DVec2>> {
         let Seen::Photos(slices) = &self.seen else { return Vec::new() };
         let shift = self.shift_at(z_mm, slices[0].z_mm);
@@ -528,7 +528,7 @@ impl GrainGuide {
     }
 }
 
-/// The slices below and above a height, and its position between them from 0 to 1.
+/// The slices below and above a height, and the height's relative position between them, 0 to 1.
 fn around(slices: &[Slice], z_mm: f64) -> (&Slice, &Slice, f64) {
     let above = slices.partition_point(|s| s.z_mm <= z_mm);
     let last = slices.len() - 1;
@@ -548,11 +548,11 @@ impl DirectionField for GrainGuide {
     }
 }
 
-/// Curves of neighbouring photographs farther apart than this are different growth lines, mm.
+/// Largest distance between two curves of neighbouring photographs that still show the same growth line, mm.
 const SAME_MM: f64 = 3.0;
 
-/// Curves between two heights. Each curve of the nearer photograph that has a partner in the other
-/// one is moved part of the way to it; the others stay.
+/// The curves at a height between two photographs. A curve of the nearer photograph that has a partner in the
+/// other photograph is moved part of the way to its partner; a curve without a partner stays.
 fn between(low: &Slice, high: &Slice, t: f64) -> Vec<Vec<DVec2>> {
     let (from, to, share) = if t < 0.5 { (low, high, t) } else { (high, low, 1.0 - t) };
     from.curves.iter().map(|curve| moved(curve, to, share)).collect()
@@ -570,7 +570,7 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
         best.1
     };
     let found: Vec<Option<(u32, DVec2)>> = curve.iter().map(|&p| nearest(p)).collect();
-    // The partner is the line to which most points are nearest.
+    // The partner is the line that is nearest to the largest number of points of the curve.
     let mut lines: Vec<u32> = found.iter().flatten().map(|(line, _)| *line).collect();
     lines.sort_unstable();
     let runs = lines.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));
@@ -582,11 +582,11 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
     ) else {
         return curve.to_vec();
     };
-    // Fewer than three in five points near the partner: the curves are not the same growth line.
+    // If fewer than three fifths of the points lie near the partner, the two curves are different growth lines.
     if 5 * n < 3 * curve.len() {
         return curve.to_vec();
     }
-    // Displacements towards the partner, averaged along the curve so that it stays smooth.
+    // The displacements towards the partner are averaged along the curve, so that the moved curve is smooth.
     let steps: Vec<Option<DVec2>> =
         found.iter().map(|f| f.filter(|(l, _)| *l == partner).map(|(_, d)| d)).collect();
     let reach = 20;

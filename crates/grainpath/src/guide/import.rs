@@ -30,14 +30,14 @@ impl InPlaneStress for Imported {
     }
 }
 
-/// Share of the part's size by which a result may lie elsewhere before it is refused.
+/// Largest offset between an imported result and the part, as a share of the part's size. A larger one is an error.
 const SAME_PLACE: f64 = 0.05;
 
-/// A result scaled and turned with its part. Stress keeps its size: it is that of a part of another size
-/// under the same pressures. Displacements grow with the part.
+/// Scales and turns a result with its part. The magnitude of the stress is kept, as for a part of another size under
+/// the same pressures. Displacements are scaled with the part.
 fn moved(result: &FeResult, standing: &Standing) -> Result<FeResult, GuideError> {
     let (r, scale) = (standing.rotation, standing.scale);
-    // The stress of a plane result out of its plane is not known.
+    // A plane result has no stress components out of its plane, so it can turn about z only.
     if result.plane && (r.z_axis - DVec3::Z).length() > 1e-9 {
         return Err(GuideError::ImportTurned);
     }
@@ -56,8 +56,8 @@ fn moved(result: &FeResult, standing: &Standing) -> Result<FeResult, GuideError>
     })
 }
 
-/// The stress of a file as the only case. The file has the coordinates of the mesh, in mm; the result
-/// is scaled, turned and lowered with the part.
+/// Takes the stress of a file as the only load case. The file has the coordinates of the mesh, in mm; the
+/// result is scaled, turned and lowered with the part.
 pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved, GuideError> {
     let lowered_mm = part.standing.lowered_mm;
     let field = Arc::new(match part.standing.is_as_in_file() {
@@ -70,7 +70,7 @@ pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved
     let shift = DVec3::new(0.0, 0.0, lowered_mm);
     let (part_low, part_high) = part.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
     let size = (part_high - part_low).max_element();
-    // A plane result has no height of its own.
+    // A plane result has no height, so only x and y are compared.
     let axes = if result.plane { 2 } else { 3 };
     let off = |k: usize| {
         (low[k] - (part_low + shift)[k]).abs().max((high[k] - (part_high + shift)[k]).abs())

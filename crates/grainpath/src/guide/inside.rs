@@ -1,4 +1,4 @@
-//! What a stress result has inside: the solid as tetrahedra, for sections, and principal stress lines in space.
+//! The interior of a stress result for drawing: tetrahedra for section views, and principal stress lines in space.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -11,15 +11,17 @@ use grainpath_io::fe::{FeFormat, FeResult, StressField};
 
 use super::ResultMesh;
 
-/// Seeds of lines in the box of a solid, and in that of a plate. Source: chosen by eye; only the picture depends on it.
+/// Number of seed points in the bounding box of a solid, then of a plate. Source: chosen by eye; only the picture
+/// depends on it.
 const SEEDS: [f64; 2] = [2000.0, 600.0];
-/// Lines end where their stress is less than this share of that which 99.5 % of the nodes stay below, which is also the end
-/// of the scale of the pictures. Source: chosen by eye; the directions of smaller stresses are those of the mesh's errors.
+/// A line ends where its stress falls below this share of the reference stress. The reference is the equivalent stress that
+/// 99.5 % of the nodes stay below; the colour scale of the pictures ends at the same value. Source: chosen by eye; the
+/// directions of smaller stresses are mostly error of the mesh.
 const LEAST_SHARE: f64 = 0.04;
-/// Share of the nodes that stay below the reference of [`LEAST_SHARE`]. Source: the scale of `stress.png`.
+/// Share of the nodes whose stress is below the reference of [`LEAST_SHARE`]. Source: the scale of `stress.png`.
 const COVERED: f64 = 0.995;
-/// Lines end where their value differs from the next one by less than this share of the reference: their direction is
-/// arbitrary there. Source: derived; an error of 1 % in the stress then turns the axis by less than 45 degrees.
+/// A line ends where its principal stress differs from the middle one by less than this share of the reference, because its
+/// direction is arbitrary there. Source: derived; an error of 1 % in the stress then turns the axis by less than 45 degrees.
 const DEGENERATE_SHARE: f64 = 0.01;
 
 /// The solid of a result mesh, for drawing sections.
@@ -42,7 +44,7 @@ pub struct StressLine {
     pub values_mpa: Vec<f64>,
 }
 
-/// Tetrahedra that fill an element, by the number of its corners in the order of VTK.
+/// The tetrahedra that fill an element with this number of corners, as indices of its corners in VTK order.
 fn tetrahedra(n_corners: usize) -> &'static [[usize; 4]] {
     match n_corners {
         4 => &[[0, 1, 2, 3]],
@@ -54,8 +56,8 @@ fn tetrahedra(n_corners: usize) -> &'static [[usize; 4]] {
 }
 
 impl ResultMesh {
-    /// The solid that the elements fill, by their corners. A plate, whose nodes lie at mid-height, reaches from
-    /// `bottom_mm` to as far above its nodes.
+    /// The solid that the elements fill, without the nodes between their corners. The nodes of a plate lie at
+    /// mid-height; its solid reaches from `bottom_mm` to the same distance above the nodes.
     pub fn volume(&self, bottom_mm: f64) -> ResultVolume {
         let is_solid = self.is_solid();
         let n = self.nodes.len() as u32;
@@ -72,7 +74,7 @@ impl ResultMesh {
         for element in self.elements.iter().filter(|e| e.kind.dimension() == dimension) {
             let mut corners = element.corners().to_vec();
             if !is_solid {
-                // The element above itself is a prism.
+                // A flat element and its copy at the top of the plate form a prism.
                 corners.extend(element.corners().iter().map(|c| c + n));
             }
             let of = |tet: &[usize; 4]| tet.map(|k| corners[k]);
@@ -88,9 +90,9 @@ impl ResultMesh {
     /// Lines along the greatest and along the smallest principal stress, about evenly spaced. In a plate they lie at
     /// mid-height.
     ///
-    /// Method: seeds on a grid, those of the largest stress first; a seed is left out where a line of its family passes its
-    /// cell already, and a line ends where it meets another one's cell. Cost: the samples of the lines, of which there are at
-    /// most as many as seeds.
+    /// Method: for each of the two stresses, lines start at seed points on a grid, in order of falling stress. A seed is
+    /// skipped if a line already passes through its cell, and a line ends where it enters a cell of another line. Cost:
+    /// linear in the points of the lines; there are at most as many lines as seeds.
     pub fn stress_lines(&self) -> Vec<StressLine> {
         let is_solid = self.is_solid();
         let known =
@@ -113,29 +115,29 @@ impl ResultMesh {
             warnings: Vec::new(),
         });
         let size = high - low;
-        // A flat solid has a row of seeds at least.
+        // In a flat solid each direction still gets at least one row of seeds.
         let pitch = if is_solid {
             pow(size.x * size.y * size.z / SEEDS[0], 1.0 / 3.0)
         } else {
             (size.x * size.y / SEEDS[1]).sqrt()
         };
-        // Where the mesh is flat in a direction it should not be, there is nothing to see.
+        // A mesh without extent in a direction that needs one, or without stress, has no lines to show.
         if pitch <= 0.0 || reference <= 0.0 {
             return Vec::new();
         }
         let settings = LineSettings {
             tolerance_mm: 0.01 * pitch,
             step_mm: 0.5 * pitch,
-            // Source: chosen; a line across the part and back has less.
+            // Source: chosen; a line across the part and back is shorter.
             longest_mm: 4.0 * size.max_element(),
         };
-        // Value and axis of a family: 0 for the greatest and 2 for the smallest principal stress.
+        // Value and axis of a family at a point. Family 0 is the greatest and family 2 the smallest principal stress.
         let sample = |p: DVec3, family: usize| -> Option<(f64, DVec3)> {
             let place = field.locate(p).filter(|at| at.distance_mm == 0.0)?;
             let found = principal(&field.stress_at(&place));
             let (value, middle) = (found.values_mpa[family], found.values_mpa[1]);
             let axis = found.axes[family];
-            // The stress of a plate out of its plane is none.
+            // In a plate, the principal axis normal to the plane carries no stress and gives no line.
             let is_along = is_solid || axis.z.abs() < 0.5;
             let is_clear = value.abs() >= LEAST_SHARE * reference
                 && (value - middle).abs() >= DEGENERATE_SHARE * reference;
@@ -148,7 +150,7 @@ impl ResultMesh {
             let mut taken: BTreeSet<[i32; 3]> = BTreeSet::new();
             let seed = |index: i32| {
                 let key = IVec3::new(index % cells.x, index / cells.x % cells.y, index / (cells.x * cells.y));
-                // The grid's middles lie evenly in the box.
+                // The seeds are the centres of the grid's cells, evenly spaced in the box.
                 low + size * (key.as_dvec3() + 0.5) / cells.as_dvec3()
             };
             let known = |p: DVec3| sample(p, family).map(|(value, _)| (value.abs(), p));

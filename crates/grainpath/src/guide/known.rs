@@ -36,7 +36,7 @@ struct Known {
     warnings: Vec<Warning>,
 }
 
-/// The settings with all those reset that the solvers do not read; these only say how layers follow the stress.
+/// Copies the settings and resets all that the solvers do not read, because those only say how layers follow the stress.
 fn read_by_solvers(settings: &StressSettings) -> StressSettings {
     StressSettings {
         strength_mpa: None,
@@ -70,7 +70,7 @@ impl KnownStress {
     ) -> Result<Solved, GuideError> {
         let settings = read_by_solvers(settings);
         let section = match settings.analysis {
-            // A solid is meshed from its surface, whose section no solver reads.
+            // A solid is meshed from its surface, so its section is no input of the solver.
             Analysis::Solid => None,
             Analysis::Plane | Analysis::Auto => constant_section(part.stack).cloned(),
         };

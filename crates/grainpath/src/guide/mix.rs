@@ -38,7 +38,7 @@ pub(super) const LAYERS_OF_A_MIX: usize = 12;
 /// A family of directions: which case it serves, and how much each case counts in it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Family {
-    /// The case; `None` for all of them together.
+    /// Index of the load case that the family serves; `None` for all cases together.
     pub(super) serves: Option<usize>,
     /// The factor on the stress of each case.
     pub(super) emphasis: Vec<f64>,

@@ -86,7 +86,7 @@ pub enum GuideError {
     )]
     ImportTurned,
     #[error(
-        "guide.deck: its part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, and the job's in its file from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm; check guide.import_length_unit and that both are of one part",
+        "guide.deck: the part in the deck lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, the part in the job's shape file from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm; check guide.import_length_unit and that both files show the same part",
         found[0].x, found[0].y, found[0].z, found[1].x, found[1].y, found[1].z,
         part[0].x, part[0].y, part[0].z, part[1].x, part[1].y, part[1].z
     )]
@@ -185,7 +185,7 @@ pub struct StressSummary {
     pub dofs: usize,
     /// Name of the solver.
     pub solver: String,
-    /// Number of elements.
+    /// Number of finite elements.
     pub elements: usize,
     /// Largest residual of a case, relative to its loads.
     pub residual: f64,
@@ -228,7 +228,7 @@ pub struct Guide {
 #[derive(Clone)]
 struct GuidedLayer {
     field: Arc<LayerField>,
-    /// The number of its family.
+    /// Index of the layer's family in `Guide::families`.
     family: usize,
 }
 
@@ -244,17 +244,17 @@ pub struct ServedCase {
 /// Stress at the nodes of a mesh.
 #[derive(Debug, Clone)]
 pub struct ResultMesh {
-    /// The case.
+    /// Name of the load case.
     pub name: String,
     /// Positions, mm, part coordinates.
     pub nodes: Vec<DVec3>,
-    /// Elements over them.
+    /// Elements, whose corners are indices of `nodes`.
     pub elements: Vec<Element>,
     /// Stress, MPa, xx, yy, zz, xy, yz, zx.
     pub stress: Vec<[f64; 6]>,
     /// Displacement, mm.
     pub displacement: Option<Vec<DVec3>>,
-    /// The nodes of each fixture and load, by its name.
+    /// Name and nodes of each fixture and load.
     pub sets: Vec<(String, Vec<u32>)>,
 }
 
@@ -287,8 +287,8 @@ impl Guide {
         let family = self.layers.get(layer).and_then(|l| self.families.get(l.family));
         let emphasis = family.map_or(&[][..], |f| &f.emphasis);
         let (double, weight) = direction::asked(&self.cases, emphasis, self.follow, p);
-        // A sign change in double angles is a turn by 90 degrees: odd layers follow the other
-        // family.
+        // A sign change in double angles is a turn by 90 degrees, so that odd layers follow the other
+        // principal stress.
         let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
         (0.5 * grainpath_core::math::atan2(double.y, double.x), weight)
     }
@@ -407,7 +407,7 @@ struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Loads as "load 1" and so on, each name followed by `of_case`.
+    /// Resolves loads and names them "load 1", "load 2" and so on, each name followed by `of_case`.
     fn loads(&self, loads: &[loads::Load], of_case: &str) -> Result<Vec<Load>, GuideError> {
         let mut all = Vec::with_capacity(loads.len());
         for (k, load) in loads.iter().enumerate() {
@@ -510,7 +510,7 @@ impl Places<'_> {
         let found = &faces.all()[faces.find_name(face).ok()?];
         let (point, axis) = match found.surface {
             Surface::Cylinder { point, axis, .. } | Surface::Cone { point, axis, .. } => (point, axis),
-            // A moment on a plane turns about its normal through the middle of the face.
+            // The axis of a plane face is its normal through the face's centroid.
             Surface::Plane { normal } => (found.centroid, normal),
             Surface::Sphere { .. } | Surface::Free => return None,
         };
@@ -551,11 +551,11 @@ pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
 
 /// The part whose directions a guide computes.
 pub struct GuidedPart<'a> {
-    /// Mesh of the part, mended and placed on the plate.
+    /// Mesh of the part, repaired and placed on the plate.
     pub mesh: &'a TriMesh,
     /// Its layers.
     pub stack: &'a LayerStack,
-    /// Where it stands.
+    /// Position and rotation of the part on the plate.
     pub standing: Standing,
     /// Stress of an earlier run, which is used again if part and loads are the same.
     pub known: Option<&'a KnownStress>,

@@ -1,4 +1,4 @@
-//! Loads in the plane of the layers: the section is solved as a plate in plane stress.
+//! Solves loads in the plane of the layers: the section is a plate in plane stress.
 //!
 //! Lengths are in mm, forces in N, stresses in MPa.
 
@@ -15,7 +15,7 @@ use super::{
     degenerate_points,
 };
 
-/// Share of their area by which sections may differ and still count as equal.
+/// Two sections count as equal if they differ by at most this share of their area.
 const SAME_SECTION: f64 = 2e-3;
 /// Tolerance to which the section is simplified before meshing, mm.
 const SIMPLIFY_MM: f64 = 0.02;
@@ -123,7 +123,7 @@ pub(super) fn solve(
     Ok(Solved { cases: stresses, results, summary, constant: true })
 }
 
-/// An edge length that gives about ten thousand triangles for a plain section.
+/// Default edge length of an element, which gives about ten thousand triangles for a simple section.
 fn default_element_mm(section: &Region) -> f64 {
     (section.area_mm2() / 4000.0).sqrt().max(0.02)
 }

@@ -1,4 +1,4 @@
-//! Loads in three dimensions: the part is meshed with tetrahedra and solved as a solid.
+//! Solves loads in three dimensions: the part is meshed with tetrahedra and solved as a solid.
 //!
 //! Lengths are in mm, forces in N, stresses in MPa. Directions use the in-plane components of the
 //! stress.
@@ -72,7 +72,7 @@ pub(super) fn solve(
         cancel: diagnostics.cancel_flag(),
         ..SolveSettings::default()
     };
-    // All cases are solved with one preparation of the solver.
+    // The solver is prepared once for all cases.
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     let mut solved = Solved {
         cases: Vec::new(),

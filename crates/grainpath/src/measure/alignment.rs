@@ -1,12 +1,12 @@
-//! Warns of plans whose infill lies far from its guide, and of stress that no single direction
-//! carries.
+//! Warns of plans whose infill deviates far from its guide, and of stress that beads of a single
+//! direction cannot carry.
 //!
-//! The angle between each segment of infill and the guide's own axis is weighted by the length of
-//! the segment and by how much the direction matters there, as in the report. Layers are looked at
-//! evenly through the part, at most `MAX_LAYERS` of them, so the cost does not grow with the
-//! height. The place named is the cell of the worst layer, a fifth of the part wide, that
-//! contributes most. Degenerate cases: no guide, no infill and a guide without weight give no
-//! warning.
+//! The angle between each segment of infill and the direction of the guide is weighted by the length
+//! of the segment and by the guide's weight there, as in the report. At most `MAX_LAYERS` layers are
+//! examined, evenly distributed over the height, so the cost does not grow with the height. The
+//! worst layer is divided into cells, each a fifth of the part wide, and the warning names the cell
+//! with the largest weighted angle. Degenerate cases: no guide, no infill and a guide without weight
+//! give no warning.
 
 use grainpath_core::{Bounds2, DVec2, Diagnostics, LayerPlan, Warning, WarningId};
 use grainpath_job::choices::{Choice, Pattern};
@@ -14,30 +14,30 @@ use grainpath_job::choices::{Choice, Pattern};
 use crate::measure::Planned;
 use crate::measure::report::direction_error;
 
-/// Source: issue 17, item 6.
+/// A larger mean angle between infill and guide gives a warning, degrees. Source: issue 17, item 6.
 const MAX_MEAN_DEG: f64 = 15.0;
-/// Share of the weight beyond which both principal stresses are equal in most of the part. Source:
-/// derived: the larger half.
+/// A warning is given if more than this share of the weighted infill lies in pure shear. Source:
+/// derived: more than half.
 const MAX_UNDECIDED_SHARE: f64 = 0.5;
-/// Layers looked at. Source: derived: with 32 of them no stretch of more than a thirtieth of the
-/// height is passed over.
+/// Largest number of examined layers. Source: derived: with 32 layers, the gap between two of them
+/// is about a thirtieth of the height.
 const MAX_LAYERS: usize = 32;
-/// Cells along each side of the part. Source: derived: a place to a fifth of the part is enough to
-/// find it in a picture.
+/// Cells along each side of the part. Source: derived: a place known to a fifth of the part is
+/// precise enough to be found in a picture.
 const CELLS: usize = 5;
 
-/// Sums over one layer.
+/// Sums over the infill of one layer.
 struct LayerSums {
     weight: f64,
     weighted_deg: f64,
     undecided: f64,
     stress_weight: f64,
-    /// Weighted angles of each cell, and the weighted sum of its places.
+    /// For each cell, the sum of the weighted angles, and the sum of the segments' midpoints with the same weights.
     cells: [(f64, DVec2); CELLS * CELLS],
 }
 
-/// Adds a warning for a plan far from its guide, and one where tension and compression of equal
-/// amount cross.
+/// Adds a warning if the infill deviates far from its guide, and one if tension and compression of
+/// equal amount cross in most of it.
 pub fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Diagnostics) {
     let layers = &planned.plan.layers;
     let picked: Vec<usize> = if layers.len() <= MAX_LAYERS {
@@ -97,7 +97,7 @@ pub fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Diagnostic
     }
 }
 
-/// `None` where the plan has no guide.
+/// The sums over the infill of one layer; `None` if the plan has no guide.
 fn sums(planned: &Planned, layer: &LayerPlan) -> Option<LayerSums> {
     let off = direction_error(planned)?;
     let z_mid_mm = layer.z_top_mm - 0.5 * layer.height_mm;

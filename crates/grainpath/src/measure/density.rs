@@ -1,8 +1,9 @@
-//! Graded density as laid, against the density asked for.
+//! Compares the printed density of graded infill with the required density.
 //!
-//! The sparse infill of the part is divided into cells of [`CELL_MM`]: squares of the plan over as many layers. In each, the volume of
-//! the beads over the volume to be filled is compared with the mean of the densities asked for. Cells count that are filled
-//! to half by sparse infill; smaller pieces hold less than one line. Cost: linear in the area and in the beads.
+//! The sparse infill of the part is divided into cubic cells with a side of [`CELL_MM`]. In each cell the printed density,
+//! which is the volume of the beads over the volume of the infill region, is compared with the mean required density. A
+//! cell counts if at least half of it is sparse infill, because smaller pieces hold less than one line. Cost: linear in
+//! the area and in the beads.
 
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::poly::Join;
@@ -16,21 +17,21 @@ use crate::order::LayerPaths;
 
 /// Side of a cell, mm. Source: issue 20.
 pub const CELL_MM: f64 = 5.0;
-/// Mean and worst error beyond which it is warned of. Source: issue 20.
+/// Largest mean error and largest error of a cell without a warning. Source: issue 20.
 const WARNED: [f64; 2] = [0.03, 0.1];
-/// Side of the squares in which volumes are added up, mm. Source: derived: a tenth of a cell; a border through it is met to
-/// within a hundredth of the cell's area.
+/// Side of the grid squares over which volumes are summed, mm. Source: derived: a tenth of a cell, so that a square that a
+/// border cuts is an error of at most a hundredth of the cell's area.
 const SQUARE_MM: f64 = 0.5;
 
-/// What was asked for.
+/// The required density, and the regions to which it applies.
 pub struct AskedDensity<'a> {
-    /// The densities.
+    /// The required density at every point.
     pub map: &'a DensityMap,
-    /// The least and the greatest.
+    /// The least and the greatest required density.
     pub range: [f64; 2],
-    /// What they follow.
+    /// The quantity that the densities follow.
     pub by: DensityBy,
-    /// The area of each layer that sparse infill fills.
+    /// The sparse infill region of each layer.
     pub areas: &'a [Region],
 }
 
@@ -39,22 +40,22 @@ pub struct AskedDensity<'a> {
 pub struct CellDensity {
     /// Its lowest corner, mm.
     pub low_mm: DVec3,
-    /// The density asked for.
+    /// The required density.
     pub asked: f64,
-    /// The density as laid.
+    /// The density of the beads.
     pub laid: f64,
 }
 
-/// Density as laid over all cells; errors are shares of full.
+/// Density of the beads over all cells. Errors are differences of density, where 1 is solid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct LaidDensity {
     pub by: &'static str,
     pub min: f64,
     pub max: f64,
-    /// Mean of the densities asked for, over all sparse infill.
+    /// Mean required density over all sparse infill.
     pub asked: f64,
-    /// The same of the beads.
+    /// Mean density of the beads over all sparse infill.
     pub laid: f64,
     pub mean_error: f64,
     pub worst_error: f64,
@@ -68,7 +69,7 @@ pub struct LaidDensity {
 }
 
 impl LaidDensity {
-    /// Measures the paths of all layers, not yet in order.
+    /// Measures the paths of all layers before they are put in printing order.
     pub fn measure(asked: &AskedDensity<'_>, stack: &LayerStack, layers: &[LayerPaths]) -> Self {
         let all = stack.layers();
         let bounds = asked.areas.iter().filter_map(|a| a.bounds()).reduce(|a, b| a.union(b));
@@ -76,7 +77,7 @@ impl LaidDensity {
         let filled: Vec<usize> = (0..all.len()).filter(|&i| !asked.areas[i].is_empty()).collect();
         let bottom = filled.first().map_or(0.0, |&i| all[i].z_top_mm() - all[i].height_mm());
         let tall = filled.last().map_or(0.0, |&i| all[i].z_top_mm()) - bottom;
-        // A part lower than a cell has cells of its own height.
+        // If the infill is lower than a cell, the cells get its height.
         let high_mm = if tall > CELL_MM { CELL_MM } else { tall.max(1e-6) };
         let count = |mm: f64, cell: f64| (mm / cell - 1e-6).ceil().max(1.0) as usize;
         let size = bounds.size();
@@ -102,7 +103,7 @@ impl LaidDensity {
                 sum[0] += volume;
                 sum[1] += volume * asked.map.at(p.extend(z));
             }
-            // Infill of regions with a density of their own lies outside the area.
+            // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own.
             let near = Mask::from_region(grid, &area.offset(SQUARE_MM, Join::Miter(2.0)));
             let paths = layers[i].islands.iter().flat_map(|island| &island.fills);
             for path in paths.filter(|p| p.role == Role::SparseFill) {
@@ -184,7 +185,7 @@ impl LaidDensity {
         ]
     }
 
-    /// The warning of a density that was not met.
+    /// A warning if the required density is not met.
     pub fn warning(&self) -> Option<Warning> {
         if self.mean_error <= WARNED[0] && self.worst_error <= WARNED[1] {
             return None;

@@ -1,7 +1,7 @@
-//! Known dimensions of a part, measured on the beads of a program.
+//! Measures known dimensions of a part on the beads of a program.
 //!
-//! Edges of beads are used, half a width beside their centrelines. Lengths are in mm. Cost: linear
-//! in the outer walls of the layers concerned.
+//! Dimensions are measured to the edge of a bead, half a width from its centreline. Lengths are in mm.
+//! Cost: linear in the outer walls of the measured layers.
 
 use grainpath_core::math::cross;
 use grainpath_core::spelling::meaning;
@@ -10,7 +10,7 @@ use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 use toml::{Table, Value};
 
-/// The words of `kind` in a file of dimensions.
+/// The allowed words for `kind` in a file of dimensions.
 const KINDS: [(&str, KindWord); 4] = [
     ("outside", KindWord::Outside),
     ("bore", KindWord::Bore),
@@ -55,10 +55,10 @@ pub struct Measured {
     pub name: String,
     /// True value, mm.
     pub true_mm: f64,
-    /// Measured value, mm; left out where no wall was found.
+    /// Measured value, mm; left out if no wall was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub printed_mm: Option<f64>,
-    /// Printed over true, less 1, in %.
+    /// Relative error in %: printed over true value, minus 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_percent: Option<f64>,
 }
@@ -76,9 +76,9 @@ pub struct Dimensions {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {problem}")]
 pub struct DimensionError {
-    /// The file.
+    /// Name of the file.
     pub file: String,
-    /// The problem, and what would be right.
+    /// The problem, and what the file should say instead.
     pub problem: DimensionProblem,
 }
 
@@ -156,9 +156,9 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
         .collect()
 }
 
-/// Position of the shape's origin on the plate in a program of any slicer: the centre of its outer
-/// walls' box is taken to lie where the file of true dimensions says that the part's centre is
-/// (`middle_mm`).
+/// Finds the position of the shape's origin on the plate in a program of any slicer. The centre of the
+/// bounding box of the outer walls is taken as the part's centre; the file of true dimensions states the
+/// centre in the shape's coordinates (`middle_mm`).
 ///
 /// # Errors
 /// [`DimensionError`] where the file does not state `middle_mm`, or the program has no outer walls.
@@ -179,7 +179,7 @@ pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, Dime
 /// Measures dimensions on the beads of a program; `shift` is the position of the shape's origin on
 /// the plate.
 pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dimensions {
-    // Layers rise, so the first one whose top lies above the height contains it.
+    // Layers are in ascending order, so the first one whose top lies above the height contains that height.
     let at = |z: f64| program.layers.iter().find(|l| z < l.z_mm + 1e-6);
     let each: Vec<Measured> = dimensions
         .iter()
@@ -212,11 +212,11 @@ fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
     layer.beads.iter().filter(|b| b.role == Role::OuterWall)
 }
 
-/// Diameter of the round wall about `centre` that is nearest to the true one: the mean, weighted by
-/// length, of the beads' edges, half a width outside (`side` 1) or inside (-1) of their
-/// centrelines.
+/// Diameter of the round wall about `centre` whose diameter is near `true_mm`. It is the mean, weighted
+/// by length, over the outer edges (`side` 1) or the inner edges (`side` -1) of the beads, which lie half
+/// a width from the centrelines.
 fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option<f64> {
-    // A larger reach would take neighbouring walls for this one.
+    // A larger tolerance would include neighbouring walls.
     let reach = (0.1 * true_mm).min(0.6);
     let (mut sum, mut length) = (0.0, 0.0);
     for b in outer(layer) {
@@ -224,15 +224,15 @@ fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option
         let half = 0.5 * side * b.width_mm(layer.height_mm);
         let r = |p: DVec2| p.distance(centre) + half;
         let along = (q - p).normalize_or_zero().dot((0.5 * (p + q) - centre).normalize_or_zero()).abs();
-        // Straight walls that pass by do not belong to the circle.
+        // Beads that are not nearly tangential are straight walls that do not belong to the circle.
         if (r(p) - 0.5 * true_mm).abs() < reach && (r(q) - 0.5 * true_mm).abs() < reach && along < 0.3 {
             let l = p.distance(q);
-            // Simpson's rule along the chord, whose middle lies nearer to the centre than its ends.
+            // Simpson's rule is used because the middle of a chord lies nearer to the centre than its ends.
             sum += l * (r(p) + 4.0 * r(0.5 * (p + q)) + r(q)) / 6.0;
             length += l;
         }
     }
-    // With less than a sixth of the circle found, the centre or the diameter is wrong.
+    // If less than a sixth of the circle is found, the stated centre or diameter is wrong.
     (length > 0.5 * true_mm).then(|| 2.0 * sum / length)
 }
 
@@ -248,7 +248,7 @@ fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
         }
         let at = way.dot(p.lerp(q, u / (u - v)) - from);
         if (0.0..=from.distance(to)).contains(&at) {
-            // A bead that crosses the line at a slant is wider along the line.
+            // A bead that crosses the line at an angle is wider along the line.
             let slant = cross(way, (q - p).normalize_or_zero()).abs().max(0.2);
             let half = 0.5 * b.width_mm(layer.height_mm) / slant;
             let (low, high) = (at - half, at + half);

@@ -1,4 +1,4 @@
-//! Fibre of a program, layer by layer, measured on the program itself.
+//! Measures the fibre of a program layer by layer on the program's G-code.
 //!
 //! Lengths are in mm, positions in part coordinates. Cost: linear in the beads with fibre.
 
@@ -14,7 +14,7 @@ use crate::measure::DirectionError;
 pub struct FibreLayer {
     /// Number of the layer, from 1.
     pub layer: usize,
-    /// Height of the nozzle, mm.
+    /// Height of the nozzle while it prints the layer, mm.
     pub z_mm: f64,
     /// Length of fibre, mm.
     pub length_mm: f64,
@@ -27,10 +27,10 @@ pub struct FibreLayer {
     /// Smallest radius of a turn, mm; left out where all paths are straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_radius_mm: Option<f64>,
-    /// Position of that turn, in part coordinates, mm.
+    /// Position of the turn with the smallest radius, in part coordinates, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharpest_mm: Option<[f64; 2]>,
-    /// Turns below the required radius: x, y in part coordinates and the radius, mm; a hairpin is
+    /// Turns below the required radius: x and y in part coordinates and the radius, mm. A hairpin counts as
     /// one turn.
     pub sharp_turns: Vec<[f64; 3]>,
     /// Share of the length within 15 degrees of the guide's direction, weighted by the guide's
@@ -95,8 +95,8 @@ pub fn measure(
         let mut sharpest: Option<(f64, DVec2)> = None;
         let mut sharp_turns = Vec::new();
         for path in &paths {
-            // Coordinates of a program are rounded to micrometres, so the ends of a closed path may
-            // differ by two of them.
+            // Coordinates of a program are rounded to micrometres, so the ends of a closed path may lie up to
+            // two micrometres apart.
             let closed = path.len() > 3 && path[0].distance(path[path.len() - 1]) < 2e-3;
             let points = if closed { &path[..path.len() - 1] } else { &path[..] };
             for t in sharp_bends(points, closed, asked_radius_mm) {
@@ -158,8 +158,8 @@ fn fibre(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
     layer.beads.iter().filter(|b| b.role == Role::Fibre)
 }
 
-/// Polylines of fibre in part coordinates; a new one begins where the program starts a bead or
-/// jumps.
+/// Polylines of fibre in part coordinates. A new one begins where the program starts a bead, or where
+/// a bead does not begin at the end of the previous one.
 fn fibre_paths(layer: &BeadLayer, shift: DVec2) -> Vec<Vec<DVec2>> {
     let mut paths: Vec<Vec<DVec2>> = Vec::new();
     for bead in fibre(layer) {
@@ -173,7 +173,7 @@ fn fibre_paths(layer: &BeadLayer, shift: DVec2) -> Vec<Vec<DVec2>> {
 }
 
 impl FibreReport {
-    /// One line for a terminal.
+    /// A summary of the fibre in one line, for the terminal.
     pub fn summary(&self) -> String {
         let radius =
             self.min_radius_mm.map_or("straight".to_owned(), |r| format!("smallest radius {r:.2} mm"));

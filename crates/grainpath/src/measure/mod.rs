@@ -1,4 +1,4 @@
-//! Results: the planned job, and measurements on the written program.
+//! Results of a run: the planned job, and measurements on the written program.
 
 pub mod alignment;
 pub mod density;
@@ -14,7 +14,7 @@ pub use planned::Planned;
 
 use grainpath_core::DVec2;
 
-/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part
-/// coordinates: the angle between it and the axis the guide asks for there, degrees from 0 to 90,
-/// and how much that matters, 0 to 1. `None` outside the part and for points.
+/// Compares a straight piece of a bead with the guide. The arguments are the mid-height of the layer, mm,
+/// and the ends of the piece in part coordinates. The result is the angle between the piece and the guide's
+/// direction, degrees from 0 to 90, and its weight. `None` outside the part and for pieces without length.
 pub type DirectionError<'a> = dyn Fn(f64, [DVec2; 2]) -> Option<(f64, f64)> + 'a;

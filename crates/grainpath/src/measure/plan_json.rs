@@ -1,4 +1,4 @@
-//! A plan as JSON, for programs that examine or change every path.
+//! Writes a plan as JSON, for programs that examine or change every path.
 
 use std::fmt::Write;
 
@@ -8,9 +8,9 @@ use grainpath_core::{BeadRaise, BeadWidth, Plan};
 /// the micrometre.
 pub fn plan_json(plan: &Plan) -> String {
     let p = plan.plate_from_part_mm;
-    // Written by hand: a JSON tree of every point would take many times the memory of the plan.
+    // The text is written directly, because a JSON tree of every point would take many times the memory of the plan.
     let mut out = format!("{{\"plate_from_part_mm\":[{},{},{}],\"layers\":[", p.x, p.y, p.z);
-    // Adding zero turns -0 into 0, which reads better and is the same number.
+    // Adding zero turns -0 into 0, so that no "-0" is written.
     let micro = |v: f64| (v * 1e3).round() * 1e-3 + 0.0;
     for (i, layer) in plan.layers.iter().enumerate() {
         let comma = if i > 0 { ",\n" } else { "\n" };

@@ -1,4 +1,4 @@
-//! A planned job.
+//! The result of planning a job.
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{Density, LayerStack, Plan, TriMesh};
@@ -16,9 +16,9 @@ use crate::support::Support;
 pub struct Planned {
     /// The paths of all layers.
     pub plan: Plan,
-    /// The sections that it was made from.
+    /// The layers of the part from which the plan was made.
     pub stack: LayerStack,
-    /// Settings for writing it as G-code.
+    /// Settings for writing the plan as G-code.
     pub config: WriteConfig,
     /// Seconds of each stage, in the order of the run.
     pub stages_s: Vec<(Stage, f64)>,
@@ -26,18 +26,18 @@ pub struct Planned {
     pub support: Option<Support>,
     /// The part's surface, kept for pictures of the supports.
     pub supported_mesh: Option<TriMesh>,
-    /// Density of sparse infill: that of the job, or the one found for a required mass.
+    /// Density of sparse infill: as set in the job, or computed for a required mass.
     pub density: Density,
-    /// The density as laid against the density asked for, where it is graded.
+    /// Comparison of printed and required density, for jobs with graded density.
     pub laid: Option<LaidDensity>,
     /// The grain that infill follows, for jobs with such a guide.
     pub grain: Option<GrainGuide>,
     /// The user's own directions, for jobs that have them.
     pub field: Option<FieldGuide>,
-    /// Directions, and the stress that they come from, for jobs with loads.
+    /// Directions and the stress from which they were computed, for jobs with loads.
     pub guide: Option<Guide>,
-    /// The part's side of a strength test, for jobs that ask for one.
+    /// The inputs of a strength test that come from the part, for jobs that ask for a test.
     pub test: Option<TestSetup>,
-    /// Report of the scan, where the shape is one.
+    /// Report of the scan, if the shape is a scan.
     pub scan: Option<CtReport>,
 }

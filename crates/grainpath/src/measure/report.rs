@@ -36,8 +36,8 @@ pub struct Report {
     pub mass_g: f64,
     pub time_s: f64,
     pub density: f64,
-    /// Whether the fill is to leave nothing open. Only then gap and overlap are faults of the print, and only
-    /// then people are shown them; the JSON holds them always.
+    /// Whether the infill is solid. Gap and overlap are faults of the print only in solid infill, so the summary shows
+    /// them only then; the JSON always holds them.
     #[serde(skip)]
     pub is_dense: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,10 +50,10 @@ pub struct Report {
     pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
-    /// The density as laid against the density asked for, where it is graded.
+    /// Comparison of printed and required density, for jobs with graded density.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graded: Option<LaidDensity>,
-    /// The factor on the loads at first failure, of jobs whose stress was solved.
+    /// The factor on the loads at which the part first fails, for jobs whose stress was solved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reserve: Option<ReserveReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,8 +72,8 @@ pub struct Report {
     pub outputs: BTreeMap<&'static str, String>,
 }
 
-/// Size, solver and main results of a stress analysis. Imported stress has no unknowns, residual and mesh error, and a
-/// displacement only where its file holds one.
+/// Size, solver and main results of a stress analysis. Imported stress has no unknowns, no residual and no mesh error; it
+/// has a displacement only if its file holds one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct StressReport {
@@ -94,7 +94,7 @@ pub struct StressReport {
     /// Tensile strength of the material along the beads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength_mpa: Option<f64>,
-    /// That strength over the peak stress; left out where the peak cannot be trusted.
+    /// `strength_mpa` over the peak stress; left out if the peak cannot be trusted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reserve: Option<f64>,
     /// Position of the peak of `max_von_mises_mpa`, part coordinates.
@@ -106,13 +106,13 @@ pub struct StressReport {
     /// Reaction of each fixture in each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reactions: Vec<ResultantReport>,
-    /// Which layers serve which load case, where layers take turns.
+    /// The layers that serve each load case; empty unless layers serve the cases alternately.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub served: Vec<ServedReport>,
-    /// The largest share, over the cases, by which loads and reactions fail to cancel.
+    /// Largest relative imbalance between loads and reactions of any case.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imbalance: Option<f64>,
-    /// Degenerate points by kind: of a plate, or summed over the layers of another part.
+    /// Number of degenerate points of each kind: counted once for a plate, summed over the layers for other parts.
     pub wedges: usize,
     pub trisectors: usize,
     pub border_points: usize,
@@ -150,14 +150,14 @@ impl ResultantReport {
 pub struct ServedReport {
     /// `None` for layers that serve all cases together.
     pub case: Option<String>,
-    /// From 1.
+    /// Numbers of the layers, from 1.
     pub layers: Vec<usize>,
 }
 
 impl From<&Guide> for StressReport {
     fn from(guide: &Guide) -> Self {
         let s = &guide.summary;
-        // Five significant digits; further ones would only make reports differ between compilers.
+        // Values have five significant digits; more digits would differ between compilers.
         let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
         let resultants = |which: &dyn Fn(&CaseBalance) -> &Vec<Resultant>| -> Vec<ResultantReport> {
             let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
@@ -246,15 +246,15 @@ impl StressReport {
     }
 }
 
-/// Layers in words: stretches of equal steps, such as "layers 1, 3, ... 39" or "layers 1 to 12, 20, 22"; the first few of
-/// many.
+/// Describes a list of layers in words, as runs with a constant step, for example "layers 1, 3, ... 39" or
+/// "layers 1 to 12, 20, 22". A long list is cut off after the first few runs.
 fn in_words(layers: &[usize]) -> String {
-    /// Stretches that are listed. Source: chosen: a line of a terminal holds about as many; only the words depend on it.
+    /// Largest number of listed runs. Source: chosen: about as many fit into a line of a terminal.
     const MOST: usize = 6;
     let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
     for &layer in layers {
         match stretches.last_mut() {
-            // Two layers make a step, a third keeps to it.
+            // The second layer of a run defines its step; further layers must have the same step.
             Some((first, last, step)) if first == last || layer - *last == *step => {
                 *step = layer - *last;
                 *last = layer;
@@ -283,18 +283,18 @@ pub struct QualityReport {
     pub gap: f64,
     pub overlap: f64,
     pub spill: f64,
-    /// Angle between fill and the direction of the stress or the grain, weighted by length and by
-    /// the guide's strength.
+    /// Mean angle between infill and the guide's direction, weighted by length and by the guide's
+    /// strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_mean_deg: Option<f64>,
-    /// 95 % of the weighted length deviates by less than this.
+    /// 95th percentile of the angle between infill and the guide's direction, with the same weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_p95_deg: Option<f64>,
     pub paths_per_layer_max: usize,
     pub bead_width_mm: [f64; 3],
 }
 
-/// Unfilled share of the part's area above which a fibre job is warned about.
+/// Largest unfilled share of the part's area for which a fibre job gives no warning.
 const MUCH_OPEN: f64 = 0.08;
 
 impl QualityReport {
@@ -310,42 +310,42 @@ impl QualityReport {
     }
 }
 
-/// Size and outcome of the supports; see `docs/support.md`.
+/// Size and main results of the supports; see `docs/support.md`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SupportReport {
-    /// Volume of the beads that are printed; `None` where only the solid is made of baselines.
+    /// Volume of the printed beads; `None` if only the solid is made, for supports of columns or a box.
     pub volume_mm3: Option<f64>,
-    /// Their mass.
+    /// Mass of the printed beads.
     pub mass_g: Option<f64>,
-    /// Volume of the support as one closed surface, as another slicer would fill it densely.
+    /// Volume enclosed by the surface of the support, as if another slicer filled it solidly.
     pub solid_volume_mm3: f64,
-    /// Its mass.
+    /// Mass of the support as a solid.
     pub solid_mass_g: f64,
     pub contacts: usize,
     pub trees: usize,
-    /// Beads that lie on air, counted on the beads that are printed; for the baselines pieces of layers.
+    /// Number of printed beads with nothing below them; for columns or a box, the number of pieces of layers.
     pub floating: usize,
-    /// Length of them that does.
+    /// Length of the beads that has nothing below it.
     pub floating_mm: f64,
-    /// Length of beads that were left out because nothing could be laid below them.
+    /// Length of beads that were left out because nothing could be printed below them.
     pub left_out_mm: f64,
     pub regions: usize,
     pub braces: usize,
-    /// Largest lean of a branch from the vertical.
+    /// Largest angle between a branch and the vertical.
     pub steepest_deg: f64,
     /// Largest distance of an overhang from its contact.
     pub farthest_mm: f64,
-    /// The furthest that a tip moves under the drag of the nozzle.
+    /// Largest displacement of a branch tip under the drag of the nozzle.
     pub tip_moves_mm: f64,
     /// Contacts so near to the plate that they need no support.
     pub near_plate: usize,
-    /// Overhangs that no branch could reach: x, y, z in mm and area in plan in mm2.
+    /// Overhangs that no branch could reach: x, y and z in mm, and the area projected onto the plate in mm2.
     pub unreached: Vec<[f64; 4]>,
 }
 
 impl SupportReport {
-    /// The report of planned supports; `beads_mm3` is the volume of their beads, `solid_mm3` that of their layers.
+    /// The report of planned supports. `beads_mm3` is the volume of their beads, `solid_mm3` the volume of their solid.
     pub fn new(support: &Support, beads_mm3: Option<f64>, solid_mm3: f64, density_g_cm3: f64) -> Self {
         let round = |v: f64| (v * 1e3).round() / 1e3;
         let grams = |v: f64| (v * 1e-3 * density_g_cm3 * 1e4).round() / 1e4;
@@ -373,7 +373,7 @@ impl SupportReport {
         }
     }
 
-    /// One line for a terminal.
+    /// A summary of the supports in one line, for the terminal.
     pub fn summary(&self) -> String {
         let printed = self.mass_g.map_or_else(String::new, |g| format!("{g:.2} g printed, "));
         let near = match self.near_plate {
@@ -435,7 +435,7 @@ impl Report {
             texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
             field: planned.field.as_ref().map(|f| f.report.clone()),
             support: planned.support.as_ref().map(|support| {
-                // Counted in the plan, whose roles tell supports from the part.
+                // The volume is computed from the plan, whose roles distinguish supports from the part.
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
                     let paths = l.paths.iter().map(|p| &p.path);
                     paths
@@ -444,7 +444,7 @@ impl Report {
                         .sum()
                 };
                 let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
-                // Paths have nominal volumes; flow scales what is extruded.
+                // Paths have nominal volumes; the extruded volume is scaled by the flow.
                 let material = &planned.config.material;
                 let solid = support.volume_mm3(&planned.stack);
                 SupportReport::new(support, Some(volume * material.flow), solid, material.density_g_cm3)
@@ -465,7 +465,7 @@ impl Report {
         serde_json::to_value(self).unwrap_or(Value::Null)
     }
 
-    /// A few lines for a terminal.
+    /// The main results in a few lines, for the terminal.
     pub fn summary(&self) -> String {
         let mut lines = vec![format!(
             "{} layers to {} mm, {:.2} g, {:.1} m of filament, about {}",
@@ -498,7 +498,7 @@ impl Report {
         }
         if let Some(t) = &self.texture {
             lines.push(format!(
-                "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of them in the mean",
+                "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of the layers in the mean",
                 t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
             ));
         }
@@ -539,7 +539,7 @@ pub fn hours(seconds: f64) -> String {
     }
 }
 
-/// Measures written G-code against the sections that it was made from.
+/// Compares the written G-code with the sections of the part from which it was planned.
 pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     let shift = planned.plan.plate_from_part_mm.truncate();
     let layers = planned.stack.layers();
@@ -559,18 +559,18 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         }
         Some(region)
     };
-    // Cost is linear in the layers measured, so at most twelve of them are sampled.
+    // The cost is linear in the number of measured layers, so at most twelve are measured.
     let mut report = QualityReport::from(quality(program, section, 12));
     if let Some(off) = direction_error(planned) {
         let (mean, p95) = alignment(&*off, program, shift);
-        // Hundredths of a degree, as the bins of the histogram are.
+        // The angles are rounded to 0.01 degrees, the width of a bin in the histogram.
         let round = |deg: f64| (deg * 100.0).round() / 100.0;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
     report
 }
 
-/// The angle between beads and the direction that the guide of a plan asks for; `None` without a
+/// Returns the function that compares a bead's direction with the guide of a plan; `None` without a
 /// guide.
 pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
     let layers = planned.stack.layers();
@@ -586,7 +586,7 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
             return None;
         }
         let at = (0.5 * (a + b)).extend(z_mid_mm);
-        // Compared with the stress itself, not with the smoothed field that the beads follow.
+        // The direction is taken from the stress itself, not from the smoothed field that the beads follow.
         let asked = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)));
         let (axis, weight) = asked.or_else(|| field.map(|f| f.asked(at)))?;
         // Axes have no sign, so the angle is folded into 0 to 90 degrees.
@@ -605,9 +605,9 @@ pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -
     Some(crate::measure::fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
 }
 
-/// Mean and 95th percentile of the angle in degrees between fill and the guide's axis.
+/// Mean and 95th percentile of the angle in degrees between infill and the guide's direction.
 fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> (f64, f64) {
-    // A histogram in steps of a hundredth of a degree: exact enough for a percentile, in little
+    // A histogram with bins of 0.01 degrees gives the percentile precisely enough and needs little
     // memory.
     let mut bins = vec![0.0; 9001];
     let mut sum = 0.0;

@@ -1,13 +1,13 @@
-//! Sparse lines that touch no other line: neither beside them in their layer, nor crossing above or below.
+//! Warns of sparse lines that touch no other line, neither a neighbour in their layer nor a crossing line above or below.
 //!
-//! Lines that run the same way in every layer and lie further apart than a bead is wide print as thin walls that only
-//! the outline holds together. The published grain specimens forbid that: curves are inserted until neighbours touch,
-//! so that no curve stands alone. A plan with such layers is printable, but it
-//! bends and splits between its lines, so the run says so.
+//! Lines that have the same direction in every layer and are more than a bead width apart are printed as separate thin
+//! walls, which only the part's walls hold together. In the published grain specimens this does not occur: curves are
+//! inserted until neighbours touch. A plan with such layers can be printed, but the part bends and splits between the
+//! lines, so the run gives a warning.
 //!
-//! Method: sparse fill of up to `CHECKED_LAYERS` layers, evenly spread, is sampled once per bead width. A sample
-//! touches if another line of the same layer lies within a bead's width of it, or if a line of the layer above or below
-//! passes there at an angle. Lengths are in mm. Cost: linear in the samples of those layers and their two neighbours.
+//! Method: the sparse fill of up to `CHECKED_LAYERS` evenly distributed layers is sampled twice per bead width. A sample
+//! touches if another line of the same layer lies within a bead width of it, or if a line of the layer above or below
+//! crosses it at an angle. Lengths are in mm. Cost: linear in the samples of these layers and their two neighbours.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::polyline::resampled;
@@ -15,23 +15,23 @@ use grainpath_core::{Bounds2, DVec2, LayerPlan, Role, Warning, WarningId};
 
 /// Largest number of cells along a side of the grid of samples. Source: derived; a cell takes 4 bytes, so all take 16 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
-/// So many layers at most are looked at. Source: derived; lines of a layer differ little from those of the layers beside
-/// it, and 12 layers of the largest plans take less than 1 % of the time of their fill.
+/// Largest number of examined layers. Source: derived; the lines of neighbouring layers differ little, and examining 12
+/// layers of the largest plans takes less than 1 % of the time needed for their infill.
 const CHECKED_LAYERS: usize = 12;
-/// Two beads touch up to this distance of their middles, in widths. Source: derived; dense fill lies at 0.9 of a width
-/// apart, and 1.05 leaves room for the rounding of widths.
+/// Largest distance between the centrelines of two beads that touch, in bead widths. Source: derived; lines of dense fill
+/// are 0.9 widths apart, and 1.05 leaves room for the rounding of widths.
 const TOUCHING: f64 = 1.05;
-/// Points of one line are no neighbours of each other within this length along it, in widths. Source: derived; half a
-/// circle around the tightest turn between touching lines is 1.6 widths long.
+/// Two points of one line can touch only if they are farther apart along the line than this, in bead widths. Source:
+/// derived; the tightest U-turn between two touching lines is 1.6 widths long.
 const OWN: f64 = 3.0;
-/// Lines of neighbouring layers cross if the cosine between them is below this, at more than 20 degrees. Source: derived;
-/// a line that turns slowly differs less than that from the same line a layer below.
+/// Lines of neighbouring layers cross if the cosine of their angle is below this value (more than 20 degrees). Source:
+/// derived; a line whose direction turns slowly over the layers differs by less from the same line one layer below.
 const CROSSING_COS: f64 = 0.94;
-/// A layer is told of where less than this share of its length touches. Measured: the sparse lines of the grain example
-/// touch along 0.6 % of their length, and lines that cross touch along a fifth of it at a density of 0.1.
+/// A layer is reported if less than this share of its sparse length touches. Measured: the sparse lines of the grain
+/// example touch along 0.6 % of their length; crossing lines at a density of 0.1 touch along a fifth of their length.
 const LEAST_SHARE: f64 = 0.05;
 
-/// A warning that names the first layer whose sparse lines touch nothing, and how many of the layers looked at are so.
+/// Returns a warning with the first layer whose sparse lines touch nothing, and the number of such layers.
 #[must_use]
 pub fn check(layers: &[LayerPlan]) -> Option<Warning> {
     let with_lines: Vec<usize> = (0..layers.len()).filter(|&k| has_sparse_lines(&layers[k])).collect();
@@ -59,7 +59,7 @@ fn has_sparse_lines(layer: &LayerPlan) -> bool {
 struct Samples {
     /// Each sample with the number of its line.
     all: Vec<(DVec2, u32)>,
-    /// The samples in cells as wide as the reach of a touch.
+    /// The samples sorted into cells whose side is the largest distance of a touch.
     near: Buckets,
     width_mm: f64,
 }
@@ -67,7 +67,7 @@ struct Samples {
 impl Samples {
     fn of_layer(layer: &LayerPlan) -> Option<Self> {
         let lines = || layer.paths.iter().map(|p| &p.path).filter(|p| p.role == Role::SparseFill);
-        // One width for the layer: the widest, so that wide beads are not taken for separate ones.
+        // The layer is examined with its greatest width, so that wide beads are not taken for separate ones.
         let widths = lines().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
         let width_mm = widths.fold(0.0, f64::max);
         if width_mm <= 0.0 {
@@ -83,7 +83,7 @@ impl Samples {
         Some(Self { all, near, width_mm })
     }
 
-    /// The direction of a line at one of its samples, without a sign.
+    /// The direction of a line at one of its samples; the sign is arbitrary.
     fn direction(&self, sample: usize) -> DVec2 {
         let (place, line) = self.all[sample];
         let beside =
@@ -91,7 +91,7 @@ impl Samples {
         (beside(sample + 1) - beside(sample.wrapping_sub(1))).normalize_or_zero()
     }
 
-    /// The samples nearer to a place than a distance.
+    /// The samples within a distance of `place`.
     fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = usize> {
         let cells = &self.near.cells;
         let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
@@ -101,7 +101,7 @@ impl Samples {
             .filter(move |&sample| self.all[sample].0.distance_squared(place) < distance_mm * distance_mm)
     }
 
-    /// Whether another line lies beside a sample, or the same one further along.
+    /// Whether a sample touches another line, or a distant part of its own line.
     fn touches(&self, sample: usize) -> bool {
         let own = (OWN / 0.5) as usize;
         let (place, line) = self.all[sample];
@@ -109,7 +109,7 @@ impl Samples {
         beside.any(|other| self.all[other].1 != line || other.abs_diff(sample) > own)
     }
 
-    /// Whether a line passes a place at an angle to a direction.
+    /// Whether a line passes through `place` at more than 20 degrees to `direction`.
     fn crosses(&self, place: DVec2, direction: DVec2) -> bool {
         let mut passing = self.within(place, 0.5 * self.width_mm);
         passing.any(|other| self.direction(other).dot(direction).abs() < CROSSING_COS)

@@ -1,6 +1,6 @@
-//! Paths that are not yet in order as bytes, for windows of layers that are filled on other machines.
+//! Writes and reads unordered paths as bytes, for windows of layers that are filled on other machines.
 //!
-//! Every number keeps its bits, so that the program is the same. All are little-endian:
+//! Numbers are stored exactly, so that the program is the same. All numbers are little-endian:
 //!
 //! ```text
 //! layers   "GPLP"  version: u8 = 2  n: u32  layer*
@@ -12,8 +12,9 @@
 //!          n_points: u32  (x: f64  y: f64)*
 //! ```
 //!
-//! `bottom` and `top` say how far the bead stands above its layer. `each` is 1 where every point has a width, and 0 where one holds for all. Reading takes time
-//! and memory in proportion to the bytes, whatever counts they promise.
+//! `bottom` and `top` state how far the bead is raised above its layer. `each` is 1 if every point has a width of its own,
+//! and 0 if all points share one width. Time and memory for reading are linear in the number of bytes, even if damaged
+//! bytes state huge counts.
 
 use grainpath_core::{BeadRaise, BeadWidth, DVec2, Role, SpeedClass, Toolpath};
 
@@ -24,11 +25,11 @@ const MAGIC: &[u8; 5] = b"GPLP\x02";
 const SPEEDS: [SpeedClass; 4] =
     [SpeedClass::Normal, SpeedClass::SmallWall, SpeedClass::Overhang, SpeedClass::Bridge];
 
-/// Bytes that are no paths of layers, or are damaged.
+/// The bytes do not hold paths of layers, or are damaged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the bytes are no paths of layers of this version: {wanted} should be at byte {offset}")]
 pub struct PathBytesError {
-    /// Place in the bytes.
+    /// Position of the error in the bytes.
     pub offset: usize,
     /// The value that should be there.
     pub wanted: &'static str,
@@ -135,7 +136,7 @@ impl Reader<'_> {
         if v.is_finite() { Ok(v) } else { Err(self.wrong("a finite number")) }
     }
 
-    /// A list, for which no memory is reserved: damaged bytes may promise any number of items.
+    /// Reads a list. No memory is reserved for it, because damaged bytes may state any number of items.
     fn list<T>(
         &mut self,
         mut item: impl FnMut(&mut Self) -> Result<T, PathBytesError>,

@@ -1,8 +1,8 @@
-//! One path for a whole island: loops are joined to their neighbours where they touch.
+//! Makes one path of a whole island by joining loops to their neighbours.
 //!
-//! Two loops side by side become one where a stretch of each, as long as the gap between them, is
-//! exchanged for two ways across the gap. The length laid stays the same, and no place is laid
-//! twice:
+//! Two neighbouring loops become one: a piece of each loop, as long as the gap between them, is
+//! replaced by two links across the gap. The total length of the beads stays the same, and no place
+//! is printed twice:
 //!
 //! ```text
 //!     ====== loop 1 ======            ====+  +====
@@ -10,10 +10,10 @@
 //!     ====== loop 2 ======            ====+  +====
 //! ```
 //!
-//! A loop is joined where it comes nearest to the chain. Paths farther away than a stated reach
-//! begin a chain of their own. The next layer begins where this one ended, so that a part of one
-//! island is a single path without a travel. Lengths are in mm. Cost: points of the chain lie in
-//! square cells as wide as the reach, so a loop looks at few of them.
+//! A loop is joined where it comes nearest to the chain. Paths farther away than a given reach
+//! begin a chain of their own. The next layer begins where this one ends, so that a part with one
+//! island is a single path without a travel. Lengths are in mm. Cost: the points of the chain are
+//! sorted into square cells as wide as the reach, so a loop is compared with few of them.
 
 use std::collections::BTreeMap;
 
@@ -33,14 +33,14 @@ struct Place {
     at: DVec2,
 }
 
-/// Puts paths in order as chains, each beginning as near as possible to the end of the one before.
-/// `reach_mm` is the greatest distance of neighbours. `at` is the nozzle's position before and
-/// after.
+/// Joins paths into chains and orders the chains; each chain begins as near as possible to the end of
+/// the previous one. `reach_mm` is the largest distance between paths that are joined. `at` holds the
+/// nozzle's position before the call and is set to the position after it.
 pub(super) fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Vec<Toolpath>) {
     let mut rest: Vec<Toolpath> = paths.into_iter().filter(|p| p.n_segments() > 0).collect();
     let mut chains = Vec::new();
     while !rest.is_empty() {
-        // The longest path is the root, because it has most places to join others.
+        // A chain starts from the longest path, because most other paths can join it.
         let length = |p: &Toolpath| p.length_mm();
         let longest = (0..rest.len())
             // Of equally long paths the first one wins; `max_by` alone would take the last.
@@ -58,7 +58,7 @@ pub(super) fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: 
             .and_then(|i| chains[i].take());
         let Some(mut chain) = next else { return };
         chain.begin_near(*at);
-        // A gap within reach is printed as a part of the chain.
+        // If the gap to the previous chain is within reach, a bead bridges it.
         let start = chain.pieces[0].start();
         if let Some(last) = out.last_mut()
             && last.role == chain.pieces[0].role
@@ -81,7 +81,7 @@ fn push(path: &mut Toolpath, p: DVec2) {
     }
 }
 
-/// A closed path as an open one that ends where it begins.
+/// Turns a closed path into an open one that ends where it begins.
 pub(crate) fn opened(mut path: Toolpath) -> Toolpath {
     if path.closed {
         path.closed = false;
@@ -141,7 +141,7 @@ fn places(path: &Toolpath, piece: usize, step_mm: f64) -> Vec<Place> {
 }
 
 impl Chain {
-    /// Takes in closed paths that lie within reach, the nearest first, until none does.
+    /// Joins closed paths within reach to the chain, the nearest first, until none is left within reach.
     fn take_in(&mut self, rest: &mut Vec<Toolpath>, reach_mm: f64) {
         loop {
             // The cells are rebuilt after every join, because lengths along the cut path change.
@@ -153,7 +153,7 @@ impl Chain {
         }
     }
 
-    /// Places of the chain by cells as wide as the reach.
+    /// Sorts the places of the chain into cells as wide as the reach.
     fn cells(&self, reach_mm: f64) -> BTreeMap<(i64, i64), Vec<Place>> {
         let mut cells: BTreeMap<(i64, i64), Vec<Place>> = BTreeMap::new();
         for (k, piece) in self.pieces.iter().enumerate() {
@@ -164,8 +164,8 @@ impl Chain {
         cells
     }
 
-    /// The place where a loop comes nearest to the chain, with enough length on both for the
-    /// exchange: the distance, the point on the chain, and the length along the loop.
+    /// Finds the place where a loop comes nearest to the chain and both are long enough to be joined.
+    /// Returns the distance, the point on the chain, and the length along the loop.
     fn join(
         &self,
         cells: &BTreeMap<(i64, i64), Vec<Place>>,
@@ -183,8 +183,8 @@ impl Chain {
             let (i, j) = cell(there.at, reach_mm);
             for key in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (i + x, j + y))) {
                 for here in cells.get(&key).into_iter().flatten() {
-                    // The exchanged stretches are as long as the gap. Half of one on either side
-                    // has to fit between the ends of the path.
+                    // A piece as long as the gap is removed from each path. The piece must lie
+                    // between the ends of its path.
                     let d = here.at.distance(there.at);
                     let fits = |along: f64, all: f64| along > d && along + d < all;
                     if d <= reach_mm
@@ -207,7 +207,7 @@ impl Chain {
         let (whole, around) = (piece.length_mm(), path.length_mm());
         let before = part(&piece, 0.0, here.along_mm - 0.5 * gap_mm);
         let after = part(&piece, here.along_mm + 0.5 * gap_mm, whole);
-        // The whole loop except the stretch that is exchanged.
+        // The loop without the removed piece.
         let mut taken = part(&path, there_mm + 0.5 * gap_mm, around);
         let rest = part(&path, 0.0, there_mm - 0.5 * gap_mm);
         taken.points.extend(rest.points.iter().skip(1));
@@ -215,7 +215,7 @@ impl Chain {
             w.extend(v.iter().skip(1));
         }
         let (from, to) = (before.end(), after.start());
-        // Of the two directions of the loop, the one whose ways across do not cross is the shorter.
+        // The loop is taken in the direction with the shorter links, because those do not cross.
         let straight = from.distance(taken.start()) + to.distance(taken.end());
         if from.distance(taken.end()) + to.distance(taken.start()) < straight {
             taken.reverse();
@@ -230,7 +230,7 @@ impl Chain {
         self.pieces.splice(here.piece..here.piece, [before, taken, after]);
     }
 
-    /// The point of the chain nearest to `at`, and its distance; for an open chain one of its ends.
+    /// The nearest point to `at` where the chain can begin, and its distance. An open chain can begin only at its ends.
     fn nearest(&self, at: DVec2) -> (Place, f64) {
         let last = self.pieces.len() - 1;
         let ends = [
@@ -257,7 +257,7 @@ impl Chain {
         (best, best.at.distance(at))
     }
 
-    /// Makes the chain begin as near to a point as possible.
+    /// Lets the chain begin as near as possible to `at`.
     fn begin_near(&mut self, at: DVec2) {
         let (place, _) = self.nearest(at);
         if place.piece > 0 && place.along_mm.is_infinite() {

@@ -1,10 +1,10 @@
-//! Travels: kept inside the part where possible, with the filament drawn back elsewhere.
+//! Plans travels: inside the part where possible, otherwise with retraction.
 //!
-//! A straight travel inside the island oozes onto places that will be covered. Where the straight
-//! way crosses the border, the travel follows the crossed contour on its shorter side at a stated
-//! clearance. It is then pulled tight: points are left out as long as the way stays inside. A
-//! detour longer than a stated multiple of the straight way is refused; the nozzle then goes
-//! straight, with the filament drawn back and, if the job says so, lifted.
+//! What oozes during a straight travel inside the island is covered later. If the straight line
+//! crosses the border, the travel follows the crossed contour on its shorter side at a given
+//! clearance. The travel is then shortened: points are removed as long as it stays inside. If the
+//! detour is longer than a given multiple of the straight line, the nozzle travels straight with
+//! the filament retracted and, if the job says so, with a lift.
 //!
 //! Cost: linear in the vertices of the contour for a travel that crosses the border, constant for
 //! one that does not.
@@ -19,14 +19,14 @@ pub struct CombSettings {
     pub comb: bool,
     /// Shorter travels never retract, mm.
     pub retract_min_mm: f64,
-    /// Longest detour, as a multiple of the straight way; a few millimetres more are always
+    /// Longest detour, as a multiple of the straight distance; 5 mm more are always
     /// allowed.
     pub max_detour: f64,
     /// Distance of a detour from the border, mm.
     pub clearance_mm: f64,
 }
 
-/// Plans the travel to each path of an island; `from` is the nozzle's position before and after.
+/// Plans the travel to each path of an island. `from` holds the nozzle's position and is updated.
 pub(super) fn plan_travels(
     outline: Option<&Polygon>,
     paths: Vec<Toolpath>,
@@ -39,7 +39,7 @@ pub(super) fn plan_travels(
         let to = path.start();
         let length = from.distance(to);
         let mut travel = Travel { via: Vec::new(), retract: length > settings.retract_min_mm };
-        // The first travel comes from another island, so it has to leave this one's outline anyway.
+        // The first travel comes from another island, so it crosses the border in any case.
         if let (true, Some(outline), true) = (travel.retract && i > 0, outline, settings.comb) {
             let inside = inside.get_or_insert_with(|| Inside::new(outline, settings.clearance_mm));
             if let Some(via) = inside.way(*from, to, settings.max_detour) {
@@ -66,22 +66,22 @@ impl<'a> Inside<'a> {
         if i == 0 { &self.outline.outer } else { &self.outline.holes[i - 1] }
     }
 
-    /// Points to pass between `a` and `b` so that the border is not crossed; `None` where no such
-    /// way is short enough.
+    /// The intermediate points of a travel from `a` to `b` that does not cross the border; `None` if no
+    /// such travel is short enough.
     fn way(&self, a: DVec2, b: DVec2, max_detour: f64) -> Option<Vec<DVec2>> {
         let crossings = self.clipper.crossings(a, b);
         if crossings.is_empty() {
             return Some(Vec::new());
         }
-        // Crossings come in pairs, out and in again. An odd number means that an end lies outside
-        // the island. The bound of 24 limits the time for combs with many teeth.
+        // Crossings come in pairs: the line leaves the island and enters it again. An odd number means that
+        // an end lies outside the island. The limit of 24 bounds the time for comb-shaped parts.
         if crossings.len() > 24 || crossings.len() % 2 == 1 {
             return None;
         }
         let mut way = vec![a];
         for pair in crossings.chunks_exact(2) {
-            // Leaving through one contour and coming back through another needs a search for a way,
-            // which is not worth it for a travel.
+            // If the line leaves through one contour and returns through another, a path search would be
+            // needed, which is too costly for a travel.
             if pair[0].contour != pair[1].contour {
                 return None;
             }
@@ -96,13 +96,13 @@ impl<'a> Inside<'a> {
         self.pull_tight(&mut way);
         let length: f64 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
         let inside = way.windows(2).all(|w| self.clipper.crossings(w[0], w[1]).is_empty());
-        // 5 mm are allowed in any case: for a short travel a retraction takes longer than a detour
-        // of that length.
+        // A detour of 5 mm is always allowed: for a short travel, a retraction takes longer than a
+        // detour of that length.
         (inside && length <= max_detour * a.distance(b) + 5.0).then(|| way[1..way.len() - 1].to_vec())
     }
 
-    /// The shorter way along a contour between two of its edges, at the clearance inside the
-    /// border.
+    /// Adds the shorter way along a contour between two of its edges to `way`, at the clearance inside
+    /// the border.
     fn along(&self, contour: usize, from: (usize, DVec2), to: (usize, DVec2), way: &mut Vec<DVec2>) {
         let points = self.contour(contour);
         let n = points.len();
@@ -120,21 +120,21 @@ impl<'a> Inside<'a> {
             let (u, v) = ((here - before).normalize_or_zero(), (after - here).normalize_or_zero());
             // The inside is on the left of every contour.
             let normal = DVec2::new(-u.y - v.y, u.x + v.x);
-            // The normal of a corner is the sum of two unit normals, with the length 2 cos(turn /
-            // 2). Dividing by half its square gives the mitred offset. At sharp corners the offset
-            // would shoot far off, so the corner itself is kept.
+            // The normal of a corner is the sum of two unit normals; its length is 2 cos(turn / 2).
+            // Dividing by half the squared length gives the mitred offset. At a sharp corner the offset
+            // would be very long, so the corner itself is used.
             let reach = normal.length_squared() / 2.0;
             here + if reach > 0.2 { normal * (self.clearance_mm / reach) } else { DVec2::ZERO }
         }));
     }
 
-    /// Leaves out points as long as the way stays inside.
+    /// Removes points of the way as long as it stays inside.
     fn pull_tight(&self, way: &mut Vec<DVec2>) {
         let mut kept = vec![way[0]];
         let mut i = 0;
         while i + 1 < way.len() {
-            // The farthest point in sight is searched from the end of the way. Long jumps are shortened by a quarter at
-            // a time: a way along a round hole has many points, and one at a time would take too long.
+            // The search for the farthest visible point starts at the end of the way. Long jumps are shortened by a quarter
+            // in each step: a way along a round hole has many points, and steps of one point would take too long.
             let mut jump = way.len() - 1 - i;
             while jump > 1 && !self.clipper.crossings(way[i], way[i + jump]).is_empty() {
                 jump = if jump > 8 { jump * 3 / 4 } else { jump - 1 };

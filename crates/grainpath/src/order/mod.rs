@@ -1,9 +1,9 @@
-//! The order of printing: islands, walls, fill; the start of closed paths; the travels between
-//! them.
+//! Puts the paths of islands in printing order, chooses the start of closed paths, and plans the
+//! travels between paths.
 //!
-//! Which path comes next depends on where the last one ended, so layers are ordered one after the
-//! other. Travels cost more and depend on their own layer alone, so they are planned in parallel
-//! for the layers already ordered.
+//! The next path depends on the end of the previous one, so layers are ordered one after the other.
+//! Travels take more time to plan and depend only on their own layer, so they are planned in parallel
+//! for the layers that are already ordered.
 
 mod bytes;
 mod chain;
@@ -32,13 +32,13 @@ pub(crate) use nearest::NearestEnds;
 pub struct OrderSettings {
     /// Order of the walls of a contour.
     pub wall_order: WallOrder,
-    /// Choice of the start of outer walls.
+    /// How the start of outer walls is chosen.
     pub seam: Seam,
     /// Settings of travels.
     pub comb: CombSettings,
     /// Whether fibre comes after everything else of a layer, so that tools are changed once.
     pub fibre_last: bool,
-    /// If set, an island is laid as one path wherever its paths lie no farther apart than this, mm.
+    /// If set, paths of an island are joined into one path if they are at most this far apart, mm.
     pub chain_mm: Option<f64>,
 }
 
@@ -56,9 +56,9 @@ pub struct Island {
 pub struct LayerPaths {
     /// Skirt and brim: printed first, in this order.
     pub adhesion: Vec<Toolpath>,
-    /// Supports: printed next, so that the part has something to lie on.
+    /// Supports: printed before the part, so that its overhangs have something to lie on.
     pub supports: Vec<Island>,
-    /// The part: one for each polygon of the layer's section.
+    /// Islands of the part: one for each polygon of the layer's section.
     pub islands: Vec<Island>,
 }
 
@@ -69,8 +69,8 @@ struct Ordered {
     paths: Vec<Toolpath>,
 }
 
-/// State that a layer's order takes over from the layers below: the positions of the nozzle and of
-/// the seams.
+/// State that is passed on from layer to layer: the positions of the nozzle and of the seams in the
+/// layer below.
 pub struct OrderState {
     nozzle: DVec2,
     seams: seam::Seams,
@@ -131,12 +131,12 @@ pub fn order_window(
         diagnostics.advance(1);
         Ok((layer_idx, LayerPlan { z_top_mm: layer.z_top_mm(), height_mm: layer.height_mm(), paths }))
     };
-    // Ordering hands the nozzle's position and the seams from layer to layer. Travels start from
-    // the recorded position, so they can be planned in any order. The bridge takes one layer at a
-    // time from the sequence, while other threads plan travels.
+    // Ordering passes the nozzle's position and the seams from layer to layer. Travels start from
+    // the recorded position, so they can be planned in any order. `par_bridge` orders one layer at a
+    // time, while other threads plan travels.
     let mut plans: Vec<(usize, LayerPlan)> =
         ordered.par_bridge().map(plan).collect::<Result<_, Interrupted>>()?;
-    // Threads finish in any order; the layer index restores it.
+    // Threads finish in any order, so the plans are sorted by layer.
     plans.sort_unstable_by_key(|p| p.0);
     Ok(plans.into_iter().map(|p| p.1).collect())
 }
@@ -159,8 +159,8 @@ fn order_layer(
     }
     let first =
         |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
-    // A support island is entered wherever its first path starts, so one point stands for both
-    // ends.
+    // A support island is represented by the start of its first path, which stands for both ends
+    // of the island.
     let places: Vec<[DVec2; 2]> = layer.supports.iter().map(|i| [first(i); 2]).collect();
     let mut supports: Vec<Option<Island>> = layer.supports.into_iter().map(Some).collect();
     for (i, _) in sequence::tour(&places, *at, None) {
@@ -180,16 +180,16 @@ fn order_layer(
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
     let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
-    // An island is represented by the middle of its bounds: where it is entered is known only once
-    // its paths are in order.
+    // An island is represented by the centre of its bounding box, because its first path is known
+    // only once its paths are in order.
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
     let mut fibre: Vec<Vec<Toolpath>> = vec![Vec::new(); islands.len()];
-    // What rises above the layer comes after all else of it: the nozzle would hit it.
+    // Walls that rise above the layer are printed last, so that the nozzle does not hit them.
     let mut raised: Vec<Vec<Wall>> = vec![Vec::new(); islands.len()];
     for (island, raised) in islands.iter_mut().flatten().zip(&mut raised) {
         *raised = island.walls.extract_if(.., |w| w.path.raise.top_mm > 0.0).collect();
     }
-    // A chain continues in the island in which the one below ended.
+    // A chain begins in the island in which the chain of the layer below ended.
     let here = settings.chain_mm.and_then(|_| nearest_outline(&outlines[..places.len()], *at));
     let tour = sequence::tour(&places, here.map_or(*at, |i| places[i][0]), None);
     for (stop, &(i, _)) in tour.iter().enumerate() {
@@ -203,7 +203,7 @@ fn order_layer(
         match settings.chain_mm {
             Some(reach_mm) => {
                 let walls = island.walls.into_iter().map(|w| w.path);
-                // A chain cuts loops open to take in others. Fibre and matrix are chained apart, so
+                // A chain cuts loops to join them to others. Fibre and matrix are chained separately, so
                 // that no fibre is cut for a matrix bead.
                 let all = walls.chain(island.fills);
                 let (last, first): (Vec<_>, Vec<_>) = all.partition(|p| p.role == Role::Fibre);

@@ -1,30 +1,30 @@
-//! The nearest of many path ends, while paths are removed one by one.
+//! Finds the nearest of many path ends, while paths are removed one by one.
 //!
-//! Ends lie in a square grid with about two ends a cell. A search visits rings of cells around a
-//! point and stops when no end of a farther ring can be nearer. Among equally near ends the lowest
-//! number wins, so that the order of printing depends on the paths alone.
+//! Ends are sorted into a square grid with about two ends per cell. A search visits rings of cells
+//! around a point and stops when no end in a farther ring can be nearer. Among equally near ends the
+//! lowest number is taken, so that the printing order depends only on the paths.
 //!
-//! Ends of removed paths stay in their cells and are skipped, until half of them are gone: then the
-//! grid is made anew of the rest, with cells that fit them. Cost: a search costs the ends and cells
-//! nearby, whether many or few are left; all grids together cost twice the first one. A property test
-//! compares the answers with a plain search.
+//! Ends of removed paths stay in their cells and are skipped. Once half of the ends are removed, the
+//! grid is rebuilt from the rest, with cells of a suitable size. Cost: a search is linear in the ends
+//! and cells nearby, however many are left; all grids together cost twice the first one. A property
+//! test compares the results with a plain search.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::{Bounds2, DVec2};
 
-/// Ends of paths in a grid; a path is taken away with both its ends.
+/// Ends of paths in a grid; removing a path removes both its ends.
 pub(crate) struct NearestEnds {
     buckets: Buckets,
     /// Ends in the order of the cells, each with its number: `2 i` and `2 i + 1` are the ends of path `i`.
     ends: Vec<(DVec2, u32)>,
-    /// Whether a path is taken, by number.
+    /// For each path, whether it is removed.
     taken: Vec<bool>,
-    /// Number of paths in the grid that are taken.
+    /// Number of paths in the grid that are removed.
     n_stale: usize,
 }
 
 impl NearestEnds {
-    /// Both ends of every path.
+    /// Builds the grid from both ends of every path.
     pub(crate) fn new(ends: &[[DVec2; 2]]) -> Self {
         let numbered: Vec<(DVec2, u32)> = ends.as_flattened().iter().copied().zip(0..).collect();
         let (buckets, numbered) = sorted(&numbered);
@@ -37,7 +37,7 @@ impl NearestEnds {
             return;
         }
         self.n_stale += 1;
-        // A path has two ends, so half of the paths are taken here.
+        // A path has two ends, so this is true once more than half of the paths are removed.
         if 4 * self.n_stale > self.ends.len() {
             let taken = &self.taken;
             self.ends.retain(|(_, end)| !taken[*end as usize / 2]);
@@ -46,13 +46,13 @@ impl NearestEnds {
         }
     }
 
-    /// Whether a path is taken.
+    /// Whether a path is removed.
     pub(crate) fn is_taken(&self, path: usize) -> bool {
         self.taken[path]
     }
 
-    /// The end nearest to `place` whose path is not taken, and whether it is the path's second. Of equally near ones the
-    /// lowest numbered.
+    /// The path whose end is nearest to `place`, and whether that end is the path's second one. Of equally near ends, the
+    /// one with the lowest number is taken.
     pub(crate) fn nearest(&self, place: DVec2) -> Option<(usize, bool)> {
         let cells = &self.buckets.cells;
         let middle = cells.cell_of(place);
@@ -75,7 +75,7 @@ impl NearestEnds {
     }
 }
 
-/// A grid over ends, and the ends in the order of its cells.
+/// Sorts ends into a grid; returns the grid, and the ends in the order of its cells.
 fn sorted(ends: &[(DVec2, u32)]) -> (Buckets, Vec<(DVec2, u32)>) {
     let bounds = Bounds2::around_points(ends.iter().map(|e| e.0));
     let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });

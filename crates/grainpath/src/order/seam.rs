@@ -1,8 +1,8 @@
-//! Seams: the start of closed outer walls.
+//! Chooses the seam of closed outer walls, the point where they start and end.
 //!
-//! A seam is a visible mark, so its place is a choice: nearest to the nozzle, at the rear, at
-//! random, or aligned over the one in the layer below. Coordinates are in mm. Cost: vertices of the
-//! wall, times the seams below where they are aligned.
+//! A seam leaves a visible mark, so the user chooses its place: nearest to the nozzle, at the rear,
+//! at random, or aligned with the seam in the layer below. Coordinates are in mm. Cost: linear in the
+//! vertices of the wall; for aligned seams also in the seams of the layer below.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::{DVec2, Toolpath};
@@ -32,7 +32,7 @@ impl Seams {
         self.below = std::mem::take(&mut self.here);
     }
 
-    /// Makes the seam's vertex the start of an outer wall.
+    /// Chooses the seam of an outer wall and lets the wall start there. `at` is the nozzle's position.
     pub(super) fn place(&mut self, wall: &mut Toolpath, at: DVec2) {
         self.n_walls += 1;
         let points = &wall.points;
@@ -43,7 +43,7 @@ impl Seams {
             Seam::Nearest => best(&|i| points[i].distance_squared(at)),
             Seam::Rear => best(&|i| -points[i].y),
             Seam::Random => {
-                // A hash of layer and wall instead of a generator: the seam of a layer then does
+                // A hash of layer and wall is used instead of a random generator, so that a seam does
                 // not depend on which layers were planned before.
                 (hash(self.layer_idx as u64, self.n_walls as u64) % points.len().max(1) as u64) as usize
             }
@@ -54,8 +54,8 @@ impl Seams {
                 if near(points[follow]) < FOLLOW_MM * FOLLOW_MM {
                     follow
                 } else {
-                    // No seam below: the sharpest corner hides the seam best. The small term in y
-                    // prefers the rear among equal corners.
+                    // Without a seam below, the sharpest corner is taken, because it hides the seam best. The
+                    // small term in y prefers the rearmost of equal corners.
                     best(&|i| -corner(points, i).abs() - 1e-3 * points[i].y)
                 }
             }
@@ -67,7 +67,7 @@ impl Seams {
     }
 }
 
-/// The turn at a vertex, radians: positive to the left.
+/// The angle by which the wall turns at a vertex, radians, positive to the left.
 fn corner(points: &[DVec2], i: usize) -> f64 {
     let n = points.len();
     let (u, v) = (points[i] - points[(i + n - 1) % n], points[(i + 1) % n] - points[i]);

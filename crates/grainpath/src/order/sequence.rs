@@ -1,14 +1,14 @@
-//! Sequences of paths with little travel between them.
+//! Finds sequences of paths with short travels between them.
 //!
-//! Method: nearest neighbour, then 2-opt (reverse a stretch) and Or-opt (move up to three stops)
+//! Method: nearest neighbour, then 2-opt (reverse a run of stops) and Or-opt (move up to three stops)
 //! until nothing improves (`Croes1958`, `Or1976`). Tours of up to [`MAX_SHAKEN`] stops are then
-//! perturbed by exchanging neighbouring stretches and improved again, and the shorter tour is kept
+//! perturbed by exchanging neighbouring runs and improved again, and the shorter tour is kept
 //! (iterated local search, `Lourenco2003`). A stop is a path that may be entered at either end.
-//! Stops beside which nothing changed are not visited again.
+//! Stops whose neighbours did not change are not examined again.
 //!
-//! Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed
-//! sequence. A test compares tours of up to 6 stops with all orders. Cost: one search for the
-//! nearest end for each stop, then [`REACH`] neighbours for every stop and pass.
+//! The result is deterministic: of equal choices the lower number is taken, and the exchanges come
+//! from a fixed sequence. A test compares tours of up to 6 stops with all orders. Cost: one search
+//! for the nearest end for each stop, then [`REACH`] neighbours for every stop and pass.
 
 use grainpath_core::poly::signed_area_mm2;
 use grainpath_core::{Bounds2, DVec2, Toolpath};
@@ -18,18 +18,18 @@ use super::nearest::NearestEnds;
 use super::seam::Seams;
 use crate::wall::Wall;
 
-/// Number of stops over which 2-opt looks for an exchange, and over which Or-opt moves a stretch.
+/// Largest distance, in stops, over which 2-opt searches for an exchange and Or-opt moves a run.
 const REACH: usize = 100;
 /// Largest number of passes of 2-opt and Or-opt.
 const PASSES: usize = 8;
-/// Largest number of stops of a tour that is perturbed, once for every stop.
+/// Largest number of stops of a tour that is perturbed. The number of perturbations is the number of stops.
 const MAX_SHAKEN: usize = 64;
 
-/// Visits every owner once, entering at one of its ends and leaving at the other. `at` is where the
-/// tour begins; `to` is where the way goes on, if that is known. Returned are the owners in order,
-/// and whether each is entered at its second end.
+/// Finds a short tour that visits every stop once, entering at one of its ends and leaving at the other.
+/// `at` is the start of the tour, and `to` the point after it, if known. Returns the indices of the
+/// stops in order, each with whether it is entered at its second end.
 ///
-/// The method is described in the module's text.
+/// The module documentation describes the method.
 pub(super) fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut index = NearestEnds::new(ends);
     let mut order = Vec::with_capacity(ends.len());
@@ -41,20 +41,20 @@ pub(super) fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(us
     }
     let mut tour = Tour { ends, at, to, order, look: vec![true; ends.len()] };
     tour.improve();
-    // Fewer than four stops leave hardly two stretches to exchange.
+    // Fewer than four stops hardly contain two runs to exchange.
     if (4..=MAX_SHAKEN).contains(&ends.len()) {
         tour.shake();
     }
     tour.order
 }
 
-/// A tour under improvement. Its gap `k` lies before stop `k`; the last one leads to `to`.
+/// A tour that is being improved. Gap `k` is the travel before stop `k`; the last gap leads to `to`.
 struct Tour<'a> {
     ends: &'a [[DVec2; 2]],
     at: DVec2,
     to: Option<DVec2>,
     order: Vec<(usize, bool)>,
-    /// Whether something changed beside an owner since the last search there without success.
+    /// For each path, whether the tour next to it has changed since it was last examined without success.
     look: Vec<bool>,
 }
 
@@ -74,7 +74,7 @@ impl Tour<'_> {
         if k == 0 { self.at } else { self.leave(k - 1) }
     }
 
-    /// End of gap `k`; `None` after the last stop where it is unknown what follows.
+    /// End of gap `k`; `None` after the last stop if the next point is unknown.
     fn after(&self, k: usize) -> Option<DVec2> {
         if k < self.order.len() { Some(self.enter(k)) } else { self.to }
     }
@@ -93,12 +93,12 @@ impl Tour<'_> {
         }
     }
 
-    /// Whether something changed beside a stop since it was last searched.
+    /// Whether the tour next to a stop has changed since the stop was last examined.
     fn is_marked(&self, stop: usize) -> bool {
         self.order.get(stop).is_some_and(|o| self.look[o.0])
     }
 
-    /// Marks the stops on both sides of gap `k` for another search.
+    /// Marks the stops on both sides of gap `k` to be examined again.
     fn changed(&mut self, k: usize) {
         for stop in [k.checked_sub(1), Some(k)].into_iter().flatten() {
             if let Some(o) = self.order.get(stop) {
@@ -112,7 +112,7 @@ impl Tour<'_> {
         self.order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
     }
 
-    /// Reverses stretches where that shortens the way (2-opt). Returned is whether it did.
+    /// Reverses runs of stops if that shortens the tour (2-opt). Returns whether any was reversed.
     fn turn_stretches(&mut self) -> bool {
         let n = self.order.len();
         let mut improved = false;
@@ -121,7 +121,7 @@ impl Tour<'_> {
                 continue;
             }
             let way = way_mm(self.before(k), self.after(k));
-            // Ends that coincide cannot come closer; most gaps of a zigzag are of this kind.
+            // A gap of zero length cannot become shorter; most gaps of a zigzag are of this kind.
             if way < 1e-6 {
                 continue;
             }
@@ -133,7 +133,7 @@ impl Tour<'_> {
                 let old = way + way_mm(self.before(other), self.after(other));
                 let new =
                     way_mm(self.before(a), Some(self.leave(b - 1))) + way_mm(self.enter(a), self.after(b));
-                // Gains below a nanometre are rounding and could repeat for ever.
+                // A gain below a nanometre is rounding, and accepting it could repeat for ever.
                 if new < old - 1e-6 {
                     self.turn(a, b);
                     self.changed(a);
@@ -146,9 +146,9 @@ impl Tour<'_> {
         improved
     }
 
-    /// Moves stretches of up to three stops elsewhere where that shortens the way (Or-opt).
-    /// Returned is whether it did. Stops searched without success are skipped until something
-    /// changes beside them.
+    /// Moves runs of up to three stops to another place if that shortens the tour (Or-opt). Returns
+    /// whether any was moved. Stops examined without success are skipped until the tour changes next
+    /// to them.
     fn move_stretches(&mut self) -> bool {
         let n = self.order.len();
         let looked = self.look.clone();
@@ -201,8 +201,8 @@ impl Tour<'_> {
         improved
     }
 
-    /// Exchanges two neighbouring stretches, improves, and keeps the result if it is shorter. The
-    /// cuts come from a fixed pseudorandom sequence.
+    /// Repeatedly exchanges two neighbouring runs of stops, improves the tour, and keeps it if it is
+    /// shorter. The ends of the runs come from a fixed pseudorandom sequence.
     fn shake(&mut self) {
         let n = self.order.len();
         let mut state = n as u64;
@@ -234,12 +234,12 @@ impl Tour<'_> {
     }
 }
 
-/// Length of a travel, mm; 0 where its end is unknown.
+/// Length of a travel, mm; 0 if its end is unknown.
 fn way_mm(from: DVec2, to: Option<DVec2>) -> f64 {
     to.map_or(0.0, |to| from.distance(to))
 }
 
-/// Makes the vertex nearest to `at` the start of a closed path; turns an open one whose end is nearer.
+/// Lets a closed path start at the vertex nearest to `at`; reverses an open path whose end is nearer to `at`.
 pub(super) fn start_nearest(path: &mut Toolpath, at: DVec2) {
     if path.closed {
         let near = path.points.iter().map(|p| p.distance_squared(at)).enumerate();
@@ -250,7 +250,7 @@ pub(super) fn start_nearest(path: &mut Toolpath, at: DVec2) {
     }
 }
 
-/// The walls that follow one contour, with the box around the outermost.
+/// The walls along one contour, with the bounding box of the outermost wall.
 struct WallGroup {
     bounds: Bounds2,
     is_hole: bool,
@@ -271,8 +271,8 @@ pub(super) fn walls(
         let Some(bounds) = Bounds2::around_points(wall.path.points.iter().copied()) else { continue };
         let offset = |r: &WallGroup| r.bounds.centre().distance_squared(bounds.centre());
         let home = rings
-            // The outermost wall opens a ring; inner walls follow the contour whose middle is
-            // nearest and which runs the same way round.
+            // An outermost wall starts a group. An inner wall joins the group of the same orientation
+            // whose centre is nearest.
             .iter_mut()
             .filter(|r| wall.depth > 0 && r.is_hole == is_hole)
             .min_by(|a, b| offset(a).total_cmp(&offset(b)));
@@ -301,15 +301,15 @@ pub(super) fn walls(
     }
 }
 
-/// Puts single beads and fill in order: by rank, and within a rank by short travels. `to` is where
-/// the way goes on.
+/// Puts single beads and fill in order: by rank, and within a rank by short travels. `to` is the point
+/// after the last path, if known.
 pub(super) fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
     fills.sort_by_key(|p| p.rank);
     while let Some(rank) = fills.first().map(|p| p.rank) {
         let later = fills.split_off(fills.partition_point(|p| p.rank == rank));
         let ends: Vec<[DVec2; 2]> = fills.iter().map(|p| [p.start(), p.end()]).collect();
         let mut stops: Vec<Option<Toolpath>> = fills.into_iter().map(Some).collect();
-        // Only the last rank knows what follows; the others are followed by the next rank.
+        // `to` follows only the last rank; the other ranks are followed by the next rank.
         for (i, second) in tour(&ends, *at, to.filter(|_| later.is_empty())) {
             let Some(mut path) = stops[i].take() else { continue };
             if path.closed {

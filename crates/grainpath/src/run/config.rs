@@ -1,8 +1,8 @@
 //! Makes the settings of each stage from the settings of a job.
 //!
 //! This is the only module of the planner that reads a job. Every choice is matched exhaustively,
-//! so that a new word in `grainpath_job::choices` does not compile until it is handled here. Units
-//! change here too: degrees become radians.
+//! so that the code does not compile until a new word in `grainpath_job::choices` is handled here.
+//! Units are converted here too: degrees become radians.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
@@ -51,8 +51,8 @@ use grainpath_job::{AngleRange, JobRegion, LayerAngles, MaterialSection, Setting
 pub fn outline(s: &Settings) -> OutlineOptions {
     OutlineOptions {
         unit: s.shape.unit.0,
-        // The tolerance holds for the part in its final size, so the scale is taken out before the
-        // drawing is flattened.
+        // The tolerance applies to the scaled part, but the drawing is flattened before scaling, so the
+        // tolerance is divided by the scale.
         tolerance_mm: OUTLINE_TOLERANCE_MM / s.shape.scale,
         even_odd: s.shape.outline_rule == OutlineRule::EvenOdd,
     }
@@ -68,7 +68,7 @@ pub fn outline_thickness_mm(s: &Settings) -> f64 {
 const OUTLINE_TOLERANCE_MM: f64 = 0.005;
 
 fn placement(s: &Settings) -> Placement {
-    // A drawing brings its own unit and is in mm by now; the setting must not be applied twice.
+    // A drawing was already converted to mm when it was read, so the unit must not be applied again.
     let unit = s.shape.unit.0.filter(|_| s.shape.outline.is_empty());
     Placement {
         unit: unit.unwrap_or(LengthUnit::Millimetre),
@@ -150,8 +150,8 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
             BoardCorners::Markers => Corners::Markers,
         }
     };
-    // Several photographs without heights are spread evenly: each shows the middle of its share of
-    // the height.
+    // If heights are missing, the photographs are distributed evenly over the height: each shows the
+    // middle of an equal share of it.
     let heights_mm = match (heights.is_empty(), n) {
         (false, _) => heights.clone(),
         (true, 1) => vec![0.0],
@@ -197,8 +197,8 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
 }
 
 /// Settings for reading the texture of a scan, for a part with these bounds and this height. The
-/// scan is that of `guide.volume`, or of `shape.ct` where that names none; `own` is what was found
-/// in the latter.
+/// scan is that of `guide.volume`, or that of `shape.ct` if `guide.volume` names none. `own` is the
+/// report of the scan of `shape.ct`.
 pub(crate) fn texture(
     s: &Settings,
     own: Option<&CtReport>,
@@ -208,7 +208,7 @@ pub(crate) fn texture(
     let (g, v) = (&s.guide, &s.volume);
     let other = !v.path.is_empty();
     let mut scan = scan(s);
-    // Another scan than the shape has its own spacing and place; its rotation is applied to
+    // A scan that is not the shape has its own spacing and position; its rotation is applied to
     // directions, not to voxels.
     if other {
         let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
@@ -226,7 +226,7 @@ pub(crate) fn texture(
     TextureSettings {
         scan,
         name: if other { v.path.clone() } else { s.ct.path.clone() },
-        // The shape's own scan was lowered to the plate, and its texture with it.
+        // The scan of the shape was lowered to the plate, and its texture is lowered with it.
         origin_mm: match own {
             Some(own) if !other => Some(DVec3::new(0.0, 0.0, -own.bottom_mm)),
             _ => v.origin_mm.map(DVec3::from),
@@ -263,8 +263,8 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     Some(SupportSettings {
         style,
         critical_angle_rad: u.critical_angle_deg.to_radians(),
-        // A branch may lean as far as an overhang prints without support. The bounds keep branches
-        // from lying down or standing bolt upright.
+        // A branch may lean as far as an overhang that prints without support. The bounds keep branches
+        // from becoming horizontal or exactly vertical.
         branch_angle_rad: u.branch_angle_deg.unwrap_or(u.critical_angle_deg.clamp(5.0, 80.0)).to_radians(),
         max_unsupported_mm: u.max_unsupported_mm,
         min_overhang_mm: u.min_overhang_mm,
@@ -297,7 +297,7 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     })
 }
 
-/// How supports are laid.
+/// Settings for the beads of supports.
 fn support_beads(s: &Settings) -> BeadSettings {
     let (p, u) = (&s.process, &s.support);
     BeadSettings {
@@ -368,7 +368,7 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
     })
 }
 
-/// The guide by stress, where the job has one.
+/// Settings of the guide by stress; `None` for other guides.
 pub fn stress(s: &Settings, deck: Option<&DeckConditions>) -> Option<StressSettings> {
     let (g, m) = (&s.guide, &s.material);
     let own = || match g.elasticity {
@@ -393,7 +393,7 @@ pub fn stress(s: &Settings, deck: Option<&DeckConditions>) -> Option<StressSetti
     })
 }
 
-/// Whether layers serve the load cases of a job in turn.
+/// Whether the layers of a job serve its load cases alternately.
 fn mixes_cases(s: &Settings) -> bool {
     let g = &s.guide;
     let n_cases = g.case.len() + usize::from(!g.load.is_empty());
@@ -403,25 +403,25 @@ fn mixes_cases(s: &Settings) -> bool {
         && g.import.is_empty()
         && n_cases > 1
         && g.case_mix == CaseMix::Reserve
-        // Layers that take turns between tension and compression have none left for cases.
+        // If layers already alternate between tension and compression, they cannot alternate between cases.
         && g.follow != choices::Follow::Alternate
         && (patterns.into_iter().any(follows) || (s.fibre.enabled && follows(s.fibre.matrix_pattern)))
 }
 
-/// The nominal card of what infill is laid with; `None` for a material without one.
+/// The nominal strength card of the infill's material; `None` for a material without strengths.
 fn card_of_infill(s: &Settings) -> Option<StrengthCard> {
     strength(s).cards(CORNERS[0]).ok().and_then(|cards| cards.last().copied())
 }
 
-/// A warning where layers would serve several load cases in turn, and the material's strengths are not known.
+/// Warns if layers should serve several load cases alternately, but the material's strengths are unknown.
 pub(crate) fn warn_of_mix(s: &Settings, diagnostics: &Diagnostics) {
     if mixes_cases(s) && card_of_infill(s).is_none() {
-        let text = "the material has no strengths to judge several load cases by: all layers follow their weighted sum";
+        let text = "the material has no strengths, by which load cases are compared: all layers follow the weighted sum of the cases";
         diagnostics.warn(WarningId::CasesByWeight, text);
     }
 }
 
-/// The virtual strength test.
+/// Settings of the virtual strength test.
 pub fn strength(s: &Settings) -> StrengthSettings {
     StrengthSettings {
         fidelity: s.strength.fidelity,
@@ -436,7 +436,7 @@ pub fn strength(s: &Settings) -> StrengthSettings {
     }
 }
 
-/// Fixtures and loads as typed, and those of `guide.deck`.
+/// The fixtures and loads of the job, and those of `guide.deck`.
 pub fn loads<'a>(s: &'a Settings, deck: Option<&'a DeckConditions>) -> TypedLoads<'a> {
     let g = &s.guide;
     // 1 t/mm3 is 1e9 g/cm3.
@@ -445,10 +445,10 @@ pub fn loads<'a>(s: &'a Settings, deck: Option<&'a DeckConditions>) -> TypedLoad
     TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3, frame: g.frame, deck }
 }
 
-/// The supports and loads of the file of `guide.deck`, with its material only where the job asks for it.
+/// The supports and loads in the file of `guide.deck`, with the deck's material only if the job asks for it.
 ///
 /// # Errors
-/// [`FeError`] for loads and supports that are not understood, and for a material that is asked for and is not one.
+/// [`FeError`] for loads and supports that are not supported, and for a required material that the deck lacks.
 pub fn deck(s: &Settings, file: &FeFile) -> Result<DeckConditions, FeError> {
     let options = FeOptions { step: s.guide.deck_step, ..import(s) };
     let mut found = file.deck_conditions(&options)?;
@@ -456,15 +456,15 @@ pub fn deck(s: &Settings, file: &FeFile) -> Result<DeckConditions, FeError> {
     Ok(found)
 }
 
-/// Where the part stands that was lowered by `lowered_mm`. Scans and photographs are turned and scaled before
-/// they are a part.
+/// Position and rotation of a part that was lowered by `lowered_mm`. Parts from scans and photographs are neither
+/// turned nor scaled again, because this is done when they are read.
 pub fn standing(s: &Settings, lowered_mm: f64) -> Standing {
     let is_file = s.ct.path.is_empty() && s.photo.files.is_empty();
     let turn = if is_file { s.shape.rotate_deg.map(f64::to_radians) } else { [0.0; 3] };
     Standing::new(if is_file { s.shape.scale } else { 1.0 }, turn, lowered_mm)
 }
 
-/// The pattern `continuous`: one path through each infill region.
+/// Settings of the pattern `continuous`, which fills each infill region with one path.
 pub(crate) fn continuous(s: &Settings) -> Continuous {
     let isotropic = s.guide.kind == GuideKind::None;
     Continuous {
@@ -481,10 +481,10 @@ pub(crate) fn continuous(s: &Settings) -> Continuous {
     }
 }
 
-/// The steps from sections to paths.
+/// Settings of the steps from sections to paths.
 pub fn steps(s: &Settings) -> StepSettings {
     let (p, f) = (&s.process, &s.fill);
-    // Replaced by the height of each layer.
+    // This height is a placeholder: each layer uses its own height.
     let height_mm = p.layer_height_mm;
     StepSettings {
         walls: WallSettings {
@@ -502,7 +502,7 @@ pub fn steps(s: &Settings) -> StepSettings {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,
             spacing_mm: bead_spacing_mm(p.bead_width_mm, height_mm),
-            // A mass to be met is met by sparse infill, so skins are needed then.
+            // A required mass is reached with sparse infill, which needs skins.
             dense: f.density.is_dense() && f.mass_g.is_none(),
         },
         infill: infill(s),
@@ -519,7 +519,7 @@ pub fn steps(s: &Settings) -> StepSettings {
     }
 }
 
-/// The settings that hold in a region of the job.
+/// The settings inside a region of the job.
 fn region(s: &Settings, region: &JobRegion) -> RegionSettings {
     RegionSettings { steps: steps(&s.in_region(region)), guided: region.guide }
 }
@@ -528,15 +528,16 @@ fn region(s: &Settings, region: &JobRegion) -> RegionSettings {
 /// above.
 const BASELINE_MIN_DENSITY: f64 = 0.15;
 
-/// Stands for a density that is not known yet. Source: chosen; any number between hollow and dense gives the same run.
+/// Placeholder for a graded density that is not known yet. Source: chosen; any number between hollow and dense gives the
+/// same result.
 const GRADED: f64 = 0.5;
 
-/// The strengths that a share of them taken by the stress is told for; `None` for a material without a card.
+/// The nominal strength card of the material, with which stress is compared; `None` for a material without strengths.
 pub(crate) fn nominal_card(s: &Settings) -> Option<StrengthCard> {
     strength(s).bounding_cards().ok().map(|[_, nominal, _]| nominal)
 }
 
-/// What a graded density is made with.
+/// Settings for a graded density; `None` for other densities.
 pub(crate) fn graded_density(
     s: &Settings,
     lowered_mm: f64,
@@ -563,7 +564,7 @@ fn infill(s: &Settings) -> InfillSettings {
     let mass = |m: &MaterialSection| ExtrudedMass { density_g_cm3: m.density_g_cm3, flow: m.flow };
     InfillSettings {
         pattern: f.pattern,
-        // A graded density is put in its place once the part is known.
+        // A graded density replaces this value once the part is known.
         density: f.density.even().unwrap_or(Density::Sparse(GRADED)),
         graded: f.density.graded().is_some(),
         mass_g: f.mass_g,
@@ -594,7 +595,7 @@ fn raster_angles(angles: &LayerAngles) -> RasterAngles {
     RasterAngles { ranges: angles.ranges().iter().map(range).collect() }
 }
 
-/// Printing order, seams and travel.
+/// Settings of printing order, seams and travel.
 pub fn order(s: &Settings) -> OrderSettings {
     let p = &s.process;
     OrderSettings {
@@ -606,8 +607,8 @@ pub fn order(s: &Settings) -> OrderSettings {
             max_detour: 2.0,
             clearance_mm: p.bead_width_mm,
         },
-        // With one tool, fibre comes in the order of the shortest travel; with two, a change of
-        // tool costs more than any travel.
+        // With one tool, fibre is printed in the order of the shortest travel. With two tools, a
+        // change of tool costs more than any travel, so fibre comes last.
         fibre_last: s.fibre.enabled && s.printer.fibre_tool == FibreToolKind::Separate,
         chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
     }
@@ -616,7 +617,7 @@ pub fn order(s: &Settings) -> OrderSettings {
 /// Speeds and accelerations of the printer, for the time estimate.
 pub fn limits(s: &Settings) -> Limits {
     let p = &s.printer;
-    // The settings name no cruise ratio and no division of arcs, so the firmware's defaults hold.
+    // No setting states the cruise ratio or the division of arcs, so the firmware's defaults are used.
     let (min_cruise_ratio, arc_segment_mm) = match flavour(s) {
         Flavour::Klipper => (KLIPPER_MIN_CRUISE_RATIO, KLIPPER_ARC_SEGMENT_MM),
         Flavour::Marlin | Flavour::RepRapFirmware => (0.0, Limits::default().arc_segment_mm),
@@ -628,8 +629,8 @@ pub fn limits(s: &Settings) -> Limits {
         acceleration_mm_s2: p.acceleration_mm_s2,
         travel_acceleration_mm_s2: p.travel_acceleration_mm_s2,
         retract_acceleration_mm_s2: p.retract_acceleration_mm_s2,
-        // Three firmware conventions for speed at corners; the job may state any of them, and the
-        // first one stated in this order counts.
+        // Firmware has three conventions for the speed at corners. The job may state any of them; the
+        // first stated one in this order is used.
         corner: match (p.square_corner_mm_s, p.junction_deviation_mm) {
             (Some(v), _) => Corner::SquareCorner(v),
             (None, Some(d)) => Corner::Deviation(d),
@@ -694,11 +695,11 @@ pub(crate) fn fibre(s: &Settings, n_layers: usize) -> Option<FibreSettings> {
     })
 }
 
-/// Width of beads with fibre where the whole part is to be dense, mm: there the width decides how
-/// much stays unfilled.
+/// Width of beads with fibre, mm, if the whole part is dense. In a dense part the width decides how much
+/// stays unfilled.
 pub fn dense_fibre_width_mm(s: &Settings) -> Option<f64> {
     let f = &s.fibre;
-    // Fibre in some layers or places only: then the width matters just where the matrix is dense
+    // If only some layers or places have fibre, the part is dense only if the matrix is dense
     // too.
     let everywhere =
         f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1 && f.matrix_layers == [0, 0];
@@ -762,7 +763,7 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
     }
 }
 
-/// How the file of `guide.field` is read.
+/// Settings for reading the file of `guide.field`.
 pub fn directions(s: &Settings) -> DirectionOptions {
     let f = &s.field;
     DirectionOptions {
@@ -780,7 +781,8 @@ pub fn directions(s: &Settings) -> DirectionOptions {
     }
 }
 
-/// Where the directions of `guide.field` lie. Scans and photographs are turned and scaled before they are a part.
+/// Settings that place the directions of `guide.field` on the part. Scans and photographs are turned and scaled when they
+/// are read.
 pub(crate) fn field(s: &Settings, lowered_mm: f64, plate_from_part_mm: DVec3) -> FieldSettings {
     let (f, shape) = (&s.field, &s.shape);
     let is_file = s.ct.path.is_empty() && s.photo.files.is_empty();
@@ -795,7 +797,7 @@ pub(crate) fn field(s: &Settings, lowered_mm: f64, plate_from_part_mm: DVec3) ->
     }
 }
 
-/// Units and component order of the stress result named by `guide.import`; the units are those of `guide.deck` too.
+/// Units and component order of the stress result named by `guide.import`; the units are also used for `guide.deck`.
 pub fn import(s: &Settings) -> FeOptions {
     let g = &s.guide;
     FeOptions {

@@ -1,8 +1,8 @@
-//! Infill of one layer: dense and sparse, straight, along a field or along the grain, with and
-//! without fibre.
+//! Lays the infill of one layer: dense or sparse, in straight lines, along a field or along the
+//! grain, with or without fibre.
 //!
-//! Lengths are in mm. Skins over sparse infill are always straight lines without fibre; a part that
-//! is dense throughout is filled by its own pattern.
+//! Lengths are in mm. Skins over sparse infill are always straight lines without fibre. A part that
+//! is dense throughout is filled with the pattern of the job.
 
 use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, edges};
@@ -22,24 +22,24 @@ use crate::guide::grain::Mode;
 use crate::region::on_border;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
-/// Fill of an infill region.
+/// How an infill region is filled.
 struct RegionFill<'a> {
     density: Density,
-    /// The density of each place, where it is graded.
+    /// The density at every point, for graded density.
     graded: Option<&'a DensityMap>,
     role: Role,
     pattern: &'a dyn Infill,
     grain: Option<&'a GrainGuide>,
     /// Whether the regions of an island are filled with one path.
     one_path: bool,
-    /// Direction of the lines, radians, where it is not that of the layer's infill.
+    /// Direction of the lines, radians; `None` takes the direction of the layer's infill.
     angle_rad: Option<f64>,
 }
 
 impl Steps<'_> {
-    /// Distance from the region of centrelines to the edge of the area to be filled, mm: to the
-    /// strips of the walls, and a little farther for the area that the round edge of the outer wall
-    /// leaves out, so that the layer has the part's volume.
+    /// Distance between the region of centrelines and the border of the area to be filled, mm. The
+    /// area ends at the strips of the walls, or slightly beyond: the round edge of the outer wall
+    /// leaves some area unfilled, and the infill makes up for it, so that the layer has the part's volume.
     pub(super) fn border_mm(&self, layer: &Layer) -> f64 {
         let walls = &self.settings.walls;
         let w = walls.bead_width_mm;
@@ -47,13 +47,13 @@ impl Steps<'_> {
         if walls.n_walls == 0 {
             return 0.5 * w;
         }
-        // Half a strip less the overlap, and half of what the outer wall's full width exceeds its
-        // strip by.
+        // Half a strip minus the overlap, plus half the difference between the outer wall's full width
+        // and its strip.
         (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
     }
 
-    /// Distance of centrelines from the border between two regions, mm. Straight lines and loops may lie on the edge of their
-    /// area, so that half their strip reaches beyond it; fills along a field keep `border_mm` by themselves.
+    /// Distance of centrelines from the border between two regions, mm. Straight lines and loops may lie on the border of
+    /// the given area and then extend half a strip beyond it; patterns along a field keep `border_mm` themselves.
     pub(super) fn inset_mm(&self, layer: &Layer) -> f64 {
         if self.settings.infill.pattern.follows_field() {
             return self.border_mm(layer);
@@ -61,15 +61,15 @@ impl Steps<'_> {
         0.5 * bead_spacing_mm(self.settings.walls.bead_width_mm, layer.height_mm())
     }
 
-    /// Distance of centrelines from the border of an area, mm. Where part of the border is shared with another region, it is the
-    /// mean over the edges of the area: `wall_mm` along walls ([`Self::border_mm`]) and [`Self::inset_mm`] along the other region.
+    /// Distance of centrelines from the border of an area, mm. If the area borders on another region, the distance is the
+    /// mean over its edges: `wall_mm` along walls ([`Self::border_mm`]) and [`Self::inset_mm`] along the other region.
     fn border_of(&self, layer_idx: usize, wall_mm: f64, infill_region: &Polygon) -> f64 {
         let Some(areas) = self.areas.and_then(|a| a.of_layer(layer_idx)) else { return wall_mm };
         let inset_mm = self.inset_mm(&self.stack.layers()[layer_idx]);
         let (mut sum, mut length) = (0.0, 0.0);
         for edge in infill_region.contours().flat_map(|c| edges(c)) {
             let mm = edge.0.distance(edge.1);
-            // A tenth more than the inset, for the rounding of corners.
+            // The tolerance is a tenth larger than the inset, because corners are rounded.
             let own = if on_border(areas, edge, 1.1 * inset_mm) { inset_mm } else { wall_mm };
             sum += mm * own;
             length += mm;
@@ -106,7 +106,7 @@ impl Steps<'_> {
             | Pattern::SeedLines
             | Pattern::Continuous => density.is_dense(),
         };
-        // Patterns that do not turn keep the first angle, so that their cells lie on each other.
+        // Patterns that do not turn keep the first angle, so that their cells lie above each other.
         infill.angles.of_layer(layer_idx, turns)
     }
 
@@ -168,7 +168,7 @@ impl Steps<'_> {
             let density = self.density_in(region, density);
             tally = tally.and(region.sparse_fill(i, split, density, add));
         }
-        // The mean that the map is made for; all of its places are filled alike, however dense.
+        // The map of densities is scaled to this mean. All of its points are filled as sparse infill, even dense ones.
         let map = self.graded.map(|graded| graded.of_mean(density.fraction()));
         let density = map.as_ref().map_or(density, |_| Density::Sparse(density.fraction()));
         // A density of zero is a hollow part.
@@ -192,7 +192,7 @@ impl Steps<'_> {
         tally
     }
 
-    /// Fills the infill regions of an island: with fibre where the job asks for it, with matrix
+    /// Fills the infill regions of an island: with fibre where the job asks for fibre, and with matrix
     /// elsewhere.
     fn fill_island(
         &self,
@@ -229,16 +229,16 @@ impl Steps<'_> {
             without.iter().for_each(|region| matrix.fill(&context, region, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
-        // Fibre beads have another width than the matrix, so their centrelines keep another
-        // distance from the area's edge.
+        // Fibre beads and matrix beads have different widths, so their centrelines keep different
+        // distances from the border of the area.
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
-        // The load decides where closed paths start; without a guide all points are equal.
+        // The load at a point, for choosing the start of closed paths; without a guide it is 0 everywhere.
         let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
         let mut paths = Vec::new();
         let rest = fibre.lay_rings(&with, context.height_mm, context.role, &mut paths);
         let n_rings = paths.len();
         if fibre.rings > 0 {
-            // The rest begins half a strip from those of the rings.
+            // Inside the rings, centrelines begin half a strip from the strips of the rings.
             context.border_mm = 0.5 * context.spacing_mm();
         }
         self.fill_regions(i, &context, &rest.iter().collect::<Vec<_>>(), asked, &mut paths);
@@ -272,7 +272,7 @@ impl Steps<'_> {
                 (Some(grain), None) => self.along_grain(grain, context, region, out),
                 (None, None) => asked.pattern.fill(context, region, out),
             }
-            // Rings are joined at one distance; those of a graded density lie at many.
+            // Rings are joined across one fixed distance; with graded density the distances differ.
             if self.settings.infill.spiral && asked.graded.is_none() {
                 let mut rings = out.split_off(first);
                 join_rings(&mut rings, context.spacing_mm() / context.density.fraction());
@@ -281,9 +281,9 @@ impl Steps<'_> {
         }
     }
 
-    /// Fills a region along the grain: with the edges of the picture, or with the job's pattern if
-    /// that follows a field. For other patterns stripes are laid where infill is dense, and evenly
-    /// spaced lines where it is sparse.
+    /// Fills a region along the grain: along the edges of the picture, or with the job's pattern if
+    /// that follows a field. For other patterns, dense infill is filled with stripes and sparse infill
+    /// with evenly spaced lines.
     fn along_grain(
         &self,
         grain: &GrainGuide,
@@ -304,10 +304,10 @@ impl Steps<'_> {
         }
     }
 
-    /// Fills a bridge. Where no direction of its lines is held at both ends they have the direction of skins.
+    /// Fills a bridge. If no direction lets the lines rest on both ends, they get the direction of skins.
     fn bridge(&self, i: usize, polygon: &Polygon, skin_rad: Option<f64>, out: &mut Vec<Toolpath>) {
         let mut context = self.context(i, Density::Dense, Role::Bridge);
-        // The first layer has no bridges, so there is a layer below.
+        // The first layer has no bridges, so a layer below always exists.
         let below = self.stack.layers()[i - 1].region();
         let held = bridge_angle_rad(polygon, below, context.spacing_mm());
         context.angle_rad = held.or(skin_rad).unwrap_or(context.angle_rad);

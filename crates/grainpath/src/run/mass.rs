@@ -18,8 +18,8 @@ use crate::error::Error;
 use crate::guide::density::GradedDensity;
 use crate::wall::skin::SkinSplit;
 
-/// Share of the required mass that a print may be off without a warning. Source: chosen; parts that are compared at equal
-/// mass then differ by less than the 1 to 2 % of repeated prints.
+/// Share of the required mass by which a print may differ without bisection and without a warning. Source: chosen; twice
+/// the share at which the proportional steps stop.
 const TOLERANCE: f64 = 5e-3;
 
 impl Steps<'_> {
@@ -27,7 +27,7 @@ impl Steps<'_> {
     /// those of all layers. A mass that is missed by more than 0.5 % is a warning.
     ///
     /// # Errors
-    /// [`Error::Mass`] where no density gives the mass.
+    /// [`Error::Mass`] if no density gives the mass.
     pub fn density(
         &self,
         walls: &[LayerWalls],
@@ -35,7 +35,7 @@ impl Steps<'_> {
         diagnostics: &Diagnostics,
     ) -> Result<Density, Error> {
         let density = self.density_of_mass(walls, skins, diagnostics);
-        // Notes of densities that were only tried do not concern the print.
+        // Notes from tried densities are discarded, because they do not concern the print.
         self.discard_notes();
         density
     }
@@ -47,10 +47,10 @@ impl Steps<'_> {
         diagnostics: &Diagnostics,
     ) -> Result<Density, Error> {
         let Some(asked_g) = self.settings.infill.mass_g else {
-            // Of a graded density the number is its mean.
+            // A graded density is represented by its mean.
             return Ok(self.graded.map_or(self.settings.infill.density, |g| Density::Sparse(g.mean)));
         };
-        // The numbers that are tried: for a graded density its mean, whose scale follows from it.
+        // The range of densities that are tried. For a graded density they are means, which fix its scale.
         let [least, most] = self.graded.map_or([0.0, 1.0], GradedDensity::range);
         let grams = |path: &Toolpath, height_mm: f64| {
             let infill = &self.settings.infill;
@@ -59,7 +59,7 @@ impl Steps<'_> {
         };
         let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
         let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
-            // Masses are added in the order of the layers: the same sum for any number of threads.
+            // Masses are added in the order of the layers, so that the sum is the same for any number of threads.
             layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
@@ -82,7 +82,7 @@ impl Steps<'_> {
                     mass
                 })
         };
-        // Mass is nearly proportional to density, so each step scales the density by what is missing.
+        // Mass is nearly proportional to density, so each step scales the density by required over found infill mass.
         let mut density = self.graded.map_or(0.3, |g| g.mean);
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
@@ -95,15 +95,15 @@ impl Steps<'_> {
                 return Ok(Density::new(density));
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
-            // Outside this range the proportion no longer holds: a line appears or the infill turns
-            // dense.
+            // Outside this range the mass is no longer proportional to the density: a line appears or
+            // the infill becomes dense.
             if self.graded.is_some() {
                 density = density.clamp(least, most);
             } else if !(0.01..0.95).contains(&density) {
                 break;
             }
         }
-        // Half a percent is accepted without bisection: the steps then circle around a jump.
+        // This error is accepted without bisection: the steps then alternate around a jump.
         if nearest.0 < TOLERANCE * asked_g {
             return Ok(Density::new(nearest.1));
         }

@@ -1,10 +1,10 @@
 //! Plans a job: from a shape and settings to ordered paths.
 //!
-//! A run is a pipeline of stages. Each stage takes values and returns new ones: place and repair
+//! A run is a sequence of stages. Each stage takes values and returns new ones: place and repair
 //! the mesh, slice it, compute the guide, plan supports, then lay walls, skins and infill, and
-//! order the paths. The stages from sections to ordered paths are public functions over a window of
-//! layers ([`Steps`]). [`plan_job`], [`plan_photo`], [`plan_scan`] and [`plan_layers`] call the same functions with
-//! the whole part as one window. [`config`] makes the settings of each stage from the job.
+//! order the paths. The stages from sections to ordered paths are public functions that process a
+//! window of layers ([`Steps`]). [`plan_job`], [`plan_photo`], [`plan_scan`] and [`plan_layers`] call
+//! them with the whole part as one window. [`config`] makes the settings of each stage from the job.
 
 pub mod config;
 mod mass;
@@ -52,9 +52,9 @@ pub use steps::{
 pub struct Inputs {
     /// The shape.
     pub mesh: MeshFile,
-    /// The name of its file in errors.
+    /// Name of the mesh file, for error messages.
     pub path: String,
-    /// Stress solved elsewhere, for `guide.import`.
+    /// Stress solved by another program, for `guide.import`.
     pub stress: Option<StressField>,
     /// Supports and loads of `guide.deck`.
     pub deck: Option<DeckConditions>,
@@ -62,21 +62,21 @@ pub struct Inputs {
     pub directions: Option<DirectionSamples>,
     /// The densities of a file, for `fill.density.by = "file"`.
     pub densities: Option<DensitySamples>,
-    /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
+    /// Photographs whose grain the infill follows, for `guide.kind = "grain"`.
     pub photos: Vec<Photo>,
-    /// The scan whose texture it is filled along, for `guide.volume`.
+    /// The scan whose texture the infill follows, for `guide.volume`.
     pub texture: Option<Box<dyn SliceSource>>,
     /// The meshes of regions, by the index of the region.
     pub regions: BTreeMap<usize, MeshFile>,
-    /// Stress that earlier runs solved; it is taken where nothing that it depends on has changed.
+    /// Stress that an earlier run solved. It is used again if nothing that it depends on has changed.
     pub known: Option<Arc<KnownStress>>,
 }
 
 /// Plans a job whose shape is a mesh.
 ///
 /// # Errors
-/// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
-/// a stop was asked for.
+/// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be reached, and if the
+/// run was cancelled.
 pub fn plan_job(
     settings: &Settings,
     mut inputs: Inputs,
@@ -108,14 +108,14 @@ pub fn plan_job(
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// Solves the loads of a job whose shape is a mesh and stops there: what fixtures and loads caught,
-/// reactions and stress, without directions and paths.
+/// Solves the loads of a job whose shape is a mesh, without computing directions and paths. The result has
+/// the areas of fixtures and loads, the reactions and the stress.
 ///
 /// # Errors
 /// As [`plan_job`], and for a job without loads.
 pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Guide, Error> {
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
-    // A job may have loads for the strength test alone; they are solved all the same.
+    // The loads of a job may serve only its strength test; they are solved here in any case.
     let mut settings = settings.clone();
     settings.guide.kind = GuideKind::Stress;
     let Inputs { mesh, path, stress, deck, known, .. } = inputs;
@@ -155,9 +155,9 @@ pub fn plan_photo(
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// Plans a job whose shape is a scan; a few slices are in memory at a time. `path` is the scan's
-/// name in errors. `stress` was solved elsewhere, in the scan's own position with its lowest point
-/// on the plate. `texture` is the scan of `guide.volume`, and `directions` are those of
+/// Plans a job whose shape is a scan; only a few slices are in memory at a time. `path` is the scan's
+/// name in errors. `stress` was solved by another program, in the coordinates of the scan with its
+/// lowest point on the plate. `texture` is the scan of `guide.volume`, and `directions` are those of
 /// `guide.field`.
 ///
 /// # Errors
@@ -182,11 +182,11 @@ pub fn plan_scan(
     plan_cut(settings, scan, path, source, clock, diagnostics)
 }
 
-/// Plans the layers of a scan that was cut in parts, with the paths of [`fill_window`] for all layers where they are
-/// given. Other arguments are those of [`plan_scan`].
+/// Plans the layers of a scan that was sliced in parts. `filled` holds the paths of all layers from [`fill_window`], if
+/// they were computed before. Other arguments are those of [`plan_scan`].
 ///
 /// # Errors
-/// As [`plan_scan`], and where the paths are those of another number of layers.
+/// As [`plan_scan`], and if `filled` has another number of layers than the scan.
 pub fn plan_parted_scan(
     settings: &Settings,
     scan: CtStack,
@@ -202,8 +202,8 @@ pub fn plan_parted_scan(
     plan_cut(settings, scan, path, source, clock, diagnostics)
 }
 
-/// Whether the layers of a job are filled apart from each other, given all sections: nothing but the order needs the paths
-/// of other layers, and no guide or support has to be found for the whole part.
+/// Whether windows of layers can be filled independently once all sections are known. This needs a job in which only the
+/// printing order depends on the paths of other layers, and no guide or support is computed for the whole part.
 pub fn fills_in_windows(settings: &Settings) -> bool {
     let steps = config::steps(settings);
     matches!(settings.guide.kind, GuideKind::None | GuideKind::Angle)
@@ -212,14 +212,14 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
         && !settings.fibre.enabled
         && steps.infill.mass_g.is_none()
         && !steps.infill.graded
-        // What it could not lay as one path is told once for the whole part.
+        // The continuous pattern gives one warning for the whole part if it cannot lay an island as one path.
         && steps.infill.pattern != Pattern::Continuous
 }
 
-/// The walls, skins and infill of a window of layers; for jobs that [`fills_in_windows`] allows.
+/// Lays the walls, skins and infill of a window of layers, for jobs for which [`fills_in_windows`] is true.
 ///
 /// # Errors
-/// [`Error`] when a stop was asked for.
+/// [`Error`] if the run was cancelled.
 pub fn fill_window(
     settings: &Settings,
     stack: &LayerStack,
@@ -249,8 +249,8 @@ fn plan_cut(
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// Plans a job whose shape is a stack of sections, with its own heights, in the position in which it is printed; `path`
-/// is its name in errors. Other arguments are those of [`plan_scan`].
+/// Plans a job whose shape is a stack of sections with their own heights, in the position in which it is printed. `path`
+/// is the stack's name in errors. Other arguments are those of [`plan_scan`].
 ///
 /// # Errors
 /// As [`plan_job`], and for a stack without area.
@@ -280,8 +280,8 @@ pub fn plan_layers(
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// The surface of a stack, or an empty mesh where no stage needs one: lofting costs more than the sections. A stress
-/// analysis, supports and the strength test do.
+/// The surface of a stack if a stress analysis, supports or the strength test need it; otherwise an empty mesh, because
+/// making a surface takes longer than making the sections.
 fn surface_if_wanted(
     settings: &Settings,
     stack: &LayerStack,
@@ -296,8 +296,8 @@ fn surface_if_wanted(
     shape::surface(stack, settings.output.surface_cell_mm, diagnostics)
 }
 
-/// What guides and regions are made from: stress solved elsewhere, the user's own directions, and for grain
-/// photographs, or a scan where there are none.
+/// Inputs for guides and regions: stress solved by another program, the user's own directions, and, for a guide
+/// by grain, photographs or otherwise a scan.
 #[derive(Default)]
 struct GuideSource<'a> {
     stress: Option<StressField>,
@@ -307,7 +307,7 @@ struct GuideSource<'a> {
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
     regions: BTreeMap<usize, MeshFile>,
-    /// The paths of all layers, where they were laid before.
+    /// The paths of all layers, if they were computed before.
     filled: Option<Vec<LayerPaths>>,
     known: Option<Arc<KnownStress>>,
 }
@@ -350,7 +350,7 @@ fn scan_error(e: ScanError, path: &str) -> Error {
     }
 }
 
-/// Tells what of a deck was left out.
+/// Passes on the warnings about everything in a deck that is not used.
 fn warn_of_deck(deck: Option<&DeckConditions>, diagnostics: &Diagnostics) {
     deck.iter().flat_map(|deck| &deck.warnings).for_each(|w| diagnostics.push(w.clone()));
 }
@@ -362,7 +362,7 @@ fn plan_stack(
     mut clock: Clock<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    // First of all, so that warnings about the job stand even if the run fails later.
+    // Warnings about the job come first, so that they are shown even if the run fails later.
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
     let part = part_bounds(&stack);
@@ -374,7 +374,7 @@ fn plan_stack(
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let standing = config::standing(settings, lowered_mm);
     let placing = config::placing(settings);
-    // Found before any costly stage, since a region may lie outside the part.
+    // Regions are computed before any costly stage, because a region outside the part is an error.
     let areas = if settings.regions.is_empty() {
         None
     } else {
@@ -383,13 +383,13 @@ fn plan_stack(
         let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
         Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)
     };
-    // Resolved once: the guide and the strength test have to mean the same places by the same
-    // words.
+    // Fixtures and loads are resolved once, so that the guide and the strength test use the same
+    // places.
     let deck = source.deck;
     warn_of_deck(deck.as_ref(), diagnostics);
     let loads = config::loads(settings, deck.as_ref());
     let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
-    // The test runs on the finished program. Its setup keeps what it needs of the mesh.
+    // The strength test runs on the finished program. Its setup keeps the data that it needs from the mesh.
     let test = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, known: source.known.as_deref() };
@@ -471,7 +471,7 @@ fn plan_stack(
     if step_settings.stagger_walls {
         let walls = filled.layers.iter().flat_map(|l| &l.islands).flat_map(|i| &i.walls);
         if !walls.clone().any(|w| w.path.raise.top_mm > 0.0) {
-            let text = "process.stagger_walls: no wall was raised, for none below the outermost continues from layer to layer";
+            let text = "process.stagger_walls: no wall was raised, because no inner wall continues from layer to layer";
             diagnostics.push(Warning::new(WarningId::WallsLevel, text));
         }
     }
@@ -479,7 +479,7 @@ fn plan_stack(
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
     clock.stop(Stage::Order);
-    // Gyroids and honeycombs hold their lines by themselves, over several layers.
+    // Gyroids and honeycombs are not checked, because their lines support each other over several layers.
     if !matches!(step_settings.infill.pattern, Pattern::Gyroid | Pattern::Honeycomb) {
         separate_lines::check(&layers).into_iter().for_each(|warning| diagnostics.push(warning));
     }
@@ -506,7 +506,7 @@ fn plan_stack(
     Ok(planned)
 }
 
-/// The seconds of each stage.
+/// Measures the time of each stage, in seconds.
 struct Clock<'a> {
     diagnostics: &'a Diagnostics,
     since_s: f64,

@@ -58,7 +58,7 @@ pub fn placed_mesh(
     diagnostics: &Diagnostics,
 ) -> Result<Placed, shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
-    // The painted facets were placed with the bodies, as the last two of them.
+    // The last two bodies are the painted enforcers and blockers, which were placed with the others.
     let blockers = bodies.pop().unwrap_or_default();
     let enforcers = bodies.pop().unwrap_or_default();
     let mut painted = PaintedSupports { enforcers, blockers };
@@ -85,8 +85,8 @@ pub fn mesh_and_layers(
     Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
 
-/// The bodies of a file in millimetres, standing on the bed, followed by the painted support
-/// enforcers and blockers; and the distance in mm by which they were lowered.
+/// Places the bodies of a file on the bed. Returns them in millimetres, then the painted support
+/// enforcers and blockers as two more bodies, and the distance in mm by which all were lowered.
 fn place_bodies(
     settings: &PlaceSettings,
     file: MeshFile,
@@ -103,15 +103,15 @@ fn place_bodies(
         }
         bodies.push(body.mesh);
     }
-    // Placed together with the bodies, so that paint stays on its facets.
+    // Painted facets are placed together with the bodies, so that they stay on the surface.
     bodies.extend([painted.enforcers, painted.blockers]);
     let mut placement = settings.placement;
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
     if settings.unit_of_file {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
-        // The longest extent in the file's own numbers tells a likely unit: a part of 0.1 is hardly
-        // 0.1 mm.
+        // The longest extent in the file's own numbers tells a likely unit: a part 0.1 long, for
+        // example, is unlikely to be meant in millimetres.
         let longest = (all.1 - all.0).max_element() * settings.placement.scale;
         let likely = shape::likely_unit(longest);
         if file.unit.is_none() && likely != LengthUnit::Millimetre {
@@ -129,15 +129,15 @@ pub(super) fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
-/// Position of the part's origin on the bed: `position_mm` is that of the part's centre; without
-/// it, the bed's centre.
+/// Position of the part's origin on the bed. It puts the part's centre at `position_mm`, or at the
+/// centre of the bed where no position is given.
 pub(super) fn plate_from_part(machine: &Machine, position_mm: Option<[f64; 2]>, part: Bounds2) -> DVec3 {
     let (low, high) = machine.bed_bounds_mm();
     let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
     let target = position_mm.unwrap_or(middle);
     let centre = part.centre();
-    // Whole micrometres: moving the part then does not change how its coordinates are rounded in
-    // the G-code.
+    // The position is rounded to whole micrometres, so that moving the part does not change how its
+    // coordinates are rounded in the G-code.
     let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
     DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
 }
@@ -171,12 +171,12 @@ pub(super) fn check_bed(
 }
 
 /// Distance by which rounding of coordinates may move the part beyond the bed, mm. Source: derived:
-/// the part's position and the coordinates in the program are both rounded to micrometres, by half
-/// of one each.
+/// the part's position and the coordinates in the program are both rounded to micrometres, each
+/// with an error of up to half a micrometre.
 const BED_TOLERANCE_MM: f64 = 1e-3;
 
-/// The error of a print that leaves the bed, with the size of the part: skirt, brim and supports
-/// may reach farther.
+/// The error for a print that leaves the bed. It states the size of the part alone; skirt, brim and
+/// supports may reach farther.
 pub(super) fn outside_bed(source: GcodeError, stack: &LayerStack, part: Bounds2) -> Error {
     let height_mm = stack.layers().last().map_or(0.0, Layer::z_top_mm);
     let size = part.size();

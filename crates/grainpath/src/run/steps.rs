@@ -13,12 +13,12 @@
 //! | infill ([`Steps::infill`]) | the section below, for bridges |
 //! | order ([`crate::order::order_window`]) | the nozzle and the seams of the layer below, in an `OrderState` |
 //!
-//! Sections are compact and are kept for the whole part. Two things are found for the whole part
-//! before any window: the guide, and the density of a job that asks for a mass.
+//! Sections are compact and are kept for the whole part. Two things are computed for the whole part
+//! before the first window: the guide, and the density of a job that asks for a mass.
 //!
-//! Cost: each step is linear in the number of layers, except that a window makes the masks of its
-//! neighbouring sections once more. Layers run in parallel within a window, so very small windows
-//! use fewer threads.
+//! Cost: each step is linear in the number of layers, except that each window rebuilds the masks of
+//! the sections next to it. Layers run in parallel within a window, so very small windows use fewer
+//! threads.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -74,7 +74,7 @@ pub struct LayerWalls {
 pub struct StepSettings {
     /// Walls; the height is replaced by that of each layer.
     pub walls: WallSettings,
-    /// Number of walls where the stress is highest; that of `walls` where all places have the same.
+    /// Number of walls where the stress is highest; equal to the number in `walls` if it is the same everywhere.
     pub most_walls: usize,
     /// Whether every other wall stands half a layer higher.
     pub stagger_walls: bool,
@@ -95,7 +95,7 @@ pub struct StepSettings {
 /// The settings that hold in a region.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionSettings {
-    /// The steps.
+    /// Settings of the steps in the region.
     pub steps: StepSettings,
     /// Whether infill follows the guide.
     pub guided: bool,
@@ -118,10 +118,10 @@ pub struct InfillSettings {
     pub fibre_material: ExtrudedMass,
     /// Raster angles.
     pub angles: RasterAngles,
-    /// Raster angles of skins over sparse infill, which are straight lines then; `None` where skins are laid as dense
-    /// infill is.
+    /// Raster angles of skins over sparse infill, which are then laid as straight lines. With `None`, skins are laid
+    /// like dense infill.
     pub skin_angles: Option<RasterAngles>,
-    /// Sparse lines of several beads; `None` for single ones.
+    /// Sparse lines made of several beads side by side; `None` for lines of one bead.
     pub several: Option<SideBySide>,
     /// The direction of all infill, where the guide is one angle.
     pub guide_angle_rad: Option<f64>,
@@ -133,28 +133,28 @@ pub struct InfillSettings {
     pub chain: bool,
     /// Pattern of infill without fibre, in layers and places with fibre.
     pub matrix_pattern: Pattern,
-    /// Density of that infill.
+    /// Density of the infill without fibre.
     pub matrix_density: Density,
     /// Ends of beads along a guide.
     pub ends: BeadEnds,
     /// Widths of beads along a guide.
     pub widths: BeadWidths,
-    /// Whether closed rings are opened into each other.
+    /// Whether closed rings are opened and joined, each to the next.
     pub spiral: bool,
     /// Cells and widths of the pattern `continuous`.
     pub continuous: Continuous,
 }
 
-/// Raster angles, used in turn from layer to layer, for ranges of layers.
+/// Raster angles for ranges of layers. Within a range the angles are used in turn, layer by layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RasterAngles {
-    /// First layer of each range, counted from 0, and its angles in radians, from the lowest range upwards. A layer
-    /// without angles has 0.
+    /// For each range of layers, from the bed upwards: its first layer, counted from 0, and its angles in radians. The
+    /// angle is 0 in a layer below all ranges and in a range without angles.
     pub ranges: Vec<(usize, Vec<f64>)>,
 }
 
 impl RasterAngles {
-    /// The angle of a layer, counted from 0; where the pattern does not `turn`, the first one of its range.
+    /// The angle of a layer; `layer_idx` counts from 0. If the pattern does not `turn`, it is the first angle of the range.
     pub fn of_layer(&self, layer_idx: usize, turn: bool) -> f64 {
         let Some((first, angles)) = self.ranges.iter().rev().find(|r| r.0 <= layer_idx) else { return 0.0 };
         let turns = if turn { layer_idx - first } else { 0 };
@@ -205,7 +205,7 @@ pub struct Steps<'a> {
     field: Option<&'a FieldGuide>,
     /// The density, where it is graded.
     pub(super) graded: Option<&'a GradedDensity>,
-    /// How far the stress exhausts the material, where the number of walls follows it.
+    /// Stress as a share of the material's strength, for jobs in which the number of walls depends on it.
     stress_share: Option<&'a DensityMap>,
     /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
@@ -255,7 +255,7 @@ impl<'a> Steps<'a> {
         Self { support, ..self }
     }
 
-    /// Guides infill by stress or by grain; stress where both are given.
+    /// Guides infill by stress or by grain. Where both are given, stress prevails.
     #[must_use]
     pub fn with_guide(self, guide: Option<&'a Guide>, grain: Option<&'a GrainGuide>) -> Self {
         Self { guide, grain, ..self }
@@ -267,7 +267,7 @@ impl<'a> Steps<'a> {
         Self { field, ..self }
     }
 
-    /// Lays sparse infill at a density that differs from place to place.
+    /// Lays sparse infill at the graded density `graded`, which differs from place to place.
     #[must_use]
     pub fn with_density(self, graded: Option<&'a GradedDensity>) -> Self {
         Self { graded, ..self }
@@ -285,7 +285,7 @@ impl<'a> Steps<'a> {
         Self { fibre, ..self }
     }
 
-    /// Gives regions their own walls, skins and infill. It comes after all guides, which hold in the regions too.
+    /// Gives regions their own walls, skins and infill. Call it after the guides are set, since regions use them too.
     #[must_use]
     pub fn with_regions(self, areas: Option<&'a RegionAreas>) -> Self {
         if areas.is_none() {
@@ -303,7 +303,7 @@ impl<'a> Steps<'a> {
         Self { areas, regions, ..self }
     }
 
-    /// The steps of the regions with their parts of a layer.
+    /// Pairs the steps of each region with the region's part of a layer.
     pub(super) fn regions<'s>(
         &'s self,
         split: &'s SkinSplit,
@@ -311,7 +311,8 @@ impl<'a> Steps<'a> {
         self.regions.iter().zip(&split.regions)
     }
 
-    /// The density of sparse infill in a region, where that of the rest of the part is given.
+    /// The density of sparse infill in a region. It is `rest`, the density outside all regions, if the region has the
+    /// same density settings as the job.
     pub(super) fn density_in(&self, region: &Steps<'_>, rest: Density) -> Density {
         let (own, job) = (&region.settings.infill, &self.settings.infill);
         let same = own.density == job.density && own.graded == job.graded && own.mass_g == job.mass_g;
@@ -327,7 +328,7 @@ impl<'a> Steps<'a> {
         window: Range<usize>,
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerWalls>, Interrupted> {
-        // Whether a wall rises depends on the walls below and above it.
+        // Whether a wall is staggered depends on the walls below and above, so one more layer is laid on each side.
         let laid = if self.settings.stagger_walls {
             window.start.saturating_sub(1)..(window.end + 1).min(self.stack.layers().len())
         } else {
@@ -356,7 +357,7 @@ impl<'a> Steps<'a> {
                 fill.extend(walls.fill.polygons.into_iter().map(|p| (i, p)));
                 islands.push(Island { walls: walls.loops, fills: walls.singles });
             }
-            // Small loops cool badly and ring at high speed.
+            // Small loops cool badly, and at high speed they make the printer vibrate.
             for wall in islands.iter_mut().flat_map(|i: &mut Island| &mut i.walls) {
                 if wall.path.length_mm() < SMALL_WALL_MM {
                     wall.path.speed = SpeedClass::SmallWall;
@@ -390,13 +391,14 @@ impl<'a> Steps<'a> {
         Ok(all)
     }
 
-    /// Where a layer gets one wall more than the least number, two more and so on; each area lies in the one before.
+    /// The areas of a layer with extra walls. The first area gets one wall more than the least number, the second two
+    /// more and so on. Each area lies in the one before.
     fn more_walls(&self, layer_idx: usize) -> Vec<Region> {
         let (least, most) = (self.settings.walls.n_walls, self.settings.most_walls);
         let Some(share) = self.stress_share.filter(|_| most > least) else { return Vec::new() };
         let Some(bounds) = self.stack.layers()[layer_idx].region().bounds() else { return Vec::new() };
         let n = (most - least) as f64;
-        // Narrower places would be shorter than a wall is worth starting and ending.
+        // In an area narrower than a bead, an extra wall would be too short to be worth starting.
         let narrowest = self.settings.walls.bead_width_mm;
         let area = |k: usize| {
             let there = share.at_least((k as f64 + 0.5) / n, bounds, self.z_mid_mm(layer_idx));
@@ -413,7 +415,8 @@ impl<'a> Steps<'a> {
         all
     }
 
-    /// What the rest of the part and each region ask of the walls of a layer; empty where no region meets it.
+    /// Area, number of walls and inset of each region in a layer, after those of the rest of the part; empty where no
+    /// region meets the layer.
     fn shares(&self, layer_idx: usize) -> Vec<Share<'_>> {
         let Some(areas) = self.areas.and_then(|a| a.of_layer(layer_idx)) else { return Vec::new() };
         let layer = &self.stack.layers()[layer_idx];
@@ -422,7 +425,7 @@ impl<'a> Steps<'a> {
             Share { area, n_walls, inset_mm }
         };
         let regions = self.regions.iter().zip(areas).map(|(steps, area)| share(steps, area));
-        // The area of the rest is what no region covers, and is not asked for.
+        // The first share is that of the rest of the part. Its area is not used, so any area will do.
         std::iter::once(share(self, &areas[0])).chain(regions).collect()
     }
 
@@ -439,7 +442,7 @@ impl<'a> Steps<'a> {
     ) -> Result<Vec<SkinSplit>, Interrupted> {
         let all = || std::iter::once(self).chain(&self.regions);
         let settings: Vec<SkinSettings> = all().map(|steps| steps.settings.skins).collect();
-        // One continuous path is not divided by skins: where the part is dense it fills the whole region.
+        // The pattern `continuous` is one path that skins do not divide: in a dense part it fills the whole region.
         let whole = |s: &Self| s.settings.infill.pattern == Pattern::Continuous && s.settings.skins.dense;
         let whole: Vec<bool> = all().map(whole).collect();
         let parts = |w: &mut LayerWalls| {
@@ -458,8 +461,8 @@ impl<'a> Steps<'a> {
             for (r, region) in split.regions.iter_mut().enumerate().filter(|(r, _)| whole[r + 1]) {
                 *region = SkinSplit { solid: fills[k][r + 1].clone(), ..SkinSplit::default() };
             }
-            // The mask below is needed for overhangs only and dropped afterwards: kept for all
-            // layers it would take much memory.
+            // The mask of the section below is needed for overhangs only and is dropped afterwards: kept
+            // for all layers, these masks would take much memory.
             if let Some(below) = split.below.take() {
                 // The lock is never contended; it lets parallel layers write to their own walls.
                 let mut islands = islands[k].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -489,8 +492,8 @@ impl<'a> Steps<'a> {
             diagnostics.check()?;
             let mut paths = Vec::new();
             let mut tally = Tally::default();
-            // A layer with the same region and field as an earlier one is copied after all others
-            // are laid.
+            // A layer with the same region and field as an earlier one is not laid: it becomes a copy
+            // of that layer after all others are laid.
             if duplicate_of[k] == k {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &skins[k], &mut add);
@@ -503,13 +506,13 @@ impl<'a> Steps<'a> {
         };
         let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
             .into_par_iter()
-            // A field makes layers costly, so each is a task of its own.
+            // A guide makes layers costly, so each layer is then a task of its own.
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
             .collect();
         let (mut laid, tallies): (Vec<_>, Vec<_>) =
             laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        // In ascending order: a duplicate points to a layer that was laid, never to another copy.
+        // The index of a duplicate refers to a layer that was laid, never to another copy.
         for k in 0..laid.len() {
             if duplicate_of[k] != k {
                 laid[k] = laid[duplicate_of[k]].clone();
@@ -531,8 +534,8 @@ impl<'a> Steps<'a> {
         Ok(FilledLayers { layers, fibre })
     }
 
-    /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and hands on
-    /// each layer as soon as it is planned. The layers are the same for every window size, up to
+    /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and passes each
+    /// layer to `each` as soon as it is planned. The layers are the same for every window size, up to
     /// rounding of layer heights in the last bits.
     ///
     /// # Errors
@@ -561,9 +564,9 @@ impl<'a> Steps<'a> {
         Ok(fibre)
     }
 
-    /// For each layer of a window the lowest layer of the window that has the same infill region
-    /// and the same field, if infill depends on nothing else; its own index where there is none.
-    /// Only patterns that follow a field are compared.
+    /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own
+    /// index where there is none. The two layers have the same infill region and the same field, and
+    /// their infill depends on nothing else. Only patterns that follow a field are compared.
     fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
         let guided = self.grain.is_some() || self.settings.infill.pattern.follows_field();
@@ -591,7 +594,7 @@ impl<'a> Steps<'a> {
                     && self.graded.is_none_or(GradedDensity::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
-            // The layer below, or one of those below that where directions take turns.
+            // Compares the layer below first, then lower ones, as many as the guide has directions in turn.
             let turns = self.guide.map_or(2, Guide::turns);
             if let Some(other) = (k.saturating_sub(turns)..k).rev().find(same) {
                 duplicate_of[k] = duplicate_of[other];
@@ -634,14 +637,14 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Discards the notes of densities that were only tried.
+    /// Discards the notes that were kept while trial densities were laid.
     pub(super) fn discard_notes(&self) {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
         self.regions.iter().for_each(Self::discard_notes);
     }
 
-    /// Warns once for each kind of note, with its first place and the number of further layers
-    /// concerned.
+    /// Warns once for each kind of note. The warning states where the note first occurred and in how
+    /// many further layers.
     pub(super) fn report_notes(&self, diagnostics: &Diagnostics) {
         let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         for region in &self.regions {
@@ -661,7 +664,7 @@ impl<'a> Steps<'a> {
                 all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
             let more = match layers.len() - 1 {
                 0 => String::new(),
-                n => format!(" (and the like in {n} more)"),
+                n => format!(" (the same in {n} more layers)"),
             };
             let z_mm = self.stack.layers()[layer_idx].z_top_mm();
             let warning = note.warning().in_layer(layer_idx, z_mm);
@@ -678,14 +681,14 @@ impl<'a> Steps<'a> {
         let Some(mut islands) = layer.islands.clone() else {
             return support::beads::lay(layer, &context, dense, settings);
         };
-        // The beads of trees are known since their planning, but for what crosses their hollows.
+        // The beads of trees were laid when the trees were planned. Only sparse lines in their hollows are missing.
         if !dense && settings.density.fraction() > 0.0 {
             islands.extend(support::beads::sparse(layer, &context, settings));
         }
         islands
     }
 
-    /// Skirt and brim of those layers of a window that have any, beginning with its first layer.
+    /// Skirt and brim layer by layer, from the first layer of a window to the last layer that has any.
     fn adhesion(&self, window: &Range<usize>) -> Vec<Vec<Toolpath>> {
         let settings = &self.settings.adhesion;
         let n_layers = self.stack.layers().len();
@@ -710,7 +713,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// Sets the speed of overhangs for a wall of which too much lies over air.
+/// Sets the overhang speed for a wall if too much of its length lies over air.
 fn mark_overhang(path: &mut Toolpath, below: &Mask) {
     let (mut free, mut all) = (0.0, 0.0);
     for i in 0..path.n_segments() {

@@ -1,15 +1,15 @@
 //! The heights at which layers begin and end.
 //!
-//! Uniform layers all have the height of the job, the first one excepted. Adaptive layers follow
+//! All uniform layers except the first have the height that the job sets. Adaptive layers follow
 //! the slopes. A layer on a face whose normal has the vertical component `n_z` leaves stairs that
 //! stand `h n_z` off the true face, the cusp height of `Dolenc1994`. The height is the largest that
 //! keeps the cusp within bounds for all faces that reach into the layer. Flat faces make no stairs
 //! and are left out. Heights grow by at most half from layer to layer, in steps of 0.01 mm.
 //!
 //! The last uniform layer is the last one whose middle lies inside the part, so that the printed
-//! height is nearest to the true one. Adaptive layers end at the height of the part, to half a step:
-//! the topmost layers are thinned by what would stand above it. Lengths are in mm. Cost: linear in
-//! the triangles for the slopes by height, then linear in the layers.
+//! height is nearest to the true one. Adaptive layers end within half a step of the part's height:
+//! where the last one would end higher, the topmost layers are made thinner. Lengths are in mm.
+//! Cost: linear in the triangles for the slopes by height, then linear in the layers.
 
 use grainpath_core::TriMesh;
 
@@ -22,17 +22,17 @@ pub struct Adaptive {
     pub min_height_mm: f64,
     /// The thickest, mm.
     pub max_height_mm: f64,
-    /// Greatest distance of the stairs from the slope, measured square to it, mm.
+    /// Largest cusp height: distance of the stairs from the slope, measured at right angles to it, mm.
     pub max_cusp_mm: f64,
 }
 
-/// Heights of adaptive layers are multiples of this, mm. Source: derived. A quarter of a full step of a leadscrew of 8 mm a turn
-/// with a motor of 200 steps (0.04 mm), which drivers that divide steps by four or more can place.
+/// Heights of adaptive layers are multiples of this, mm. Source: derived. A leadscrew of 8 mm a turn with a motor of 200
+/// steps moves 0.04 mm in a full step; drivers that divide steps by four or more can place a quarter of that.
 const STEP_MM: f64 = 0.01;
 /// Largest ratio of the heights of an adaptive layer and the one below it.
 const MAX_GROWTH: f64 = 1.5;
-/// Largest number of layers; a greater number is a wrong unit or height. Source: derived: a part of
-/// 10 m, the largest that is placed, has as many layers of 0.05 mm.
+/// Largest number of layers; a greater number means a wrong unit or layer height. Source: derived: a
+/// part of 10 m, the largest that is accepted, has this many layers of 0.05 mm.
 const MAX_LAYERS: usize = 200_000;
 
 /// The tops of all layers of a part `height_mm` high that stands on z = 0.
@@ -74,7 +74,7 @@ pub fn layer_heights(
         return Ok(tops);
     }
     loop {
-        // Counted from the first, so that rounding does not pile up.
+        // Each top is computed from the first layer, so that rounding errors do not add up.
         let bottom = tops[tops.len() - 1];
         let height = first + tops.len() as f64 * settings.layer_height_mm - bottom;
         if bottom + 0.5 * height >= height_mm - 1e-6 {
@@ -86,12 +86,12 @@ pub fn layer_heights(
 
 /// Takes `excess` steps off the topmost layers, the thickest first, so that the last one ends at the part's height.
 ///
-/// So many layers share the excess that they could give it by losing a third of their height each. Where the part has too
-/// few, all of them give, down to `least` steps. Where that is not enough either, the last layer goes if more than half of
-/// it stands above the part. A layer stays at most [`MAX_GROWTH`] times as high as the one below it, since the thickest
-/// are thinned first.
+/// The excess is shared by as many layers as are needed if each loses up to a third of its height. If the part has too
+/// few layers for that, all of them are thinned, down to `least` steps. If that is not enough either, the last layer is
+/// removed if more than half of it stands above the part. The thickest layers are thinned first, so a layer stays at most
+/// [`MAX_GROWTH`] times as high as the one below it.
 fn thin_topmost(steps: &mut Vec<u32>, excess: u32, least: u32) {
-    // How many of the topmost layers can give the excess together.
+    // How many of the topmost layers are needed to absorb the excess together.
     let enough = |given: &dyn Fn(u32) -> u32| {
         let sums = steps.iter().rev().scan(0, |sum, &h| {
             *sum += given(h);
@@ -122,14 +122,14 @@ struct Slopes {
     settings: Adaptive,
     /// Height of a bin, mm.
     step_mm: f64,
-    /// Largest |n_z| of the facets that reach into each bin; flat ones, which make no stairs, left out.
+    /// Largest |n_z| of the facets that reach into each bin. Flat facets make no stairs and are left out.
     steepest: Vec<f64>,
 }
 
 impl Slopes {
     fn new(mesh: &TriMesh, height_mm: f64, settings: Adaptive) -> Self {
-        // A quarter of the thinnest layer, so that a layer sees slopes with an error of a fraction
-        // of its height.
+        // A bin is a quarter of the thinnest layer, so that slopes are located to a fraction of a
+        // layer's height.
         let step_mm = 0.25 * settings.min_height_mm;
         let mut steepest = vec![0.0f64; (height_mm / step_mm).ceil() as usize + 1];
         for t in &mesh.triangles {
@@ -149,8 +149,8 @@ impl Slopes {
         Self { settings, step_mm, steepest }
     }
 
-    /// The thickness of the layer that begins at `bottom_mm`, where the layer before is `before_mm` thick: as thick
-    /// as the slopes in it allow, in steps of 0.01 mm, and at most 1.5 times the layer before.
+    /// The thickness of the layer that begins at `bottom_mm`, above a layer `before_mm` thick. It is as thick as the
+    /// slopes in it allow, in steps of 0.01 mm, and at most 1.5 times as thick as the layer below.
     fn height_at(&self, bottom_mm: f64, before_mm: f64) -> f64 {
         let s = &self.settings;
         // From layer to layer the height grows by at most half. The bound is on growth alone: a
@@ -159,7 +159,7 @@ impl Slopes {
         let mut bin = (bottom_mm / self.step_mm) as usize;
         while bin < self.steepest.len() && bin as f64 * self.step_mm < bottom_mm + height {
             let allowed = s.max_cusp_mm / self.steepest[bin].max(1e-9);
-            // Where even the thinnest layer breaks the cusp bound, it is laid all the same.
+            // Where even the thinnest layer exceeds the cusp height, the thinnest layer is used.
             height = height.min(allowed.max(s.min_height_mm));
             bin += 1;
         }

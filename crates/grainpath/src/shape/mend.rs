@@ -1,16 +1,16 @@
-//! Repair of a damaged mesh: what can be made of it without guessing a new shape.
+//! Repair of a damaged mesh without inventing any new surface.
 //!
 //! The steps, each counted in a warning:
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
 //! 2. facets are turned so that neighbours agree, beginning at the first facet of each shell;
-//! 3. shells of negative volume are turned as a whole, unless they may be cavities: a larger shell
-//!    of positive volume
-//!    has them inside its bounds (one of the 200 largest, so that thousands of specks do not cost their square);
+//! 3. shells of negative volume are turned as a whole, unless they may be cavities, which lie inside
+//!    the bounds of a larger shell of positive volume. Only the 200 largest such shells are compared,
+//!    so that the cost does not grow with the square of thousands of specks;
 //! 4. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
 //!
-//! No triangle is invented: closing holes in sections needs no surface, and a wrong cap would be
-//! cut like a true one. A mesh most of whose edges are open has no volume and is refused.
+//! No triangle is added: closing holes in sections needs no surface, and a wrong cap would be cut
+//! like a true surface. A mesh most of whose edges are open has no volume and is refused.
 //! [`Repair::Strict`] refuses every defect. Cost: linear in the triangles, and shells of negative
 //! volume times 200.
 
@@ -88,8 +88,8 @@ fn mend_body(
     if health.open_edges > 0 {
         let open = health.open_edges;
         let (low, high) = health.bounds;
-        // A millionth of the size: single-precision coordinates of a file are rounded by about a
-        // sixteenth of that.
+        // The distance is a millionth of the part's size. Rounding of single-precision coordinates
+        // in a file is about a sixteenth of that.
         let welded = weld_within(&mesh, 1e-6 * (high - low).max_element());
         diagnostics.check()?;
         // Merging is kept only if it closes edges; otherwise it would only move vertices.
@@ -140,7 +140,7 @@ pub(crate) fn defects(health: &MeshHealth) -> String {
 /// Turns facets so that neighbours over edges of two faces agree, beginning at the lowest-numbered
 /// facet of each shell. Returned is the number of facets turned.
 fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
-    // Up to three neighbours of each facet, and whether both are wound alike at present.
+    // Up to three neighbours of each facet, each with a flag: whether the two are wound alike so far.
     let mut neighbours = vec![[(u32::MAX, true); 3]; mesh.triangles.len()];
     let mut add = |t: usize, other: usize, alike: bool| {
         if let Some(slot) = neighbours[t].iter_mut().find(|s| s.0 == u32::MAX) {
@@ -148,7 +148,7 @@ fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
         }
     };
     for mut edge in edges.edges() {
-        // Edges of one or of more than two faces say nothing about winding.
+        // An edge tells whether its facets are wound alike only if it has exactly two facets.
         let (Some((a, down_a)), Some((b, down_b)), None) = (edge.next(), edge.next(), edge.next()) else {
             continue;
         };
@@ -202,8 +202,8 @@ fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
         }
         let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
         let shell = &mut all[slot[id] as usize];
-        // Signed volume of the tetrahedron with the origin; over a closed shell the parts outside
-        // cancel.
+        // Signed volume of the tetrahedron from the triangle to the origin. Summed over a closed
+        // shell, the parts outside the shell cancel.
         shell.volume += a.dot(b.cross(c)) / 6.0;
         shell.low = shell.low.min(a).min(b).min(c);
         shell.high = shell.high.max(a).max(b).max(c);

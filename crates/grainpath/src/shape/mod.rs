@@ -1,5 +1,5 @@
 //! Shapes: from meshes, drawings and photographs to the [`LayerStack`] on which every later step
-//! works. | The steps are `place` (unit, rotation, plate), `mend` (repair) and `slice` (sections).
+//! works. The steps are `place` (unit, rotation, plate), `mend` (repair) and `slice` (sections).
 //! Lengths are in mm, z = 0 is the plate.
 
 mod heights;
@@ -34,9 +34,9 @@ pub struct SliceSettings {
     pub first_layer_height_mm: f64,
     /// Layer heights that follow the slopes; `None` for uniform layers.
     pub adaptive: Option<Adaptive>,
-    /// Open chains of a section are joined over gaps up to this in any case, mm.
+    /// In badly damaged sections, open chains whose ends are no farther apart than this are dropped, mm.
     pub gap_closing_mm: f64,
-    /// Contours are simplified to within this, mm.
+    /// Largest deviation of a simplified contour from the original, mm.
     pub simplify_mm: f64,
 }
 
@@ -58,9 +58,9 @@ pub enum ShapeError {
     NoVolume { open_edges: usize, n_edges: usize },
     #[error("the mesh has {defects}; repair = \"strict\" refuses it, repair = \"auto\" mends it")]
     Defects { defects: String },
-    #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
+    #[error("{n} layers of {height_mm} mm; at most {limit} are possible")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
-    #[error("a surface of more than {limit} triangles; a larger output.surface_cell_mm makes fewer")]
+    #[error("the surface has more than {limit} triangles; a larger output.surface_cell_mm makes fewer")]
     SurfaceTooLarge { limit: usize },
     #[error("the outline cannot be made a body: {0}")]
     Outline(#[from] TriangulationError),
@@ -70,9 +70,9 @@ pub enum ShapeError {
     Interrupted(#[from] Interrupted),
 }
 
-/// Cuts placed and mended meshes into layers, each at the middle of its height. A vertex on the
-/// plane counts as above it, so every crossed edge gives exactly one point, the same for both its
-/// triangles.
+/// Cuts placed and mended meshes into layers. The section of a layer is taken at the middle of its
+/// height. A vertex on the plane counts as above it, so every crossed edge gives exactly one point,
+/// the same for both its triangles.
 ///
 /// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel,
 /// and cavities stay.
@@ -134,7 +134,7 @@ pub struct Slicer<'a> {
     buckets: section::TrianglesByPlane,
 }
 
-/// Sections of a closed mesh at given heights, where all its bodies are united.
+/// Sections of a closed mesh at given heights, with all its bodies united.
 pub fn sections_at(mesh: &TriMesh, planes_mm: &[f64], settings: &SliceSettings) -> Vec<Region> {
     let triangles = section::TrianglesByPlane::new(mesh, planes_mm);
     let cut = |(i, z): (usize, &f64)| section::section(mesh, triangles.triangles(i), *z, settings).0;

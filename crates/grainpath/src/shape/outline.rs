@@ -14,7 +14,7 @@ use super::ShapeError;
 /// Extrudes a drawing from z = 0 to `thickness_mm`.
 ///
 /// # Errors
-/// [`ShapeError::Outline`] for lines that cross each other where the grid of sections rounds them.
+/// [`ShapeError::Outline`] for lines that cross each other after rounding to the grid of sections.
 pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeError> {
     let mut mesh = TriMesh::default();
     prism(&outline.region, 0.0, thickness_mm, &mut mesh)?;
@@ -26,8 +26,8 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
     })
 }
 
-/// Adds the prism between two heights over a region. It is closed if the region's contours do not
-/// touch each other.
+/// Adds the prism over a region, between two heights, to a mesh. The prism is closed if the region's
+/// contours do not touch each other.
 ///
 /// # Errors
 /// As [`Triangulation::plain`].
@@ -42,8 +42,8 @@ pub fn prism(
     for z in [low_mm, high_mm] {
         mesh.vertices.extend(cap.points.iter().map(|p| p.extend(z)));
     }
-    // A side of a triangle without its reverse is on the border of the region; only there the prism
-    // has a wall.
+    // A triangle side that no other triangle has in reverse lies on the border of the region. The
+    // prism has walls only there.
     let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
     let all: BTreeSet<(u32, u32)> = cap.triangles.iter().flat_map(sides).collect();
     for triangle in &cap.triangles {

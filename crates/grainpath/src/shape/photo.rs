@@ -1,5 +1,5 @@
-//! The board of a photograph: a rectangle of constant thickness, with holes inclined like its
-//! knots.
+//! The board in a photograph, as a rectangle of constant thickness with holes that are inclined like
+//! its knots.
 //!
 //! Lengths are in mm. Cost: one polygon difference for each hole and layer.
 
@@ -50,11 +50,11 @@ impl PhotoBoard {
         })
     }
 
-    /// Warns of each hole that passes the board nowhere between its two faces.
+    /// Warns of each hole that lies beside the board at every height between the two faces.
     fn report_holes_outside(&self, diagnostics: &Diagnostics) {
         for (k, hole) in self.holes.iter().enumerate() {
-            // The hole's middle moves along a straight line, so it is nearest to the board at one of the faces or where
-            // it passes one of the edges; 64 heights are finer than any hole wider than a bead.
+            // The hole's centre moves along a straight line with the height. It is checked at 65 heights, so that no
+            // hole wider than a bead is missed.
             let inside = |z_mm: f64| {
                 let middle = hole.centre_mm + (z_mm - self.shown_mm) * self.shift_mm_per_mm;
                 let nearest = middle.clamp(DVec2::ZERO, self.size_mm);

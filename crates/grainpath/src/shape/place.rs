@@ -17,7 +17,7 @@ pub struct Placement {
     pub rotate_rad: [f64; 3],
 }
 
-/// Where a part stands: the way from the coordinates of its file, in mm, to those of the part.
+/// Where a part stands: the transformation from the coordinates of its file, in mm, to those of the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// Factor on all lengths.
@@ -29,7 +29,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// A part scaled, turned about x, then y, then z, and lowered.
+    /// The transformation that scales a part, turns it about x, then y, then z, and lowers it.
     pub fn new(scale: f64, rotate_rad: [f64; 3], lowered_mm: f64) -> Self {
         let [x, y, z] = rotate_rad.map(direction);
         let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, x.x, x.y), DVec3::new(0.0, -x.y, x.x));
@@ -38,7 +38,7 @@ impl Standing {
         Self { scale, rotation: about_z * about_y * about_x, lowered_mm }
     }
 
-    /// Whether the part is as large and turned as in its file.
+    /// Whether the part has the same size and rotation as in its file.
     pub fn is_as_in_file(&self) -> bool {
         self.scale == 1.0 && self.rotation == DMat3::IDENTITY
     }
@@ -49,7 +49,7 @@ impl Standing {
     }
 }
 
-/// Larger parts are taken for damaged files, mm.
+/// Size above which a part is taken for a damaged file, mm.
 /// Source: chosen; ten times the longest axis of large-format FDM printers (1 m).
 const MAX_SIZE_MM: f64 = 10_000.0;
 
@@ -91,8 +91,8 @@ pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<f64, Shape
 /// The likely unit of a mesh, judged by its longest extent in the file's numbers: printed things
 /// are between a centimetre and a metre long.
 pub fn likely_unit(longest: f64) -> LengthUnit {
-    // A part of 0.6 mm is unlikely, one of 0.6 m is not. Between 0.6 and 8 the numbers are taken
-    // for inches: 15 to 200 mm.
+    // A part of 0.6 mm is unlikely and a part of 0.6 m is likely, so smaller numbers are taken for
+    // metres. Numbers from 0.6 to 8 are taken for inches, which makes 15 to 200 mm.
     if longest < 0.6 {
         LengthUnit::Metre
     } else if longest < 8.0 {

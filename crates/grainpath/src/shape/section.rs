@@ -1,10 +1,10 @@
 //! One section of a mesh: from crossed triangles to a region.
 //!
 //! Every triangle that crosses the plane gives one segment, from the side that goes down through
-//! the plane to the one that goes up, so that the inside lies on its left. Segments are named by
-//! the mesh edges at their ends; following equal names gives closed contours without comparing
-//! coordinates. A vertex on the plane counts as above it, so a plane never meets a vertex, an edge
-//! or a face exactly.
+//! the plane to the one that goes up, so that the inside lies on its left. Each end of a segment is
+//! identified by the mesh edge it lies on. Segments that share an edge are joined to closed contours
+//! without comparing coordinates. A vertex on the plane counts as above it, so a plane never meets a
+//! vertex, an edge or a face exactly.
 //!
 //! Damaged meshes leave open chains. They are joined end to start, nearest first. A chain is closed
 //! on itself only when no other start is nearer than its own. Every gap that is closed is counted
@@ -12,11 +12,11 @@
 //!
 //! The point where an edge crosses the plane is computed from its lower vertex to its higher one,
 //! so both its triangles get the same bits. Contours of all shells are united by winding number:
-//! overlapping bodies do not cancel and cavities stay. Cost: linear in the crossed triangles, but
-//! for joining open chains, which is quadratic in their number, and for the union, which grows with
-//! the crossings of its edges. In a mesh whose corners are mixed up every edge of a section may
-//! cross every other; a section with more crossings than [`crossing_limit`] allows is cut on a grid
-//! of cells.
+//! overlapping bodies do not cancel and cavities stay. Cost: linear in the crossed triangles, with
+//! two exceptions. Joining open chains is quadratic in their number, and the union grows with the
+//! crossings of its edges. In a mesh whose corners are mixed up, every edge of a section may cross
+//! every other. A section with more crossings than [`crossing_limit`] allows is cut on a grid of
+//! cells.
 
 use grainpath_core::Bounds2;
 use grainpath_core::mask::{Grid, Mask};
@@ -40,8 +40,8 @@ impl TrianglesByPlane {
             let (low, high) = (a.min(b).min(c), a.max(b).max(c));
             (planes.partition_point(|&p| p <= low), planes.partition_point(|&p| p <= high))
         };
-        // Two passes over the triangles, counting and then filling, need no growing list for each
-        // plane.
+        // The first pass over the triangles counts and the second fills, so that no plane needs a
+        // growing list.
         let mut counts = vec![0usize; planes.len() + 1];
         for t in &mesh.triangles {
             let (first, end) = range(t);
@@ -84,7 +84,7 @@ pub(super) struct Mended {
 }
 
 impl Mended {
-    /// Adds another section's.
+    /// Adds the counts of another section.
     pub(super) fn add(&mut self, other: &Self) {
         self.gaps += other.gaps;
         self.layers += usize::from(other.gaps > 0);
@@ -166,18 +166,18 @@ pub(super) fn section(
 
 /// The most crossings that a section of so many edges may have to be united exactly.
 ///
-/// Source: derived. Where bodies overlap, the outlines of each two of them cross a few times. Twenty crossings for every edge are
-/// met only where the whole section lies under ten others. The constant lets small sections through, where even all pairs
-/// are little work.
+/// Source: derived. Where bodies overlap, the outlines of two of them cross a few times. Twenty crossings for every edge
+/// occur only where ten other bodies overlap the whole section. The constant lets small sections through, for which even
+/// testing all pairs is little work.
 pub(super) const fn crossing_limit(n_edges: usize) -> usize {
     20 * n_edges + 10_000
 }
 
-/// Side of the cells on which a tangled section is cut, mm. Source: derived. A quarter of the usual bead (0.4 mm), so that what is
-/// lost is narrower than what can be printed.
+/// Side of the cells on which a tangled section is cut, mm. Source: derived. A quarter of the usual bead (0.4 mm), so that
+/// the detail that is lost is too narrow to be printed.
 const CELL_MM: f64 = 0.1;
 
-/// The cells that closed lines wind around, as a region: bounded work however often the lines cross.
+/// The cells that closed lines wind around, as a region. The work is bounded, however often the lines cross.
 fn gridded(contours: &[Contour]) -> Region {
     let Some(bounds) = Bounds2::around_points(contours.iter().flatten().copied()) else {
         return Region::default();
@@ -186,8 +186,8 @@ fn gridded(contours: &[Contour]) -> Region {
     Region::from_contours(&mask.contours(), FillRule::NonZero)
 }
 
-/// Largest tolerance of simplification as a share of a contour's extent. Simplifying cuts a round
-/// outline always on the same side, so small holes and screws would lose their size.
+/// Largest tolerance of simplification as a share of a contour's extent. Simplifying a round outline
+/// always cuts it on the same side, so with a larger tolerance small holes and screws would lose size.
 const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
 
 fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
@@ -210,8 +210,8 @@ fn segment(mesh: &TriMesh, triangle: [u32; 3], z: f64) -> Option<Segment> {
     Some(Segment { from, to, start, end })
 }
 
-/// The edge between two vertices and the point where it crosses the plane, computed from the lower
-/// index to the higher so that the bits do not depend on the triangle.
+/// The edge between two vertices and the point where it crosses the plane. The point is computed from
+/// the vertex of the lower index, so that both triangles of the edge get the same bits.
 fn crossing(mesh: &TriMesh, a: u32, b: u32, z: f64) -> (EdgeKey, DVec2) {
     let (low, high) = (a.min(b), a.max(b));
     let (p, q) = (mesh.vertices[low as usize], mesh.vertices[high as usize]);
@@ -226,8 +226,8 @@ fn chain(segments: &[Segment]) -> (Vec<Contour>, Vec<Contour>) {
     let ends = |s: &Segment| starts.find(s.to, |_| true).is_some();
     let mut used = vec![false; segments.len()];
     let (mut closed, mut open) = (Vec::new(), Vec::new());
-    // Open chains are followed from their first segment. A closed walk could otherwise enter them
-    // in the middle and split them.
+    // Open chains are followed before closed ones, each from its first segment. A walk that started
+    // in the middle of an open chain would split it.
     let mut follow = |seed: usize, used: &mut Vec<bool>| {
         let mut line = vec![segments[seed].start];
         let mut at = seed;
@@ -265,7 +265,7 @@ fn chain(segments: &[Segment]) -> (Vec<Contour>, Vec<Contour>) {
     (closed, open)
 }
 
-/// Segments by the edge they start at: a hash table with open addressing, in which several segments
+/// A hash table of segments by the edge they start at. It uses open addressing, and several segments
 /// may share a key.
 struct Starts<'a> {
     segments: &'a [Segment],
@@ -303,8 +303,8 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// Open chains of a section at most; the rest of a mesh that is torn into more is left out. Source: derived. All
-/// pairs of ends and starts are sorted, 16 bytes each.
+/// Largest number of open chains of a section; further ones are left out. Source: derived. All pairs of an end and a
+/// start are sorted and take 16 bytes each, 16 MB in all.
 const MAX_OPEN_CHAINS: usize = 1000;
 
 /// Sections with more open chains than this count as heavily damaged. Source: derived. The pairs of 200 chains take 0.6 MB
@@ -314,7 +314,7 @@ const CLOSED_WITHOUT_SEARCH: usize = 200;
 /// Joins open chains end to start, nearest first, until all are closed. A chain is closed on itself only when no
 /// other start is nearer than its own.
 ///
-/// Joining two chains moves neither the end nor the start that is left, so all pairs are sorted once.
+/// All pairs are sorted only once, because joining two chains does not move their free start and end.
 fn join(mut open: Vec<Contour>, gap_closing_mm: f64, closed: &mut Vec<Contour>) -> Mended {
     let mut mended = Mended::default();
     open.retain(|c| c.len() > 1);
@@ -336,7 +336,7 @@ fn join(mut open: Vec<Contour>, gap_closing_mm: f64, closed: &mut Vec<Contour>) 
         pairs.extend((0u32..).zip(&open).map(|(start, b)| (last.distance_squared(b[0]), end, start)));
     }
     pairs.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    // Chains are named by their start; the end of each, and the chain that each end belongs to.
+    // A chain is identified by its start. `end_of` gives the end of a chain, `chain_of` the chain of an end.
     let mut end_of: Vec<usize> = (0..open.len()).collect();
     let mut chain_of: Vec<usize> = (0..open.len()).collect();
     let (mut end_taken, mut start_taken) = (vec![false; open.len()], vec![false; open.len()]);

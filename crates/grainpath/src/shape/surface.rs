@@ -8,9 +8,9 @@
 //! construction. The ends are flat. Values very close to zero are moved away from it, so that no
 //! two vertices coincide.
 //!
-//! A solver or the supports use it where the shape is a scan or a photograph. Sharp edges in plan
-//! are rounded over about one cell. Cost: the signed distances visit all cells of a layer, the
-//! tracing those that the border passes.
+//! Solvers and supports use this surface where the shape is a scan or a photograph. Sharp edges in
+//! plan are rounded over about one cell. Cost: computing signed distances visits all cells of a
+//! layer; tracing visits only the cells on the border.
 
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use super::ShapeError;
 use grainpath_imaging::distance::{Raster, signed_distance};
 
-/// Largest number of triangles of a surface. Source: derived: their corners take 720 MB, and the
-/// vertices, half as many, as much again.
+/// Largest number of triangles of a surface. Source: derived: the corners of the triangles take
+/// 720 MB. There are half as many vertices, which take another 720 MB.
 const MAX_TRIANGLES: usize = 60_000_000;
 /// Height over which the ends are closed, mm. The vertices are then moved back onto the end planes.
 /// Source: derived: any height serves, because no vertex keeps it; a micrometre is far above
@@ -42,12 +42,12 @@ pub fn surface(stack: &LayerStack, cell_mm: f64, diagnostics: &Diagnostics) -> R
     let raster = Raster::over(bounds, glam(cell_mm));
     let mut loft = Loft::new(raster, top);
     let n = raster.nx * raster.ny;
-    // Values of the closing planes below and above. The mirrored values would not do: slanted edges
-    // would be crossed straight above level ones, and vertices would coincide.
+    // Values on the planes that close the lower and the upper end. Simply negated values would not do:
+    // slanted edges would be crossed straight above level ones, and vertices would coincide.
     let outside = |inside: &[f32]| inside.iter().map(|v| -v.abs() - 0.7).collect::<Vec<f32>>();
     let mut before: Option<(Vec<f32>, f64)> = None;
-    // Distances of a batch of layers are computed in parallel; two for each thread bound the
-    // memory, whatever the number of layers.
+    // Distances of a batch of layers are computed in parallel. A batch has two layers for each thread,
+    // so that the memory is bounded whatever the number of layers.
     for batch in layers.chunks(2 * rayon::current_num_threads()) {
         diagnostics.check()?;
         let fields: Vec<Vec<f32>> = batch.par_iter().map(|l| field(l.region(), &raster)).collect();
@@ -89,7 +89,7 @@ fn field(region: &Region, raster: &Raster) -> Vec<f32> {
     values
 }
 
-/// Directions of the edges of the six tetrahedra of a cell, as bits: 1 is x, 2 is y, 4 is z.
+/// Number of codes for the direction of a tetrahedron's edge. Bits of a code: 1 is x, 2 is y, 4 is z.
 /// Source: derived: one bit for each of three axes.
 const DIRECTIONS: usize = 8;
 const NONE: u32 = u32::MAX;

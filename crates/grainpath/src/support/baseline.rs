@@ -1,4 +1,4 @@
-//! What trees are measured against: straight walls under every overhang, and a box around each.
+//! The two baselines that tree supports are compared with: straight walls under all overhangs, and one box around all.
 
 use grainpath_core::poly::{FillRule, Join};
 use grainpath_core::{Bounds2, Contour, DVec2, LayerStack, Region};
@@ -8,12 +8,12 @@ use super::cut::{Heights, Layers, SupportLayer, count_floating};
 use super::overhang::Overhangs;
 use super::{Style, SupportSettings};
 
-/// Layers of the baseline: all that lies below an overhang, or in the box around one, less the part and its gap.
+/// Layers of the baseline: the area below all overhangs, or the box around them, less the part and the gap around it.
 pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSettings) -> Layers {
     let heights = Heights::new(stack);
     let half = 0.5 * settings.sample_mm() + settings.contact_radius_mm;
     let square = |p: DVec2, half: f64| Bounds2 { min: p - half, max: p + half };
-    // What each sample and each contact asks for, and up to which layer.
+    // The square that each sample and each contact needs supported, and the number of layers below it.
     let spots = overhangs.samples.iter().map(|s| s.at).chain(overhangs.contacts.iter().map(|c| c.at));
     let mut wanted: Vec<(usize, Bounds2)> =
         spots.map(|p| (heights.end_below(p.z, settings.z_gap_mm), square(p.truncate(), half))).collect();
@@ -26,7 +26,7 @@ pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSetti
     let contour = |b: &Bounds2| -> Contour {
         vec![b.min, DVec2::new(b.max.x, b.min.y), b.max, DVec2::new(b.min.x, b.max.y)]
     };
-    // From the top down the wanted area only grows; one step after the other, since each adds to the last.
+    // From the top down the wanted area only grows. Each layer adds to the area of the layer above.
     let mut area = Region::default();
     let mut next = 0;
     let mut areas = vec![Region::default(); stack.layers().len()];

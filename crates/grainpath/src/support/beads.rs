@@ -33,7 +33,7 @@ impl Default for BeadSettings {
     }
 }
 
-/// The beads of one layer, an island for each piece.
+/// The beads of one layer, with one island for each piece of support.
 pub fn lay(layer: &SupportLayer, context: &FillContext, dense: bool, settings: &BeadSettings) -> Vec<Island> {
     let mut rest = layer.region.clone();
     let mut islands = Vec::new();
@@ -96,7 +96,7 @@ pub fn sparse(layer: &SupportLayer, context: &FillContext, settings: &BeadSettin
     rest.polygons.iter().map(of_piece).filter(|i| !i.fills.is_empty()).collect()
 }
 
-/// A short bead where no loop fits: along the longer side of the piece, as wide as the piece is.
+/// A short bead for a piece in which no loop fits. It runs along the longer side and is as wide as the piece.
 fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
     let middle = inner_point(p);
     let far = p.outer.iter().copied().max_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))?;

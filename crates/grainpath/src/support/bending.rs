@@ -1,24 +1,24 @@
 //! How far the tips of trees move under the drag of the nozzle while they are printed, and how thick branches are made
 //! so that they do not move too far.
 //!
-//! The nozzle drags the bead that it lays, and a branch with it. From a contact down to its foot a tree is a
-//! cantilever: a load F at the tip bends every millimetre of it, by Euler's beam, and the tip moves by
-//! `integral of F l^2 / (E I) ds`, where l is the height of the tip over the piece, `I = pi/4 (r^4 - (r - t)^4)` of a
-//! ring of radius r and wall t, and E is `stiffness_mpa`.
+//! The nozzle drags the bead that it lays, and the branch below it. From a contact down to its foot a tree is a
+//! cantilever. By Euler's beam equation a load F at the tip bends every millimetre of it, and the tip moves by
+//! `integral of F l^2 / (E I) ds`. Here l is the height of the tip over the piece, `I = pi/4 (r^4 - (r - t)^4)` is
+//! that of a ring of radius r and wall t, and E is `stiffness_mpa`.
 //!
 //! The load: melt under the flat of the nozzle is sheared. Its stress stays below that at which extrusion becomes
 //! unstable, 0.1 to 0.2 MPa (`denn2001`), and the flat of a 0.4 mm nozzle is about 1 mm wide, so F is 0.1 N. We know of no
-//! measurement of this force; `side_load_n` takes one.
+//! measurement of this force; a measured value can be set as `side_load_n`.
 //!
-//! The thickness: which radii let the tips of a tree move as little as they may with the least of walls? A wall t at
-//! radius r costs r per millimetre of branch and has `I = pi r^3 t`. With Lagrange's multiplier m of each tip that a piece
-//! carries, `d/dr (r + sum of m l^2 / r^3) = 0`, so `r = (3 sum of m l^2)^(1/4)`. The multipliers are found by optimality
-//! criteria (`venkayya1971`): each is multiplied by a power of what its tip moves over what it may move, until no tip moves
-//! too far; that of a tip that is stiff enough goes to zero.
+//! The thickness: the radii should need the least wall material with which no tip moves too far. A wall t at radius r costs
+//! r per millimetre of branch and has `I = pi r^3 t`. With Lagrange's multiplier m of each tip that a piece carries,
+//! `d/dr (r + sum of m l^2 / r^3) = 0`, so `r = (3 sum of m l^2)^(1/4)`. The multipliers are found by optimality criteria
+//! (`venkayya1971`). Each is multiplied by a power of the ratio of its tip's movement to the allowed one, until no tip moves
+//! too far. The multiplier of a tip that is stiff enough goes to zero.
 //!
 //! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: braces and
-//! the branches that join are taken not to help; a tip that moves too far with branches as thick as `base_radius_mm` and the
-//! part allow moves up to twice as far as it would with those.
+//! joining branches are assumed not to stiffen a tree. Where a tip moves too far even with the thickest branches that
+//! `base_radius_mm` and the part allow, it may move up to twice as far as with those.
 
 use std::collections::BTreeMap;
 
@@ -30,35 +30,36 @@ use super::SupportSettings;
 use super::clearance::Clearance;
 use super::tree::{Forest, Kind, Node};
 
-/// What moves most.
+/// The largest movement of a tip, and how many tips move too far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bending {
     /// The largest movement of a tip, mm.
     pub worst_mm: f64,
-    /// The tip that moves so.
+    /// Position of the tip that moves by the most.
     pub at: DVec3,
-    /// Number of tips that move by more than they may.
+    /// Number of tips that move by more than is allowed.
     pub over: usize,
 }
 
-/// Length of the pieces that are summed, mm.
+/// Length of the pieces into which a branch is divided for the sum, mm.
 ///
 /// Source: the radius of a branch changes by less than a tenth of a millimetre over this length.
 const PIECE_MM: f64 = 1.0;
-/// Rounds in which multipliers are found. Source: derived. A multiplier changes by [`MOST_CHANGE`] a round at most, so 30
-/// rounds reach any from one millionth to a million times its first value.
+/// Number of rounds to find the multipliers. Source: derived. A multiplier changes at most by the factor [`MOST_CHANGE`]
+/// in a round, so 30 rounds reach any value from a millionth to a million times the first one.
 const ROUNDS: usize = 30;
-/// What a multiplier is multiplied by in one round lies between this and its reciprocal. Source: derived. Radii then change
-/// by the fourth root of it, 41 %, so that a tree does not swing between two shapes.
+/// Largest factor by which a multiplier grows or shrinks in one round. Source: derived. Radii then change by at most its
+/// fourth root, 41 %, so that a tree does not swing between two shapes.
 const MOST_CHANGE: f64 = 4.0;
-/// The power of movement in multipliers. Source: derived. A single tip moves as the multiplier to the power of -3/4.
+/// A multiplier is multiplied by this power of the ratio of movement to allowed movement. Source: derived. The movement of a
+/// single tip is proportional to its multiplier to the power of -3/4.
 const POWER: f64 = 4.0 / 3.0;
-/// Where no thickness is enough, tips move this many times as far as with the thickest branches: a trunk thinner by a fifth
-/// (the cube root of this) costs a fifth less. Source: chosen.
+/// Where no thickness is enough, tips may move this many times as far as with the thickest branches. A trunk is then thinner
+/// by a fifth (the cube root of this factor) and needs a fifth less material. Source: chosen.
 const SHORTFALL: f64 = 2.0;
 
-/// The movement of every tip under the side load. Branches are as thick as [`Forest`] says, and where the part is near
-/// as thick as its distance lets them be.
+/// The largest movement of a tip under the side load. A branch has the thickness set in the [`Forest`], or less where the
+/// part is too near for it.
 pub fn tip_bending(forest: &Forest, clearance: &Clearance, settings: &SupportSettings) -> Bending {
     let beams = Beams::new(forest, clearance, settings);
     let mut out = Bending::default();
@@ -120,14 +121,14 @@ fn trees(forest: &Forest) -> Vec<Vec<u32>> {
 struct BeamPiece {
     z_mm: f64,
     length_mm: f64,
-    /// The thickest that the part allows.
+    /// Largest radius that the distance from the part allows, mm.
     thickest_mm: f64,
 }
 
 /// All branches in pieces.
 struct Beams<'a> {
     settings: &'a SupportSettings,
-    /// Of the branch below each node.
+    /// For each node, the pieces of the branch below it.
     pieces: Vec<Vec<BeamPiece>>,
 }
 
@@ -149,7 +150,7 @@ impl<'a> Beams<'a> {
         Self { settings, pieces: forest.nodes.iter().map(of_branch).collect() }
     }
 
-    /// The tips of a tree and how far each moves, mm; `tree` are its nodes among all, lower ones first.
+    /// The tips of a tree and how far each moves, mm. `tree` holds the indices of the tree's nodes, lower nodes first.
     fn tips_mm(&self, nodes: &[Node], tree: &[u32]) -> Vec<(u32, f64)> {
         let slope = tan(self.settings.branch_angle_rad);
         let mut sums: BTreeMap<u32, Quadratic> = BTreeMap::new();
@@ -182,11 +183,11 @@ impl<'a> Beams<'a> {
         };
         let tips = self.tips_mm(&forest.nodes, tree);
         let all = |multiplier: f64| -> Vec<(u32, f64)> { tips.iter().map(|t| (t.0, multiplier)).collect() };
-        // With this multiplier every branch is as thick as it may be, a millimetre below its tip.
+        // With this multiplier every branch has its largest radius from a millimetre below its tip.
         let (stiffest, _) = with(&all(self.settings.most_mm().powi(4)));
         let may_move: Vec<f64> =
             stiffest.iter().map(|&(_, mm)| if mm > limit_mm { SHORTFALL * mm } else { limit_mm }).collect();
-        // The multiplier of a single trunk 30 mm high that becomes 1.5 mm thick.
+        // The first multiplier gives a single trunk 30 mm high a radius of 1.5 mm.
         let mut multipliers = all(1.5f64.powi(4) / 30f64.powi(2));
         for _ in 0..ROUNDS {
             let (moved, _) = with(&multipliers);
@@ -194,7 +195,7 @@ impl<'a> Beams<'a> {
                 multiplier.1 *= pow(mm / most_mm, POWER).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
             }
         }
-        // What is missing at last is less than a step of this.
+        // The multipliers are now nearly large enough. Steps of 2 % raise them until no tip moves too far.
         loop {
             let (moved, nodes) = with(&multipliers);
             let is_over = moved.iter().zip(&may_move).any(|(&(_, mm), &most)| mm > most);
@@ -209,11 +210,11 @@ impl<'a> Beams<'a> {
     /// Sets the radii of a tree by the multipliers of its tips; no branch becomes thinner than it was.
     fn set_radii(&self, nodes: &mut [Node], forest: &Forest, tree: &[u32], multipliers: &[(u32, f64)]) {
         let mut sums: BTreeMap<u32, Quadratic> = BTreeMap::new();
-        // A tip bends a piece below it by its lever arm squared, which is what the sum of each node adds up.
+        // A tip bends a piece below it in proportion to the lever arm squared. The sum of a node adds up these squares.
         for &(tip, multiplier) in multipliers {
             sums.entry(tip).or_default().add(multiplier, forest.nodes[tip as usize].at.z);
         }
-        // From the tips down: a node carries what the branches that end in it carry.
+        // Goes from the tips down: a node carries all tips of the branches that end in it.
         for &i in tree.iter().rev() {
             let was = forest.nodes[i as usize];
             let sum = sums.get(&i).copied().unwrap_or_default();
@@ -228,7 +229,7 @@ impl<'a> Beams<'a> {
             }
             let Some(below) = was.below else { continue };
             node.end_mm = thick(forest.nodes[below as usize].at.z, was.end_mm);
-            // What bends a branch bends all that it stands on.
+            // A tip that bends a branch also bends all branches below it.
             sums.entry(below).or_default().join(sum);
         }
     }
@@ -254,13 +255,13 @@ impl Quadratic {
 }
 
 fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
-    // A ring of beads with nothing inside; thinner than its walls it is a full disc.
+    // The section is a ring of beads, or a full disc where the radius is less than the wall.
     let hollow = (radius_mm - wall_mm).max(0.0);
     0.25 * std::f64::consts::PI * (radius_mm.powi(4) - hollow.powi(4))
 }
 
 impl SupportSettings {
-    /// Half a bead: less than that the next bead still lies on the tip.
+    /// Largest allowed movement of a tip: half a bead, so that the next bead still lies on the tip.
     pub fn tip_moves_at_most_mm(&self) -> f64 {
         0.5 * self.beads.bead_width_mm
     }

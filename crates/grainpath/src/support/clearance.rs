@@ -1,11 +1,11 @@
-//! The distance from the part at every place around it, and whether a branch can reach the plate from there.
+//! For every place around the part: the distance from the part, and whether a branch can reach the plate from there.
 //!
-//! Layers are combined to slabs about 0.4 mm thick. In every slab a grid holds the horizontal distance of each cell from
+//! Layers are combined into slabs about 0.4 mm thick. In every slab a grid holds the horizontal distance of each cell from
 //! the part (exact on the grid: lower envelope of parabolas). From the plate upwards, a cell leads to the plate if one
 //! of the nine cells below it does and the branch angle allows the step between them. Steps on the grid are longer than
 //! a branch leans within one slab, so each cell keeps how far its way still has to go sideways: its *debt*.
 //!
-//! Everything comes from the sections and not from the facets. The sections are mended, so damaged meshes get the same
+//! All distances are computed from the sections, not the facets. The sections are mended, so damaged meshes get the same
 //! answers as sound ones. Lengths are in mm. Distances are good to about half a cell. Cost: linear in the cells, of which
 //! there are 120 million at most, with two bytes each.
 
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use grainpath_core::mask::{Grid, Mask};
 
 /// A step of stored distances, mm. Source: derived. Distances between centres of cells of 0.4 mm are off by up to 0.28 mm
-/// (half a diagonal), so a fifth of that adds little; and 255 steps, 12.75 mm, are more than branches ever keep away.
+/// (half a diagonal), so a fifth of that adds little. The largest distance is 255 steps, 12.75 mm, more than branches keep.
 const STEP_MM: f64 = 0.05;
 /// Largest number of cells of all slabs together; a larger part gets larger cells. Source: derived. A byte for the distance
 /// and one for the ways down make 240 MB.
@@ -27,19 +27,20 @@ static CELL_MM: Tuned<f64> = Tuned::new("support.clearance.CELL_MM", 0.4);
 /// Slabs are about this thick, mm. Measured: row `support.clearance.SLAB_MM` of `cargo xtask bench constants`.
 static SLAB_MM: Tuned<f64> = Tuned::new("support.clearance.SLAB_MM", 0.4);
 
-/// From here a branch can get to the plate within its angle.
+/// Bit of a cell from which a branch can reach the plate within its angle.
 const TO_PLATE: u8 = 1;
-/// Straight down from here there is nothing but the plate.
+/// Bit of a cell that has nothing but the plate straight below it.
 const STRAIGHT_DOWN: u8 = 2;
-/// The rest of the byte: half the debt.
+/// Position of the debt in the byte of a cell: the upper six bits hold half the debt.
 const DEBT_SHIFT: u8 = 2;
-/// The largest debt of a way, that is how far it may stray from the centres of its cells, in the units of [`CELL`]. At
-/// most 126, since half of it is stored in six bits. Measured: row `support.clearance.MAX_DEBT` of `cargo xtask bench constants`.
+/// The largest debt of a way, that is how far it may stray from the centres of its cells, in the units of [`CELL`]. It is
+/// at most 126, since half of it is stored in six bits. Measured: row `support.clearance.MAX_DEBT` of `cargo xtask bench
+/// constants`.
 static MAX_DEBT: Tuned<u16> = Tuned::new("support.clearance.MAX_DEBT", 40);
-/// A cell's width in the units debts are counted in. Source: derived. The diagonal is then 90.5 units, which 91 meets to
-/// half a percent, and debts of two cells fit the six bits that are left of a byte.
+/// Width of a cell in the units of debts. Source: derived. The diagonal is then 90.5 units, and the 91 used differs from it
+/// by half a percent. Half a debt of just under two cells fits into the six bits that are left of a byte.
 const CELL: u16 = 64;
-/// A cell that cannot be passed.
+/// Value in place of the debt for a cell that cannot be passed.
 const BLOCKED: u8 = u8::MAX;
 
 /// Distances from the part and ways to the plate, on a grid over plan and height.
@@ -51,7 +52,7 @@ pub struct Clearance {
     tops_mm: Vec<f64>,
     distance: Vec<u8>,
     ways: Vec<u8>,
-    /// Sideways per slab at the branch angle, cells.
+    /// Distance that a branch at the branch angle goes sideways within one slab, cells.
     slope: f64,
     tan_angle: f64,
     keep_mm: f64,
@@ -104,8 +105,8 @@ impl Clearance {
         clearance
     }
 
-    /// From the plate upwards: a cell leads down when one below it or beside that does. Grid steps are longer than a
-    /// branch leans in one slab, so each cell carries how far sideways its way still has to go: its debt.
+    /// Goes from the plate upwards. A cell leads down if the cell below it, or a neighbour of that cell, does. Grid steps
+    /// are longer than a branch leans in one slab, so each cell carries how far sideways its way still has to go: its debt.
     fn find_ways(&mut self, bed: Bounds2) {
         let (nx, ny) = (self.nx, self.ny);
         let n = nx * ny;
@@ -207,8 +208,8 @@ impl Clearance {
         0.0
     }
 
-    /// A way from `p` down until nothing but the plate is below, as the corners after `p`; empty when there is none.
-    /// Each leg stays within the branch angle and clear of the part.
+    /// A way from `p` down to a place with nothing but the plate below, as the list of corners after `p`; empty where
+    /// there is no way. Each leg stays within the branch angle and clear of the part.
     pub fn way_down(&self, p: DVec3) -> Vec<DVec3> {
         let n = self.nx * self.ny;
         let Some((mut x, mut y)) = self.cell(p.truncate()) else { return Vec::new() };
@@ -218,7 +219,7 @@ impl Clearance {
             let ways = &self.ways[slab * n..(slab + 1) * n];
             let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
             let reach = self.tan_angle * (way[way.len() - 1].z - z);
-            // Where least is still owed once this step is done; of equal ones where we are, or nearest.
+            // Chooses the cell with the least debt after this step; of equal cells the present one, or else the nearest.
             let mut best = (f64::INFINITY, f64::INFINITY, x, y);
             for (ox, oy, _) in NEIGHBOURS {
                 let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy)) else {
@@ -253,7 +254,7 @@ impl Clearance {
         self.pull_tight(&way)
     }
 
-    /// Leaves out corners as long as the way stays clear.
+    /// Leaves out corners where the way stays clear of the part without them.
     fn pull_tight(&self, way: &[DVec3]) -> Vec<DVec3> {
         let mut out = Vec::new();
         let mut i = 0;
@@ -269,7 +270,8 @@ impl Clearance {
     }
 }
 
-/// Steps to the cells around, and what they cost. Source: derived, see [`CELL`]: 91 is the diagonal of 64.
+/// Steps to the same cell and to the eight around it, with the debt of each. Source: derived, see [`CELL`]: 91 is the
+/// diagonal of a cell 64 wide.
 const NEIGHBOURS: [(isize, isize, u16); 9] = [
     (0, 0, 0),
     (1, 0, CELL),

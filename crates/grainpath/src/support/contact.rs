@@ -9,7 +9,7 @@ pub struct Sample {
     pub at: DVec3,
     /// The surface's outward normal there.
     pub normal: DVec3,
-    /// Area of overhang it stands for, in plan, mm2.
+    /// Area of the overhang that the point stands for, in plan, mm2.
     pub area_mm2: f64,
 }
 
@@ -18,7 +18,7 @@ pub struct Sample {
 pub enum Reason {
     /// Facets that lean by more than the critical angle.
     Facets,
-    /// An edge that leans by more than it between facets that do not.
+    /// An edge that leans by more than the critical angle, between facets that do not.
     Edge,
     /// The part begins here in mid-air.
     Lowest,
@@ -35,7 +35,7 @@ pub struct Contact {
     pub area_mm2: f64,
     /// The kind of overhang that it holds.
     pub reason: Reason,
-    /// The least length of its tip, mm; more than 0 where arches below interface lines rest on it.
+    /// The least length of its tip, mm. It is more than 0 where arches below interface lines end on the tip.
     pub tip_mm: f64,
 }
 

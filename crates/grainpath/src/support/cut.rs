@@ -1,8 +1,8 @@
 //! Cuts support trees into layers.
 //!
 //! A branch is a skewed cone, and its horizontal sections are discs. The support in a layer is the union of all discs,
-//! less the part with the gap around it, less every piece that would rest on nothing. That no piece floats and none
-//! meets the part is checked on the layers, because they and not the trees are printed. Lengths are in mm.
+//! less the part with the gap around it, less every piece that would rest on nothing. The layers, and not the trees, are
+//! checked for pieces that float or meet the part, because the layers are printed. Lengths are in mm.
 
 use grainpath_core::math::{acos, direction, tan};
 use grainpath_core::poly::{FillRule, Join};
@@ -23,7 +23,7 @@ pub struct SupportLayer {
     pub region: Region,
     /// The part of it that is laid densely because it touches the part.
     pub interface: Region,
-    /// The beads of trees, without sparse fill; `None` for the baselines, whose beads are laid with the part's.
+    /// The beads of trees, without sparse fill; `None` for the baselines, whose beads are laid together with the part's.
     pub islands: Option<Vec<Island>>,
 }
 
@@ -34,21 +34,21 @@ impl SupportLayer {
     }
 }
 
-/// The support as layers, one for each of the part's.
+/// The support as layers, one for each layer of the part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Layers {
     /// From the plate upwards.
     pub layers: Vec<SupportLayer>,
-    /// Pieces that stood on nothing once cut to fit, and were taken away.
+    /// Number of pieces that stood on nothing after the cuts and were removed.
     pub dropped: usize,
-    /// Number of support beads with nothing below them, counted again after the cuts; for supports without beads of
-    /// their own the number of such pieces of layers. Expected is 0.
+    /// Number of support beads with nothing below them, counted after all cuts; it should be 0. For the baselines,
+    /// which have no beads yet, the number of pieces with nothing below them.
     pub floating: usize,
     /// Length of those beads that lies on air, mm.
     pub floating_mm: f64,
     /// Length of the beads that were left out because nothing could be laid below them, mm.
     pub left_out_mm: f64,
-    /// Contacts whose branch did not survive.
+    /// Contacts that the support no longer reaches after the cuts, as indices.
     pub lost: Vec<u32>,
 }
 
@@ -59,7 +59,7 @@ enum Trim {
     Nothing,
     /// Everything within the gap around the part.
     AtGap,
-    /// Only what lies in the part: the disc belongs to a contact or a post.
+    /// Only what lies in the part, without a gap: the disc belongs to a contact or a post.
     AtPart,
 }
 
@@ -106,7 +106,7 @@ pub fn cut(
     out
 }
 
-/// The heights at which layers begin and end and their sections are taken.
+/// The heights at which layers end, and those at which their sections are taken.
 pub struct Heights {
     tops: Vec<f64>,
     middles: Vec<f64>,
@@ -136,8 +136,8 @@ impl Heights {
         if k > 0 { self.tops[k - 1] } else { 0.0 }
     }
 
-    /// The number of support layers below a contact: those that end at least the gap below the layer that the part
-    /// begins in there.
+    /// The number of support layers below a contact. They end at least the gap below the bottom of the layer in which
+    /// the part begins there.
     pub fn end_below(&self, z_mm: f64, gap_mm: f64) -> usize {
         let part = self.middles.partition_point(|&m| m < z_mm - 1e-9);
         let limit = self.bottom(part.min(self.tops.len())) - gap_mm + 1e-6;
@@ -175,11 +175,11 @@ fn discs(
             let at = at(heights.middles[k]).with_z(heights.middles[k]);
             if is_tip { f64::INFINITY } else { settings.thickest_mm(clearance, at) }
         };
-        // Thinner where the part is near, before anything is cut off.
+        // Where the part is near, the branch is made thinner first, so that less has to be cut off.
         let mut radii: Vec<f64> = (first..end)
             .map(|k| upper.radius_at_mm(lower, heights.middles[k], slope).min(thickest_mm(k)))
             .collect();
-        // Where the part makes a branch thinner, it becomes so no faster than a branch may lean.
+        // Where the part makes a branch thinner, its flank slopes by no more than a branch may lean.
         for i in 1..radii.len() {
             radii[i] = radii[i].min(radii[i - 1] + slope * heights.height_mm(first + i));
         }
@@ -245,7 +245,7 @@ fn layer(
 ) -> SupportLayer {
     let discs_with = |trim: Trim| discs.iter().copied().filter(move |d| d.trim == trim);
     let part = stack.layers()[k].region();
-    // Squares around the discs: what the part has elsewhere need not be clipped.
+    // Squares around the discs: only the part's area inside them has to be processed.
     let windows = |trim: Trim, gap_mm: f64| {
         let squares = discs_with(trim).map(|d| square(d.at, d.radius_mm + 2.0 * gap_mm + 0.1));
         let windows: Vec<Contour> = squares.collect();
@@ -262,7 +262,7 @@ fn layer(
     if discs_with(Trim::AtPart).next().is_some() {
         let window = windows(Trim::AtPart, TOUCH_MM.value());
         let mut local = part.intersection(&window).offset(TOUCH_MM.value(), Join::Miter(2.0));
-        // Layers of the part above this one, up to the gap, need their place as well.
+        // The discs must also stay clear of the part's layers above this one, within the removal gap.
         for other in within(heights, k, settings.z_gap_mm) {
             local = local.union(&stack.layers()[other].region().intersection(&window));
         }
@@ -278,7 +278,7 @@ fn layer(
     SupportLayer { region, interface, islands: None }
 }
 
-/// The layers above `k` that begin less than the gap above its end.
+/// The layers above `k` whose bottom is less than the gap above the top of layer `k`.
 pub(super) fn within(heights: &Heights, k: usize, gap_mm: f64) -> impl Iterator<Item = usize> + '_ {
     let top = heights.tops[k];
     (k + 1..heights.tops.len()).take_while(move |&j| heights.bottom(j) < top + gap_mm - 1e-6)
@@ -298,7 +298,7 @@ pub(super) fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, se
         let on = |p: &Polygon| {
             let on_support: Vec<u32> =
                 index.meeting(p).filter(|&i| overlap(p, &below.polygons[i as usize])).collect();
-            // Whether it also rests on the part matters only where no support is below.
+            // Whether a piece rests on the part is tested only where no support is below it.
             let on_part = on_support.is_empty() && rests_on_part(p, k, stack, heights, settings);
             (on_part, on_support)
         };
@@ -314,7 +314,7 @@ pub(super) fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, se
             .enumerate()
             .map(|(i, (on_part, on))| {
                 let held = on.iter().any(|&i| below[i as usize]);
-                // What stood on support that is gone may still rest on the part.
+                // A piece that stood on removed support may still rest on the part.
                 let piece = &out.layers[k].region.polygons[i];
                 *on_part || held || (!on.is_empty() && rests_on_part(piece, k, stack, heights, settings))
             })
@@ -347,7 +347,7 @@ fn rests_on_part(
         .any(|j| Region::from(p.clone()).intersection(stack.layers()[j].region()).area_mm2() > 1e-4)
 }
 
-/// Pieces of support with nothing below: found afresh from the layers, as a judge would.
+/// The number of pieces of support with nothing below them, counted independently from the finished layers.
 pub fn count_floating(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> usize {
     let heights = Heights::new(stack);
     let of_layer = |k: usize| {
@@ -370,7 +370,7 @@ fn overlap(a: &Polygon, b: &Polygon) -> bool {
     Region::from(a.clone()).intersection(&Region::from(b.clone())).area_mm2() > 1e-4
 }
 
-/// Polygons by their boxes.
+/// The polygons of a region, indexed by their bounding boxes.
 struct Boxes {
     /// Low x, high x, low y, high y and index, by low x.
     rows: Vec<([f64; 4], u32)>,
@@ -397,7 +397,7 @@ impl Boxes {
     }
 }
 
-/// Whether support ends where it should below a contact.
+/// Whether one of the two topmost layers that belong below a contact has support there.
 fn is_reached(c: &Contact, cut: &Layers, heights: &Heights, settings: &SupportSettings) -> bool {
     let end = heights.end_below(c.at.z, settings.z_gap_mm);
     let p = c.at.truncate();

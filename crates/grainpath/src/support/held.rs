@@ -1,22 +1,22 @@
 //! Which support beads lie on something, and the beads added below those that do not.
 //!
-//! A section of a branch is filled by a ring along its rim, so a section that is held as an area need not be held as
-//! beads: the ring of a cone that narrows by more than a bead in a layer lies in the hollow of the ring below. Here
-//! the beads themselves are asked, in two passes.
+//! A branch is printed as a ring of bead along the rim of its section. The section may rest on the one below while the
+//! ring does not: if a cone narrows by more than a bead in a layer, the upper ring lies over the hollow of the lower one.
+//! So the beads themselves are checked, in two passes.
 //!
-//! From the top down: a point of a bead is held when a bead of the next lower layer lies within [`REACH`] bead widths
-//! of it in plan, or when the part lies below it, across the removal gap. Below every stretch that is not held a bead
-//! is added, moved towards the nearest bead of its own layer as far as the upper one still rests on it, but not so far
-//! that the two overlap. Added beads are asked in turn, so that a bead far from a wall is carried by a corbel whose
-//! steps walk to the wall, one or two loops a layer, and not by filling all that is hollow down to the plate.
+//! From the top down: a point of a bead is held if a bead of the next lower layer lies within [`REACH`] bead widths
+//! of it in plan, or if the part lies below it, across the removal gap. Below every stretch that is not held, a bead is
+//! added. It is moved towards the nearest bead of its own layer as far as the upper bead still rests on it, but not so
+//! far that the two overlap. Added beads are checked in turn. A bead far from a wall is thus carried by a corbel that
+//! steps towards the wall, with one or two loops a layer, and the hollow is not filled down to the plate.
 //!
-//! From the plate up: what still lies on air, because the part is where a bead would have to be, is left out, and with
-//! it what stood on it. What is left is held by construction; [`on_air`] counts it afresh, as a judge would.
+//! From the plate up: a stretch that still lies on air, because the part is in the way of a bead below it, is left out
+//! together with all that stood on it. All that remains is held; [`on_air`] counts independently to confirm it.
 //!
 //! Lengths are mm. Cost: one search in a grid of points for every `STEP_MM` of bead and pass; about a second for
-//! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever walls and what they
-//! enclose will be;
-//! sparse fill inside branches (`support.density` above 0) bridges from wall to wall and is not asked.
+//! 100 m of support. Limits: the beads of the part are not known yet, so the part is taken to hold a bead wherever it
+//! will have walls or area inside its walls. Sparse fill inside branches (`support.density` above 0) bridges from wall
+//! to wall and is not checked.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,27 +36,28 @@ use super::overhang::Overhangs;
 use super::tree::{Forest, Kind};
 use crate::order::Island;
 
-/// A point of a bead is held by a bead below whose centreline is this many of its widths away in plan: a seventh of
-/// the upper bead then lies on the lower one, the rest leans on what is beside it.
+/// A point of a bead is held if the centreline of a bead below is at most this many bead widths away in plan. A seventh
+/// of the upper bead then lies on the lower one, and the rest leans on the beads beside it.
 ///
-/// Source: the outside check that this was built against takes 0.95, on points up to 0.3 mm apart; 0.86 keeps within
-/// that wherever the points fall.
+/// Source: the outside check, an independent check of printed supports, allows 0.95 on points up to 0.3 mm apart; beads
+/// within 0.86 pass it wherever its points fall.
 pub const REACH: f64 = 0.86;
-/// The same when beads are left out: a little more, so that nothing is left out for rounding.
+/// The reach in bead widths when beads are left out. It is a little more than [`REACH`], so that rounding alone leaves
+/// no bead out.
 ///
-/// Source: at 0.89 that check finds beads on air, for its points lie up to 0.3 mm apart.
+/// Source: at 0.89 the outside check finds beads on air, because its points lie up to 0.3 mm apart.
 const LEAVE: f64 = 0.87;
-/// An added bead comes this near to its neighbour, in widths: the wall of an upright trunk then holds it from the layer
-/// below, and no further bead is added under it.
+/// Least distance of an added bead from the nearest bead of its layer, in bead widths. At this distance the wall of an
+/// upright trunk holds the added bead from the layer below, and no further bead is added under it.
 ///
-/// Source: [`REACH`] less the 0.01 mm of [`SMOOTH_MM`]; the two beads overlap by a fifteenth of a width at 0.2 mm.
+/// Source: [`REACH`] less the 0.01 mm of [`SMOOTH_MM`]; the two beads overlap by a fifteenth of a width in layers of 0.2 mm.
 const CLOSE: f64 = 0.84;
-/// It comes nearer to a branch that leans away from it, but at least this far from its bead, in widths: two beads half over
-/// each other, once, where a bead beside the branch would be needed in every layer down to the plate.
+/// Least such distance beside a branch that leans away from the added bead, in bead widths. The two beads then overlap by
+/// about half, in one layer. Farther away, a bead beside the branch would be needed in every layer down to the plate.
 ///
 /// Source: [`CLOSE`] less the lean of a branch at 40 degrees in a layer of 0.2 mm (0.37 of a bead 0.45 mm wide).
 const CLOSEST: f64 = 0.45;
-/// Beads are looked at every so many millimetres.
+/// Distance of the points at which beads are checked, mm.
 ///
 /// Source: at [`REACH`] of a bead 0.45 mm wide the error of a distance is then 0.003 mm (Pythagoras with half a step).
 const STEP_MM: f64 = 0.1;
@@ -64,23 +65,23 @@ const STEP_MM: f64 = 0.1;
 ///
 /// Source: a fifth of the slack between [`WALK`] and [`REACH`] in beads 0.45 mm wide.
 const SMOOTH_MM: f64 = 0.01;
-/// No bead is added further from the nearest of its layer than the widest hollow of a trunk, `base_radius_mm`, and this
-/// much more, mm: what is further has nothing to walk to.
+/// No bead is added farther from the nearest bead of its layer than `base_radius_mm`, the radius of the widest hollow of a
+/// trunk, plus this, mm. A bead farther away has no wall to step towards.
 ///
-/// Source: four beads, for the foot of a trunk lies off its neighbours by as much.
+/// Source: four beads, because the foot of a trunk is that far from its neighbours.
 const FAR_MM: f64 = 2.0;
 /// The shortest bead that is laid, mm: less does not stick.
 ///
 /// Source: the least loop that `beads::lay` lays.
 const SHORT_MM: f64 = 0.3;
-/// Points of the beads below may lie this far apart along them before and behind a place, mm.
+/// Largest distance along a lower bead from any place to the next point that the outside check takes, mm.
 ///
 /// Source: the outside check takes points up to 0.3 mm apart.
 const APART_MM: f64 = 0.15;
-/// A point of a bead is held for that check by points this many widths away. Source: the outside check.
+/// The outside check takes a point as held if a point of a lower bead is within this many bead widths. Source: that check.
 const CHECKED: f64 = 0.95;
 
-/// Lays the beads of all layers, adds what holds them, and leaves out what nothing can hold.
+/// Lays the beads of all layers, adds beads that hold them, and leaves out those that nothing can hold.
 pub fn stand(
     out: &mut Layers,
     forest: &Forest,
@@ -104,7 +105,7 @@ pub fn stand(
     }
     let mut part = Part::new(stack, heights, settings);
     let mut arches = BTreeSet::new();
-    // The beads of each layer before any are added, found once: what is below one layer's beads is beside the next one's.
+    // Beads of a layer are indexed once, before any are added: the deeper layer of one step is the lower one of the next.
     let mut before = out.layers.iter().rev().nth(1).and_then(|layer| Beads::new(layer.islands()));
     for k in (1..out.layers.len()).rev() {
         let (low, high) = out.layers.split_at_mut(k);
@@ -131,7 +132,7 @@ pub fn stand(
         part.forget_below(k);
     }
     out.left_out_mm = left_out_mm;
-    // The pieces of the solid below which beads were left out or added are asked anew.
+    // Beads were left out and added, so the pieces of all layers are checked again for support below them.
     cut::settle(out, stack, heights, settings);
     // A tip is about a bead wide, so its bead lies within a bead of the contact.
     let reach_mm = settings.contact_radius_mm + settings.beads.bead_width_mm;
@@ -174,7 +175,8 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
     beads::lay(layer, &context, k < settings.dense_layers, &settings)
 }
 
-/// Beads of the support that lie on air: their number, and the length that does, mm. Found afresh from the beads.
+/// The number of support beads that lie partly or wholly on air, and the length that does, mm, counted independently from
+/// the finished beads.
 pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> (usize, f64) {
     let heights = Heights::new(stack);
     let of_layer = |k: usize| -> (usize, f64) {
@@ -212,7 +214,7 @@ struct Sample {
     width_mm: f64,
 }
 
-/// Points along a path, both ends included; the first is not repeated where the path is closed.
+/// Points along a path, both ends included. In a closed path the first point is not repeated.
 fn samples(path: &Toolpath) -> Vec<Sample> {
     let mut out = Vec::new();
     for i in 0..path.n_segments() {
@@ -226,7 +228,7 @@ fn samples(path: &Toolpath) -> Vec<Sample> {
     out
 }
 
-/// The beads of a layer, to be found by place; each knows its island.
+/// The beads of a layer, indexed by position, each with the number of its island.
 struct Beads(PointGrid2<u32>);
 
 impl Beads {
@@ -242,13 +244,14 @@ impl Beads {
         Some(beads)
     }
 
-    /// Adds the points of a bead, of an open one without the ends that hold nothing beyond them.
+    /// Adds the points of a bead. An open bead is added without its end pieces, which are taken to hold nothing.
     fn add(&mut self, path: &Toolpath, island: u32) {
         if path.closed || path.n_segments() == 0 {
             samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
             return;
         }
-        // The last stretch of an open bead has nothing beyond it to lie on, so it holds nothing; short beads keep their middle.
+        // An upper bead that goes on beyond the end of an open bead has nothing to lie on there, so the end piece counts as
+        // holding nothing. Short beads keep their middle.
         let end_mm = END_MM.min(0.4 * path.length_mm());
         let ends = [path.segment(0), path.segment(path.n_segments() - 1)];
         let [first, last] = ends.map(|(a, b, _)| (a, b));
@@ -259,20 +262,20 @@ impl Beads {
         samples(path).into_iter().filter(carries).for_each(|s| self.0.insert(s.at, island));
     }
 
-    /// The nearest bead: where, how far, in which island.
+    /// The nearest bead: its nearest point, the distance, and the number of its island.
     fn nearest(&self, p: DVec2) -> Option<(DVec2, f64, u32)> {
         self.0.nearest(p, |_| true).map(|(q, island)| (q, q.distance(p), island))
     }
 }
 
-/// Sections of the part near the layer in work.
+/// Sections of the part near the layer that is being processed.
 struct Part<'a> {
     stack: &'a LayerStack,
     heights: &'a Heights,
     gap_mm: f64,
     bead_width_mm: f64,
     clippers: BTreeMap<usize, LineClipper>,
-    /// Where centrelines of walls lie, and where the section is too thin for them.
+    /// For each layer, the area within the centrelines of the walls, and the area too thin for walls.
     beads: BTreeMap<usize, [LineClipper; 2]>,
 }
 
@@ -296,7 +299,7 @@ impl<'a> Part<'a> {
 
     fn forget_below(&mut self, k: usize) {
         self.clippers.retain(|&j, _| j + 8 >= k);
-        // No gap to the part spans more layers, so what lies further down is not asked for again.
+        // No removal gap spans more than eight layers, so lower sections are not needed again.
         self.beads.retain(|&j, _| j + 8 >= k);
     }
 
@@ -317,7 +320,7 @@ impl<'a> Part<'a> {
     }
 
     /// Whether a bead of the part lies within a distance of a point. Centrelines of walls lie half a bead inside the
-    /// section; where it is thinner than a bead, one of its own width runs along its middle.
+    /// section. Where the section is thinner than a bead, one bead of the same width runs along its middle.
     fn has_bead_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
         let half_mm = 0.5 * self.bead_width_mm;
         if !self.near(layer, p, reach_mm) {
@@ -342,7 +345,7 @@ impl<'a> Part<'a> {
 
 /// Whether a region lies within a distance of a point.
 fn is_near(region: &LineClipper, p: DVec2, reach_mm: f64) -> bool {
-    // Eight chords through the point find a region that its middle misses, at a fraction of an exact distance.
+    // Where the point lies outside, eight chords through it find a region nearby, far faster than an exact distance.
     let across = |i: u32| direction(f64::from(i) * std::f64::consts::FRAC_PI_8) * reach_mm;
     region.contains(p) || (0..8).any(|i| region.meets(p - across(i), p + across(i)))
 }
@@ -353,19 +356,19 @@ fn held(s: &Sample, below: Option<&Beads>, part: &mut Part<'_>, k: usize, reach:
     below.is_some_and(on_bead) || part.holds(k, s.at, reach_mm)
 }
 
-/// How far away a bead may be that holds one of this width, for a reach in widths: less for narrow beads, for which the
-/// points of the beads below lie far apart.
+/// The largest distance, mm, at which a lower bead holds a bead of width `width_mm`, for a `reach` in bead widths. Narrow
+/// beads have a shorter reach, because the outside check takes its points far apart for their width.
 fn reach_mm(width_mm: f64, reach: f64) -> f64 {
     let checked_mm = ((CHECKED * width_mm).powi(2) - APART_MM * APART_MM).max(0.0).sqrt();
     (reach * width_mm).min(checked_mm)
 }
 
-/// The stretches of a path whose samples are `wanted`; whether one is the whole closed path.
+/// The stretches of a path whose samples are `wanted`, each with a flag that marks the whole of a closed path.
 fn stretches(samples: &[Sample], closed: bool, wanted: &[bool]) -> Vec<(Vec<Sample>, bool)> {
     if wanted.iter().all(|&w| w) {
         return vec![(samples.to_vec(), closed)];
     }
-    // A closed path is read from behind a sample that is not wanted, so that no stretch is cut at its start.
+    // A closed path is read from a sample that is not wanted, so that no stretch is cut in two at the path's start.
     let first = if closed { wanted.iter().position(|&w| !w).unwrap_or(0) } else { 0 };
     let mut out: Vec<(Vec<Sample>, bool)> = Vec::new();
     let mut open = false;
@@ -415,20 +418,21 @@ fn add_interface(layer: &mut SupportLayer, k: usize, beads: Vec<Toolpath>, part:
     layer.interface = layer.interface.union(&around);
 }
 
-/// Whether a bead is an interface line, and no wall or fill of a pad.
+/// Whether a bead is an interface line rather than a wall or the fill of a pad.
 fn is_line(path: &Toolpath) -> bool {
     !path.closed && path.role == Role::SupportInterface
 }
 
-/// Names of the beads of a layer that carry interface lines: their first points, bit by bit.
+/// The beads of a layer that carry interface lines, each identified by the bits of its first point.
 type Arches = BTreeSet<[u64; 2]>;
 
 fn name(path: &Toolpath) -> [u64; 2] {
     path.points.first().map_or([0; 2], |p| p.to_array().map(f64::to_bits))
 }
 
-/// Adds beads to the layer below `upper` until it is held; the names of those that carry interface lines. The two sides of
-/// an arch walk to what was there `before`: towards each other they would only grow. `deeper` are the beads below `lower`.
+/// Adds beads to `lower`, the layer below `upper`, until `upper` is held. Returns the names of the added beads that carry
+/// interface lines. The two sides of an arch step towards the beads that were there `before`, and not towards the beads
+/// just added for the other side, which lead to no branch. `deeper` are the beads below `lower`.
 fn hold(
     upper: &SupportLayer,
     lower: &mut SupportLayer,
@@ -482,12 +486,12 @@ fn hold(
     next
 }
 
-/// How beads are added.
+/// Width and distances of beads to be added, and the layer below them.
 #[derive(Clone, Copy)]
 struct Added<'a> {
     width_mm: f64,
-    /// Least distance of an added bead's centreline from the nearest bead of its layer: beside an upright branch, and
-    /// beside one that leans away from it.
+    /// Least distance of an added bead's centreline from the nearest bead of its layer, mm: first beside an upright
+    /// branch, second beside one that leans away from the bead.
     close_mm: [f64; 2],
     /// Largest distance of an added bead from the nearest bead of its layer, mm.
     far_mm: f64,
@@ -496,8 +500,8 @@ struct Added<'a> {
 }
 
 impl Added<'_> {
-    /// How far a bead at `p` walks towards its neighbour `far_mm` away. Beside a branch that leans away it comes
-    /// nearer, if a bead of the next layer then holds it: else it would follow the branch down to the plate.
+    /// How far an added bead steps from `p` towards its neighbour `far_mm` away. Beside a branch that leans away it comes
+    /// nearer if a bead of the next lower layer then holds it. Otherwise beads would be added all along the branch.
     fn walk_mm(&self, p: DVec2, towards: DVec2, far_mm: f64, width_mm: f64) -> f64 {
         let [upright, leaning] = self.close_mm.map(|close| (WALK * width_mm).min(far_mm - close).max(0.0));
         let held = |walk_mm: f64| {
@@ -508,8 +512,8 @@ impl Added<'_> {
     }
 }
 
-/// Lines in layer `k - 1` that hold a stretch of a bead in layer `k`, whether each is closed, and the island it
-/// belongs to.
+/// Lines to add in layer `k - 1` to hold a stretch of a bead in layer `k`. Each comes with a flag for a closed line and
+/// the number of the island it belongs to.
 fn carriers(
     stretch: &[Sample],
     closed: bool,
@@ -537,7 +541,7 @@ fn carriers(
             broken = true;
             continue;
         };
-        // Points that part company have walked to different beads, or around a corner of the part.
+        // Neighbouring points end up far apart where they stepped towards different beads or around a corner of the part.
         let mut joins = |l: DVec2| {
             let steps = (l.distance(p) / STEP_MM).ceil() as usize;
             l.distance(p) < w
@@ -556,7 +560,7 @@ fn carriers(
         if closed {
             line = simplify_contour(&line, SMOOTH_MM);
         } else {
-            // A line that cannot be lengthened would not stick.
+            // A short line would not stick, so it is lengthened, or dropped where there is no room for that.
             let mut has_room = |p: DVec2| part.leaves_room(k - 1, p, w);
             line = with_longer_ends(simplify_line(&line, SMOOTH_MM), &mut has_room);
             line = lengthened(line, towards, &mut has_room)?;
@@ -567,7 +571,7 @@ fn carriers(
     lines.into_iter().filter_map(finish).collect()
 }
 
-/// A line with both ends moved outwards by what an end does not hold, where there is room.
+/// A line with both ends moved outwards by [`END_MM`], the length at an end that holds nothing, where there is room.
 fn with_longer_ends(mut line: Vec<DVec2>, has_room: &mut dyn FnMut(DVec2) -> bool) -> Vec<DVec2> {
     for _ in 0..2 {
         if let [.., before, last] = line[..] {
@@ -581,8 +585,8 @@ fn with_longer_ends(mut line: Vec<DVec2>, has_room: &mut dyn FnMut(DVec2) -> boo
     line
 }
 
-/// A line made as long as the shortest bead, about its middle or to one side where the part leaves no room for that;
-/// `None` where there is no room at all. A single point becomes a line in the direction `towards` its neighbour.
+/// Makes a line at least as long as the shortest bead. It is centred on the line's middle, or moved to one side where the
+/// part leaves no room; `None` where there is no room at all. A single point becomes a line in the direction `towards`.
 fn lengthened(
     line: Vec<DVec2>,
     towards: DVec2,
@@ -600,7 +604,7 @@ fn lengthened(
     ends.into_iter().find(|ends| ends.iter().all(|&end| has_room(end))).map(|ends| ends.to_vec())
 }
 
-/// Takes out of a layer what lies on air above `lower`; the length taken, mm.
+/// Removes from `upper` the stretches of beads that lie on air above `lower`. Returns the length removed, mm.
 fn leave_out(upper: &mut SupportLayer, lower: &SupportLayer, k: usize, part: &mut Part<'_>) -> f64 {
     let below = Beads::new(lower.islands());
     let mut lost_mm = 0.0;

@@ -1,20 +1,20 @@
 //! Interface below flat overhangs: single beads from contact to contact, so that no bead of the part runs far over air.
 //!
-//! A contact holds a point. Contacts L/2 apart leave room for beads of the part that touch none of them: the skin of a
-//! table's underside runs between two rows of contacts from one edge to the other. So where the beads of a layer lie
-//! beyond those of the layer below (the overhang leans by more than [`flat_rad`]), interface beads are laid along the rows
-//! of contacts, in x and in y. They are 0.6 L apart, so a bead of the part meets one of them every 0.6 L, or every 0.85 L
-//! where it runs at 45 degrees to both. This is ours; the paper on trees (`Shen2016`) has points only.
+//! A contact holds a point only. Contacts are L/2 apart (L is `max_unsupported_mm`), so a bead of the part may touch none:
+//! the skin under a table can run between two rows of contacts from one edge to the other. So where the beads of a layer
+//! lie beyond those of the layer below (the overhang leans by more than [`flat_rad`]), interface beads are laid along the
+//! rows of contacts, in x and in y. They are 0.6 L apart, so a bead of the part meets one of them every 0.6 L, or every
+//! 0.85 L where it runs at 45 degrees to both. This method is our own; the paper on trees (`Shen2016`) has points only.
 //!
-//! 1. [`lines`] finds rows of samples of the overhang, on the lines of the grid that contacts are placed on, and those
-//!    along its rim, where beads of the part turn back. Samples that are neighbours on the surface are joined to lines in
-//!    space.
+//! 1. [`lines`] finds rows of samples of the overhang: rows along the grid on which contacts are placed, and rows along
+//!    the rim, where beads of the part turn back. Samples that are neighbours on the surface are joined to lines that
+//!    follow it.
 //! 2. [`lay`] cuts each line by layers and lays the beads, wherever the part leaves room for them.
-//! 3. What holds these beads up is not decided here: [`super::held`] adds beads below them that walk to the nearest
-//!    branch, layer by layer, so that each becomes a thin wall with an arch below.
+//! 3. These beads need support themselves: [`super::held`] adds beads below them that step towards the nearest branch,
+//!    layer by layer, so that each line becomes a thin wall with an arch below.
 //!
 //! Lengths are mm. Cost: linear in the samples. Limits: an overhang that is narrower than 0.3 L in plan has a contact
-//! but no lines; samples that painted enforcers add between the points of the grid are no part of a line.
+//! but no lines. Painted enforcers add samples between the points of the grid, which no line includes.
 
 use std::collections::BTreeMap;
 
@@ -28,40 +28,40 @@ use super::SupportSettings;
 use super::contact::{Contact, Grid, Sample};
 use super::cut::Heights;
 
-/// The outline of a layer may lie this many bead widths beyond the one below before its wall has nothing under it.
+/// Largest distance in bead widths by which a layer's outline may lie beyond the one below while its wall still has support.
 ///
 /// Source: the outside check of supports calls a bead free where every bead below is more than 0.75 of its width away.
 const FREE_STEP_BEADS: f64 = 0.75;
-/// Neighbouring samples belong to one surface where it climbs by at most this much on the way, as a share of the way.
+/// Neighbouring samples belong to one surface if their heights differ by at most this share of their distance in plan.
 ///
 /// Source: derived. A flat overhang leans by 60 degrees or more, so it climbs by 0.58 at most.
 const CLIMB: f64 = 0.6;
-/// The shortest line, as a share of L. Source: derived. Around an overhang as long and as wide a bead runs for 1.2 L, and
-/// the contact in its middle lies below one of its sides.
+/// The shortest line, as a share of L. Source: derived. Around an overhang of this length and width a bead runs for 1.2 L,
+/// and the contact in the middle of the overhang lies below one of the bead's sides.
 const SHORTEST_SHARE: f64 = 0.3;
-/// Distance of the lines along a rim from it, as a share of L. Source: derived. Beads of the part that turn back at the rim
+/// Distance from a rim to the lines along it, as a share of L. Source: derived. Beads of the part that turn back at the rim
 /// run over air for little more than twice this.
 const SET_BACK_SHARE: f64 = 0.1;
 /// The narrowest overhang that has lines along its rim, as a share of L. Source: derived. Twice [`SET_BACK_SHARE`] and the
-/// least distance between two lines, 0.2 L; across what is narrower a bead goes and returns within 0.8 L.
+/// least distance between two lines, 0.2 L. Across a narrower overhang a bead goes there and back within 0.8 L.
 const RIM_SHARE: f64 = 0.4;
-/// Corners of lines are cut by at most this share of a bead. Source: derived. The steps of the samples' grid go, and a
-/// bead of the part still meets the line within a bead.
+/// Corners of lines are cut by at most this share of a bead. Source: derived. The steps of the sample grid are smoothed
+/// away, and a bead of the part still meets the line within a bead.
 const SMOOTH_SHARE: f64 = 0.5;
-/// The beads of a line that climbs lie this many bead widths over each other at their ends.
+/// A line that climbs has beads in several layers. Each is lengthened by this many bead widths to overlap the next.
 ///
-/// Source: less than the reach of `held`, so that each holds the beginning of the next.
+/// Source: less than the reach of `held`, so that each bead holds the beginning of the next.
 const OVERLAP_BEADS: f64 = 0.8;
 
-/// How far a bead is moved towards its neighbours from the one it is to hold, in widths: less than the reach of `held`, for
-/// corners of the line are cut by its smoothing and moved points spread.
+/// Distance in plan, in bead widths, by which an added bead steps away from the bead that it is to hold. It is less than the
+/// reach of `held`, because smoothing cuts the corners of the added line and moved points spread.
 ///
-/// Source: the reach of `held` less the 0.05 mm by which points a step apart may part on their way, in beads 0.45 mm wide.
+/// Source: the reach of `held` less the 0.05 mm by which neighbouring points may diverge when moved, in beads 0.45 mm wide.
 pub(super) const WALK: f64 = 0.75;
-/// The last piece of a bead holds nothing that goes on beyond its end, mm: there the upper bead leans on a round end.
+/// Length of the piece at each end of a bead, mm, that does not hold an upper bead going on beyond the end.
 ///
-/// Source: the outside check takes points up to 0.15 mm from the end, so 0.86 of a bead 0.45 mm wide and this stay within
-/// its 0.95 and those.
+/// Source: the outside check takes points up to 0.15 mm from the end. In beads 0.45 mm wide, a reach of 0.86 of the width
+/// and this length stay within the 0.95 of the width and the 0.15 mm of that check.
 pub(super) const END_MM: f64 = 0.11;
 
 /// The least lean from the vertical, radians, at which walls of a part hang over those below: a layer `height_mm`
@@ -75,8 +75,8 @@ pub fn is_flat(sample: &Sample, stack: &LayerStack, settings: &SupportSettings) 
     -sample.normal.z > sin(flat_rad(usual_height_mm(stack, settings), settings))
 }
 
-/// Distance of the contacts below interface lines, and of the lines: the furthest at which no point of the overhang is
-/// further than 0.43 L from a contact, and no bead across the lines runs over air for more than 0.85 L.
+/// Spacing of interface lines and of the contacts below them, mm. It is the largest at which no point of the overhang is
+/// farther than 0.43 L from a contact, and no bead across the lines runs over air for more than 0.85 L.
 pub fn spacing_mm(settings: &SupportSettings) -> f64 {
     0.6 * settings.max_unsupported_mm
 }
@@ -84,7 +84,7 @@ pub fn spacing_mm(settings: &SupportSettings) -> f64 {
 /// A sample of an overhang.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
-    /// The name of its grid.
+    /// Number of the grid that the sample belongs to.
     pub group: u32,
     /// Its position, mm.
     pub at: DVec3,
@@ -113,8 +113,8 @@ pub fn lines(points: &[Point], grids: &BTreeMap<u32, Grid>, settings: &SupportSe
     lines.into_iter().flatten().collect()
 }
 
-/// Lengthens the tips that carry lines to the height of the arches below them. A tip of a flat overhang is upright, so
-/// both sides of an arch reach it; the branch below it leans, and one side would follow it far down.
+/// Lengthens the tips below lines to the height of the arches that carry the lines. A tip under a flat overhang is upright,
+/// so both sides of an arch can end on it. The branch below the tip leans, and one side would follow it far down.
 pub fn lengthen_tips(
     contacts: &mut [Contact],
     lines: &[Vec<DVec3>],
@@ -131,19 +131,19 @@ pub fn lengthen_tips(
     }
 }
 
-/// The height of most layers.
+/// The height of the middle layer, which stands for most layers.
 fn usual_height_mm(stack: &LayerStack, settings: &SupportSettings) -> f64 {
     let layers = stack.layers();
     layers.get(layers.len() / 2).map_or(settings.first_layer_mm, |l| l.height_mm())
 }
 
-/// Lines in x through the rows of points that lie nearest to the middles of the grid's cells, and lines along the parts of
-/// the rim that run more in y than in x.
+/// Lines in x along the rows of points nearest to the middles of the grid's cells, and lines along the parts of the rim
+/// that run more in y than in x.
 fn rows(points: &[Point], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
     let (pitch_mm, cell_mm) = (settings.sample_mm(), grid.cell_mm);
     let index = |v: f64| (v / pitch_mm).round() as i64;
-    // The row of samples in the middle of the cell that holds a place; the first sample of a cell lies on its border. Of
-    // two it is the lower one, as for contacts.
+    // The row of samples in the middle of the cell that contains `v`. The first row of a cell lies on its border. Of two
+    // middle rows the lower one is taken, as for contacts.
     let middle_row = |v: f64, low: f64| {
         let cell = ((v - low) / cell_mm + 1e-9).floor();
         index(low + (cell + 0.5) * cell_mm - 0.5 * pitch_mm - 1e-9)
@@ -166,8 +166,8 @@ fn rows(points: &[Point], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVe
         for stretch in stretches {
             for flat in flat_parts(stretch).filter(|flat| flat.len() as f64 >= shortest) {
                 let (first, last) = (stretch[flat.start], stretch[flat.end - 1]);
-                // A wall at the end of what is flat may still hang over the one below, so the line goes on below one more
-                // sample; where the overhang ends, it ends up to a pitch beyond its last sample.
+                // A wall at the end of the flat part may still hang over the one below, so the line goes on to one more
+                // sample. Where there is none, it goes on by a pitch: the overhang may end that far beyond its last sample.
                 let before = flat
                     .start
                     .checked_sub(1)
@@ -201,7 +201,7 @@ fn flat_parts(stretch: &[(i64, f64, bool)]) -> impl Iterator<Item = std::ops::Ra
 /// The samples of an overhang by their place on the grid; surfaces may lie above each other.
 struct Surface {
     heights: BTreeMap<(i64, i64), Vec<(f64, bool)>>,
-    /// Neighbours on one surface differ by at most this.
+    /// Largest difference in height between neighbouring samples of one surface, mm.
     climb_mm: f64,
 }
 
@@ -209,13 +209,13 @@ struct Surface {
 type Stretch = Vec<(i64, f64, bool)>;
 
 impl Surface {
-    /// The stretches of each row; surfaces above each other each continue their own.
+    /// The stretches of each row. Where surfaces lie above each other, each has its own stretches.
     fn stretches(&self) -> BTreeMap<i64, Vec<Stretch>> {
         let mut rows: BTreeMap<i64, Vec<Stretch>> = BTreeMap::new();
         for (&(i, j), heights) in &self.heights {
             let stretches = rows.entry(j).or_default();
             for &(z, is_flat) in heights {
-                // Samples at an end are not flat, and may climb more.
+                // Samples at the end of a flat part are not flat and may climb twice as much.
                 let climbs =
                     |other_is_flat: bool| if is_flat && other_is_flat { 1.0 } else { 2.0 } * self.climb_mm;
                 let follows = |stretch: &&mut Stretch| {
@@ -231,8 +231,8 @@ impl Surface {
         rows
     }
 
-    /// Lines along the rim, a little inside it, where the rim runs at less than 45 degrees to y: the samples near both
-    /// ends of each row, joined from row to row.
+    /// Lines a little inside the rim, wherever the rim runs at less than 45 degrees to y. They join samples near the ends
+    /// of the rows, from row to row.
     fn rim(
         &self,
         rows: &BTreeMap<i64, Vec<Stretch>>,

@@ -1,6 +1,6 @@
-//! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
-//! branches that meet where their cones do ([`tree`]), how thick they must be ([`bending`]), their layers ([`cut`]), their beads ([`beads`]), interface below
-//! flat overhangs ([`interface`]), what holds each of those up ([`held`]) and the same as one closed surface ([`solid`],
+//! Tree supports: overhangs and contacts ([`overhang`]), free space around the part ([`clearance`]), branches that join
+//! ([`tree`]), their thickness ([`bending`]), their layers ([`cut`]), their beads ([`beads`]), interface lines below flat
+//! overhangs ([`interface`]), beads added to hold up others ([`held`]), and the supports as one closed surface ([`solid`],
 //! [`poisson`]).
 
 pub mod bending;
@@ -33,7 +33,7 @@ use tree::Forest;
 /// A box, lowest and highest corner, mm.
 pub type Box3 = [DVec3; 2];
 
-/// What is made under the overhangs.
+/// The kind of support under the overhangs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Style {
     /// Branching trees.
@@ -48,7 +48,7 @@ pub enum Style {
 /// How supports are made; lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SupportSettings {
-    /// What is made.
+    /// The kind of support that is made.
     pub style: Style,
     /// Facets that lean more than this from the vertical need holding, radians.
     pub critical_angle_rad: f64,
@@ -57,15 +57,15 @@ pub struct SupportSettings {
     /// The longest stretch that prints without anything below (L): no overhang is further than half of it from a
     /// contact.
     pub max_unsupported_mm: f64,
-    /// A contact is dropped when others are within this share of L of all it holds.
+    /// A contact is dropped if everything that it holds lies within this share of L of other contacts.
     pub thin_share: f64,
     /// Groups of facets smaller than this in plan are left alone.
     pub min_overhang_mm: f64,
-    /// Radius of the end at the part.
+    /// Radius of a branch at its contact with the part.
     pub contact_radius_mm: f64,
     /// Length of the end piece that leaves the part along its normal.
     pub tip_length_mm: f64,
-    /// The thinnest branch.
+    /// Radius of the thinnest branch.
     pub branch_radius_mm: f64,
     /// Radius of a foot, and the thickest branch.
     pub base_radius_mm: f64,
@@ -77,9 +77,9 @@ pub struct SupportSettings {
     pub xy_gap_mm: f64,
     /// Whether interface beads run from contact to contact below flat overhangs.
     pub interface_lines: bool,
-    /// Dense layers below a contact.
+    /// Number of dense layers below a contact.
     pub interface_layers: usize,
-    /// Their radius.
+    /// Radius of these dense layers.
     pub interface_radius_mm: f64,
     /// Load that one contact puts on its branch, safety included, N.
     pub load_per_contact_n: f64,
@@ -87,23 +87,23 @@ pub struct SupportSettings {
     pub side_load_n: f64,
     /// Stiffness of the printed branch, MPa.
     pub stiffness_mpa: f64,
-    /// Highest length over diameter.
+    /// Largest ratio of a branch's length to its diameter.
     pub max_slenderness: f64,
-    /// Trunks of more than this length over diameter are tied to a neighbour; `None` for no bracing.
+    /// Trunks with a larger ratio of length to diameter are tied to a neighbour; `None` for no bracing.
     pub brace_slenderness: Option<f64>,
     /// The furthest a branch goes sideways to meet another.
     pub max_reach_mm: f64,
     /// How far branches may go beyond the part in plan.
     pub margin_mm: f64,
-    /// Whether nothing may stand on the part.
+    /// Whether supports may stand on the plate only, not on the part.
     pub from_plate_only: bool,
-    /// Everything that looks down in these is held.
+    /// Boxes in which every downward-facing surface is supported.
     pub enforce: Vec<Box3>,
-    /// Nothing in these is held.
+    /// Boxes in which nothing is supported, except where an enforcing box overlaps.
     pub block: Vec<Box3>,
-    /// These facets are held, whatever their angle; indices into the mesh.
+    /// Facets of the mesh, as indices, that are supported whatever their angle.
     pub enforce_facets: Vec<u32>,
-    /// These facets are not held.
+    /// Facets of the mesh, as indices, that are not supported.
     pub block_facets: Vec<u32>,
     /// Support enforcers and blockers painted on the part, in part coordinates.
     pub painted: PaintedSupports,
@@ -155,12 +155,12 @@ impl Default for SupportSettings {
 }
 
 impl SupportSettings {
-    /// Spacing of the grid contacts are placed on: half the longest unsupported length.
+    /// Spacing of the grid on which contacts are placed: half the longest unsupported length.
     pub fn spacing_mm(&self) -> f64 {
         0.5 * self.max_unsupported_mm
     }
 
-    /// Spacing of the points that stand for an overhang.
+    /// Spacing of the sample points of an overhang.
     pub fn sample_mm(&self) -> f64 {
         (0.1 * self.max_unsupported_mm).clamp(0.2, 1.0)
     }
@@ -181,7 +181,7 @@ fn holds(b: &Box3, p: DVec3) -> bool {
 /// An overhang that no support reaches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unreached {
-    /// Where, on the part, mm.
+    /// Position on the part, mm.
     pub at: DVec3,
     /// Its area in plan, mm2.
     pub area_mm2: f64,
@@ -190,17 +190,17 @@ pub struct Unreached {
 /// The supports of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Support {
-    /// What has to be held, and where.
+    /// The overhangs, and the contacts that hold them.
     pub overhangs: Overhangs,
     /// The trees; none for the baselines.
     pub forest: Forest,
-    /// The layers.
+    /// The supports as layers.
     pub cut: Layers,
-    /// What could not be reached.
+    /// Overhangs that no support reaches.
     pub unreached: Vec<Unreached>,
     /// How far tips move under the drag of the nozzle.
     pub bending: Bending,
-    /// Contacts so near the plate that there is no room for support below them.
+    /// Number of contacts so near the plate that there is no room for support below them.
     pub near_plate: usize,
 }
 
@@ -211,7 +211,7 @@ impl Support {
         self.cut.layers.iter().zip(stack.layers()).map(layer_mm3).sum()
     }
 
-    /// Volume of the beads of trees, mm3; `None` for the baselines, whose beads are laid with the part's.
+    /// Volume of the beads of trees, mm3; `None` for the baselines, whose beads are laid together with the part's.
     pub fn beads_mm3(&self, stack: &LayerStack) -> Option<f64> {
         let mut volume = 0.0;
         for (layer, part) in self.cut.layers.iter().zip(stack.layers()) {
@@ -223,7 +223,8 @@ impl Support {
         Some(volume)
     }
 
-    /// The largest distance of any overhang's sample from its nearest contact that is held, mm.
+    /// The largest distance of a sample of an overhang from its nearest contact, mm. Samples whose nearest contact is not
+    /// held are left out.
     pub fn farthest_mm(&self) -> f64 {
         let mut index = PointGrid3::new(5.0);
         let key = |p: DVec3| p.to_array().map(f64::to_bits);
@@ -233,7 +234,7 @@ impl Support {
         }
         let mut farthest: f64 = 0.0;
         for s in &self.overhangs.samples {
-            // Nearly all are near; only what is not asks for a wide search.
+            // Nearly all samples have a contact near; only the others need a wide search.
             let near = [5.0, 20.0, 100.0].into_iter().find_map(|r| index.nearest_within(s.at, r));
             if let Some(i) = near {
                 let c = self.overhangs.contacts[i].at;
@@ -267,7 +268,7 @@ pub fn plan(
     diagnostics.advance(1);
     if overhangs.contacts.is_empty() {
         diagnostics
-            .warn(WarningId::SupportNone, "support: no overhang beyond the critical angle; none is made");
+            .warn(WarningId::SupportNone, "support: no overhang exceeds the critical angle; none is made");
         let layers = vec![SupportLayer::default(); stack.layers().len()];
         return Ok(Support { overhangs, cut: Layers { layers, ..Layers::default() }, ..Support::default() });
     }
@@ -333,7 +334,7 @@ pub fn surface(
 }
 
 impl Support {
-    /// Sorts out which contacts are not held, and says so.
+    /// Finds the contacts that are not held, and warns of them and of tips that move too far.
     fn tell(&mut self, stack: &LayerStack, settings: &SupportSettings, diagnostics: &Diagnostics) {
         let heights = cut::Heights::new(stack);
         let mut missing: Vec<u32> = self.forest.unreached.iter().chain(&self.cut.lost).copied().collect();

@@ -3,15 +3,15 @@
 //! Three things need support:
 //!
 //! 1. facets that lean from the vertical by more than the critical angle;
-//! 2. edges that lean by more than it between two facets that do not;
+//! 2. edges that lean by more than the critical angle, between two facets that do not;
 //! 3. pieces of a layer with nothing below them.
 //!
 //! Connected facets form a region. Regions smaller than a bead or two are left out. The others are sampled on a grid, and
-//! contacts are placed so that no sample is further than half of L from one; L is the longest stretch that the material
-//! prints over air. Enforcers and blockers of the job, and those painted on the mesh, override the angles.
+//! contacts are placed so that no sample is farther than L/2 from a contact, where L is the longest stretch that the
+//! material prints over air. Enforcers and blockers of the job, and those painted on the mesh, override the angles.
 //!
-//! Contacts depend on the surface and not on how it is cut into triangles: a sample on the edge of two facets is taken
-//! once, and samples and groups are ordered by place.
+//! Contacts depend on the surface, not on how it is divided into triangles: a sample on the edge of two facets is taken
+//! once, and samples and groups are sorted by position.
 //!
 //! Lengths are in mm, areas in plan in mm2. Cost: n log n for n facets and samples. Samples
 //! that lie inside another body of the mesh, or stand on one, are left out.
@@ -34,9 +34,9 @@ use super::{SupportSettings, interface};
 /// A piece of a layer with nothing below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MidAir {
-    /// Its layer.
+    /// Index of the layer.
     pub layer_idx: usize,
-    /// Its outline there.
+    /// Outline of the piece in that layer.
     pub polygon: Polygon,
 }
 
@@ -45,11 +45,11 @@ pub struct MidAir {
 pub struct Overhangs {
     /// Facets that lean by more than the critical angle, by index into the mended mesh.
     pub facets: Vec<u32>,
-    /// Number of connected groups of them that are held.
+    /// Number of connected groups of these facets that are held.
     pub regions: usize,
     /// Number of groups that are left out because they are smaller than a bead or two.
     pub small: usize,
-    /// Points of all overhangs that are held.
+    /// Sample points of all overhangs that need support.
     pub samples: Vec<Sample>,
     /// Pieces of layers with nothing below them.
     pub mid_air: Vec<MidAir>,
@@ -85,7 +85,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         high > plate_mm && wanted && normals[t].z < -0.02
     };
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
-    // Paint overrides the angle of the facet, point by point.
+    // At each point, paint overrides the angle of the facet.
     let held_at = |t: u32, p: DVec3| {
         Painted::covers(&painted.enforcers, p)
             || (beyond(t as usize) && !Painted::covers(&painted.blockers, p))
@@ -103,7 +103,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         .par_iter()
         .map(|g| sample_region(mesh, &normals, g, pitch, settings, &held_at, &painted))
         .collect();
-    // Samples keep their group, so that the contacts of one never stand for another.
+    // Each sample keeps the number of its group, so that contacts never hold samples of another group.
     let mut samples: Vec<(u32, Reason, Sample)> = Vec::new();
     for (i, group) in sampled.into_iter().enumerate() {
         match group {
@@ -144,7 +144,7 @@ fn normal(mesh: &TriMesh, t: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Support enforcers and blockers painted on the part, with indices to find them by place.
+/// Support enforcers and blockers painted on the part, indexed by position.
 struct Painted<'a> {
     facets: &'a PaintedSupports,
     enforcers: Bvh,
@@ -154,7 +154,7 @@ struct Painted<'a> {
 }
 
 impl<'a> Painted<'a> {
-    /// Painted facets lie this near the surface, mm. Source: derived. Files keep six digits, so points of a part of up to
+    /// Painted facets are at most this far from the surface, mm. Source: derived. Files keep six digits, so points of up to
     /// a metre are rounded by up to 0.0005 mm in each of three axes, once in the surface and once in the painted copy.
     const NEAR_MM: f64 = 2e-3;
 
@@ -198,7 +198,7 @@ fn middle(mesh: &TriMesh, triangle: u32) -> DVec3 {
     mesh.triangles[triangle as usize].iter().map(|&i| mesh.vertices[i as usize]).sum::<DVec3>() / 3.0
 }
 
-/// Region growing over shared edges: each hanging facet gets the lowest number of its group.
+/// Joins hanging facets that share an edge into groups. Each facet gets the lowest facet index of its group.
 fn regions(mesh: &TriMesh, edges: &EdgeUses, hanging: &[bool]) -> Vec<u32> {
     let mut groups = DisjointSets::new(mesh.triangles.len());
     for edge in edges.edges() {
@@ -210,12 +210,12 @@ fn regions(mesh: &TriMesh, edges: &EdgeUses, hanging: &[bool]) -> Vec<u32> {
     groups.names()
 }
 
-/// Samples are the same if they are nearer than this, mm. Source: derived. Rounding in the plane of a facet moves a sample
-/// by less than 1e-10 mm; coordinates are written with four digits.
+/// Samples are taken for the same point if they are nearer than this, mm. Source: derived. Rounding in the plane of a facet
+/// moves a sample by less than 1e-10 mm; coordinates are written with four digits.
 const SAME_MM: f64 = 1e-5;
 
-/// Samples of one kind and group in the order of their place, and groups in the order of their first sample; each place
-/// once, with the normal that looks down most.
+/// Sorts the samples of each group by position, and the groups by their first sample. Each position is kept once, with the
+/// normal that points down most.
 fn by_place(mut samples: Vec<(u32, Reason, Sample)>) -> Vec<(u32, Reason, Sample)> {
     let place = |s: &Sample| (s.at / SAME_MM).round().to_array().map(|v| v as i64);
     let steepness = |s: &Sample| s.normal.to_array().map(|v| (v * 1e9).round() as i64);
@@ -231,8 +231,8 @@ fn by_place(mut samples: Vec<(u32, Reason, Sample)>) -> Vec<(u32, Reason, Sample
     named.collect()
 }
 
-/// On which side of the line through two points a third lies: opposite for the two directions of an edge to the last
-/// bit, so that no point between two facets is missed.
+/// The side of the line from `u` to `v` on which `p` lies, as a sign. Swapping `u` and `v` changes nothing but the sign,
+/// so that no point on the edge between two facets is missed.
 fn side(u: DVec2, v: DVec2, p: DVec2) -> f64 {
     let forwards = (u.x, u.y) <= (v.x, v.y);
     let (a, b) = if forwards { (u, v) } else { (v, u) };
@@ -240,8 +240,8 @@ fn side(u: DVec2, v: DVec2, p: DVec2) -> f64 {
     if forwards { twice_area } else { -twice_area }
 }
 
-/// Points of a region at every crossing of a grid in plan, at least one; `None` for a region smaller than what
-/// needs holding.
+/// Samples of a region at every crossing of a grid in plan, or one on its largest facet where the grid misses it; `None`
+/// for a region too small to need support.
 fn sample_region(
     mesh: &TriMesh,
     normals: &[DVec3],
@@ -302,7 +302,7 @@ fn sample_region(
     Some(samples)
 }
 
-/// Edges that lean beyond the critical angle between two facets that look down and do not: keels.
+/// Samples on keels: edges that lean beyond the critical angle, between two downward-facing facets that do not.
 fn leaning_edges(
     mesh: &TriMesh,
     edges: &EdgeUses,
@@ -325,7 +325,7 @@ fn leaning_edges(
             std::mem::swap(&mut a, &mut b);
         }
         let along = b - a;
-        // A keel folds outwards, and by more than the facets of a round surface do.
+        // A keel folds outwards, and more sharply than the facets of a round surface.
         let folds = normals[s].dot(normals[t]) < 0.9;
         let third = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]);
         let outwards = third
@@ -354,8 +354,8 @@ fn shared(s: [u32; 3], t: [u32; 3]) -> [u32; 2] {
     [first, both.next().unwrap_or(first)]
 }
 
-/// Which samples have the part just above them and air just below: the others lie inside another body, stand on one,
-/// or belong to facets wound the wrong way.
+/// Marks the samples that have the part just above them and air just below. The others lie inside another body, stand on
+/// one, or belong to facets wound the wrong way.
 fn outside_only(samples: &[(u32, Reason, Sample)], stack: &LayerStack) -> Vec<bool> {
     let layers = stack.layers();
     let middles: Vec<f64> = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
@@ -380,7 +380,7 @@ fn outside_only(samples: &[(u32, Reason, Sample)], stack: &LayerStack) -> Vec<bo
             let clipper = LineClipper::new(layers[queries[0].0].region());
             let out_of_place = |&&(_, i, wanted): &&(usize, usize, bool)| {
                 let s = &samples[i].2;
-                // A little inwards, since a sample may lie on a wall's edge.
+                // The point is moved a little inwards, since a sample may lie on the edge of a wall.
                 let p = s.at.truncate() - if wanted { 1e-3 * s.normal.truncate() } else { DVec2::ZERO };
                 clipper.contains(p) != wanted
             };
@@ -413,8 +413,8 @@ fn grids(
     groups.into_iter().map(|(g, group)| (g, grid(group))).collect()
 }
 
-/// Contacts: the sample nearest to the middle of each grid cell of each region; those whose samples others hold as
-/// well are dropped, and what is then still too far from any gets its own.
+/// Chooses contacts: in each grid cell of each region, the sample nearest to the middle. A contact is dropped if others hold
+/// all its samples too. Then every sample still too far from any contact becomes a contact itself.
 fn place(
     samples: &[(u32, Reason, Sample)],
     grids: &BTreeMap<u32, Grid>,
@@ -432,7 +432,7 @@ fn place(
         let best = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map_or(0, |b| b.1);
         (best, members)
     });
-    // Small cells first: those at the rim of a region are the ones others can stand in for.
+    // Cells with few samples come first: they lie at the rim of a region, and other contacts can replace theirs.
     let mut chosen: Vec<(usize, Vec<usize>)> = chosen.collect();
     chosen.sort_by_key(|(best, members)| (members.len(), *best));
     let mut index = PointGrid3::new(d);
@@ -473,7 +473,7 @@ fn place(
     contacts
 }
 
-/// Pieces of layers that begin in mid-air, but for those in places that are to be left alone.
+/// Pieces of layers that begin in mid-air, except those at places for which `left_alone` is true.
 pub fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) -> Vec<MidAir> {
     let layers = stack.layers();
     let first = layers.iter().position(|l| !l.region().is_empty()).unwrap_or(0).max(1);
@@ -500,7 +500,7 @@ pub fn inner_point(polygon: &Polygon) -> DVec2 {
     if polygon.contains(middle) {
         return middle;
     }
-    // The middle of the widest piece of the horizontal line through the middle.
+    // Takes the middle of the widest interval inside the polygon on the horizontal line through `middle`.
     let mut xs: Vec<f64> = Vec::new();
     for (a, b) in polygon.contours().flat_map(|c| grainpath_core::poly::edges(c)) {
         if (a.y > middle.y) != (b.y > middle.y) {
@@ -514,7 +514,7 @@ pub fn inner_point(polygon: &Polygon) -> DVec2 {
     })
 }
 
-/// Every piece that begins in mid-air gets a contact at its beginning, long ones several.
+/// Gives every piece that begins in mid-air a contact at its underside, and long pieces several.
 fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
     let d = settings.spacing_mm();
     let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
@@ -551,7 +551,7 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
                 }
             }
         }
-        // The corners of a sliver lie on no grid.
+        // Corners are tried as well, because a sliver may contain no point of the grid.
         for &p in &polygon.outer {
             if points.iter().all(|q| q.distance(p) > 0.9 * d) {
                 points.push(p);

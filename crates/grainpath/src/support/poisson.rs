@@ -1,10 +1,10 @@
 //! The surface of the support by Poisson reconstruction, as published (`Shen2016`), for comparison with the signed
 //! distance.
 //!
-//! Points with outward normals are sampled on the walls and the steps of all layers. A function is found whose gradient
-//! fits the normals best, and the surface is its level at the points. The function lives on a uniform grid and is solved
-//! by multigrid. Smoothing is of the Jacobi kind: every new value depends on old values alone, so the number of threads
-//! does not change the result.
+//! Points with outward normals are sampled on the walls and the steps of all layers. The function is found whose gradient
+//! fits these normals best. The surface is where the function equals its mean value at the points. It is computed on a
+//! uniform grid by multigrid. Smoothing is of the Jacobi kind: every new value depends on old values alone, so the number
+//! of threads does not change the result.
 //!
 //! Lengths are in mm. Cost: linear in the cells, at most 12 million. It is slower than the signed distance of
 //! [`solid`](super::solid), and it rounds off tips thinner than two cells.
@@ -17,13 +17,13 @@ use rayon::prelude::*;
 use super::cut::SupportLayer;
 use super::solid::{Mesher, Plane, PlaneGrid};
 
-/// Largest number of cells; more of them become larger. Source: derived. Four arrays of four bytes, and a seventh more for
-/// the coarser grids, make 220 MB.
+/// Largest number of cells; where there would be more, cells are made larger. Source: derived. Four arrays of four bytes,
+/// and a seventh more for the coarser grids, make 220 MB.
 const MAX_CELLS: f64 = 1.2e7;
-/// Empty cells around the support, so that the function can fade. Measured: row `support.poisson.MARGIN` of `cargo xtask
-/// bench constants`.
+/// Number of empty cells around the support, in which the function fades to zero. Measured: row `support.poisson.MARGIN` of
+/// `cargo xtask bench constants`.
 static MARGIN: Tuned<usize> = Tuned::new("support.poisson.MARGIN", 6);
-/// Sizes of the grid are multiples of this. Source: derived. Each coarser grid halves them, so 8 leaves three.
+/// The number of cells along each axis is a multiple of this. Source: derived. Each of three coarser grids halves it.
 const MULTIPLE: usize = 8;
 /// Rounds of smoothing before and after each coarser grid. Measured: row `support.poisson.SWEEPS` of `cargo xtask bench
 /// constants`.
@@ -86,7 +86,7 @@ pub fn poisson(
     Ok(mesher.mesh)
 }
 
-/// A piece of the surface.
+/// A sample point of the surface, with the area that it stands for.
 struct Point {
     at: DVec3,
     /// Outward normal times area.
@@ -152,7 +152,7 @@ impl Grid {
         self.n[0] * self.n[1] * self.n[2]
     }
 
-    /// The grid points around a place and their shares.
+    /// The eight grid points around a place, each with its weight in linear interpolation.
     fn around(&self, p: DVec3) -> impl Iterator<Item = (usize, f64)> + '_ {
         let c = (p - self.low) / self.cell_mm;
         let base = c.floor();
@@ -171,8 +171,8 @@ impl Grid {
         })
     }
 
-    /// Adds a point's share to the divergence of the normals, by central differences, in units of the cell; with the
-    /// sign that the smoothing below solves for.
+    /// Adds a point's share to the divergence of the normals, by central differences in units of the cell. The sign is
+    /// the one that `smooth` expects.
     fn spread(&self, p: &Point, right: &mut [f32]) {
         let scale = 0.5 / (self.cell_mm * self.cell_mm);
         for a in 0..3 {
@@ -217,7 +217,7 @@ fn neighbours(value: &[f32], n: [usize; 3], x: usize, y: usize, z: usize) -> f32
     sum
 }
 
-/// For every grid point something of it, its neighbours and the right side.
+/// Evaluates `f` at every grid point from the value there, the sum of its neighbours and the right side.
 fn each(value: &[f32], right: &[f32], n: [usize; 3], f: impl Fn(f32, f32, f32) -> f32 + Sync) -> Vec<f32> {
     let mut out = vec![0f32; value.len()];
     out.par_chunks_mut(n[0] * n[1]).enumerate().for_each(|(z, plane)| {
@@ -261,7 +261,7 @@ fn cycle(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
                     let (i, j, l) = (2 * x + (k & 1), 2 * y + (k >> 1 & 1), 2 * z + (k >> 2 & 1));
                     sum += left[(l * n[1] + j) * n[0] + i];
                 }
-                // The mean of eight, times four for cells twice as wide.
+                // The mean of eight cells, times four because the coarse cells are twice as wide.
                 plane[y * coarse[0] + x] = sum * 0.5;
             }
         }
@@ -278,7 +278,8 @@ fn cycle(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
     (0..SWEEPS.value()).for_each(|_| smooth(value, right, n));
 }
 
-/// A coarse grid's value at a fine cell: three quarters of the cell it lies in, one quarter of the next, each way.
+/// Interpolates the values of a coarse grid at a fine cell. Along each axis the coarse cell that it lies in counts three
+/// quarters, and the next one a quarter.
 fn between(coarse: &[f32], n: [usize; 3], fine: [usize; 3]) -> f32 {
     let mut sum = 0.0;
     for k in 0..8usize {

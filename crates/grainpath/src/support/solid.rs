@@ -17,10 +17,10 @@ use rayon::prelude::*;
 
 use super::cut::SupportLayer;
 
-/// How finely the surface is made.
+/// Resolution of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidSettings {
-    /// Width of a grid cell, mm; made wider where the surface would have more triangles than asked for.
+    /// Width of a grid cell, mm. Cells are made wider where the surface would have more than `max_triangles`.
     pub cell_mm: f64,
     /// The approximate largest number of triangles.
     pub max_triangles: usize,
@@ -32,12 +32,12 @@ impl Default for SolidSettings {
     }
 }
 
-/// Triangles for each square of a cell's side that the surface covers. Measured: 6.3 for the support of the specimen
+/// Number of triangles on a piece of surface as large as one face of a cell. Measured: 6.3 for the support of the specimen
 /// `hanging-ball` and 7.4 for that of `dental-tray`, with cells of 0.25 mm.
 const TRIANGLES_PER_FACE: f64 = 7.4;
-/// Planes worked on at once. Source: chosen; it changes speed and memory alone.
+/// Number of planes computed in parallel. Source: chosen; it changes speed and memory alone.
 const BATCH: usize = 16;
-/// Crossings keep this share of an edge's length from its ends, so that no triangle is without area. Source: derived. On
+/// Vertices keep this share of a grid edge's length from its ends, so that every triangle has an area. Source: derived. On
 /// the edge of a cell of 0.25 mm that is 0.01 mm. It moves the surface by less than a microstep of a motor of 200 steps,
 /// divided by 16, on a belt of 40 mm a turn (0.0125 mm), and is 300 times what a coordinate of 500 mm is rounded to in STL.
 const EDGE_SHARE: f64 = 0.04;
@@ -85,7 +85,7 @@ pub fn solid(
 fn planes(stack: &LayerStack, layers: &[SupportLayer], step_mm: f64) -> Vec<(f64, Option<usize>)> {
     let middle = |k: usize| stack.layers()[k].z_top_mm() - 0.5 * stack.layers()[k].height_mm();
     let last = layers.iter().rposition(|l| !l.region.is_empty()).unwrap_or(0);
-    // The lowest section is repeated just above the plate, and nothing is below it: a flat foot at z = 0.
+    // The lowest section is repeated just above the plate, with nothing below it, so that the foot is flat at z = 0.
     let mut out = vec![(-0.01, None), (0.01, Some(0))];
     let mut z = f64::NEG_INFINITY;
     for k in 0..=last {
@@ -116,7 +116,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// A plane of which every row counts.
+    /// A plane whose rows are all evaluated over their whole length.
     pub(super) fn whole(z: f64, values: Vec<f32>, nx: usize) -> Self {
         let spans = vec![Some((0, nx as u32 - 1)); values.len() / nx];
         Self { z, values, spans }
@@ -209,8 +209,8 @@ impl PlaneGrid {
     }
 }
 
-/// The tetrahedra of a cube: ways from corner 0 to corner 7 along its edges. Source: derived. The three edges of a way
-/// can be walked in six orders, and the six tetrahedra share faces with those of the next cube.
+/// The tetrahedra of a cube. Each is given by a path from corner 0 to corner 7 along the cube's edges. Source: derived. A
+/// path goes along the three axes in one of six orders, and the six tetrahedra share faces with those of the next cube.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
@@ -223,8 +223,8 @@ fn corner(c: usize) -> [usize; 3] {
 pub(super) struct Mesher {
     grid: PlaneGrid,
     pub(super) mesh: TriMesh,
-    /// Vertices on grid edges between the two planes at hand, by lower grid point and direction; in the upper plane
-    /// they are carried over.
+    /// The vertex on each crossed grid edge within or between the two current planes. The key combines the numbers of the
+    /// edge's two grid points. Vertices in the upper plane are kept for the next pair of planes.
     on_edges: HashMap<u64, u32>,
 }
 
@@ -254,7 +254,7 @@ impl Mesher {
                 self.cube(x, y, low, high);
             }
         }
-        // Edges within the upper plane are met again as edges within the lower one.
+        // The upper plane is the lower one of the next pair, so the vertices on its edges are kept.
         let n = (nx * ny) as u64;
         let carried = std::mem::take(&mut self.on_edges).into_iter().filter_map(|(key, vertex)| {
             let (a, b) = (key >> 32, key & 0xffff_ffff);

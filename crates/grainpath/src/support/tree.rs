@@ -30,7 +30,7 @@ use super::contact::Contact;
 /// The kind of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The end at the part; the contact's index.
+    /// The end at the part, with the index of the contact.
     Contact(u32),
     /// The lower end of the short piece that leaves the part along its normal.
     Tip,
@@ -47,27 +47,27 @@ pub enum Kind {
 /// A point of a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Where, mm.
+    /// Position, mm.
     pub at: DVec3,
     /// Radius of the horizontal section there, mm.
     pub radius_mm: f64,
-    /// Radius of the branch below it at its lower end, mm, before that widens to what it stands on.
+    /// Radius, mm, at the lower end of the branch below this node, before the branch widens to the node it stands on.
     pub end_mm: f64,
     /// Number of contacts it carries.
     pub carries: u32,
-    /// Height of the highest of them, mm.
+    /// Height of the highest contact it carries, mm.
     pub top_mm: f64,
     /// The node that it stands on; none for feet and landings.
     pub below: Option<u32>,
     /// Its kind.
     pub kind: Kind,
-    /// Whether the branch from here down is a last resort: a post that keeps no distance but is cut to fit.
+    /// Whether the branch from here down is a post, the last resort: it may touch the part and is cut to fit.
     pub post: bool,
 }
 
 impl Node {
-    /// Radius at height `z_mm` of the branch from here down to `lower`. It widens to what it stands on as steeply as a branch
-    /// may lean (`slope`), so that no ring lies in the hollow of the one below.
+    /// Radius at height `z_mm` of the branch from here down to `lower`. At its lower end the branch widens to the radius of
+    /// `lower`, with flanks that lean no more than a branch may (`slope`), so that each ring rests on the ring below.
     pub fn radius_at_mm(&self, lower: &Self, z_mm: f64, slope: f64) -> f64 {
         let above_mm = z_mm - lower.at.z;
         let share = (above_mm / (self.at.z - lower.at.z).max(1e-9)).clamp(0.0, 1.0);
@@ -119,8 +119,8 @@ impl Forest {
     }
 }
 
-/// The highest common point of two downward cones with apexes `p` and `q` and slope `tan_angle`: where two branches
-/// meet with the least length. Where one apex lies in the other's cone, that apex.
+/// The highest point common to two downward cones with apexes `p` and `q` and slope `tan_angle`. Two branches that meet
+/// there have the least length. If one apex lies in the other's cone, the result is that apex.
 pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
     let (high, low) = if p.z >= q.z { (p, q) } else { (q, p) };
     let across = (low - high).truncate();
@@ -134,7 +134,7 @@ pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
     (high.truncate() + across * (from_high / d)).extend(z)
 }
 
-/// How far branches go sideways for each millimetre down: a little less than they may.
+/// How far branches go sideways for each millimetre down: 0.1 % less than the branch angle allows.
 fn slope(settings: &SupportSettings) -> f64 {
     tan(settings.branch_angle_rad) * 0.999
 }
@@ -164,9 +164,9 @@ pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSetti
 /// How far a node has been processed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Waiting for its turn; whether the plate can be reached from it.
+    /// The node waits for its turn; `plate` tells whether the plate can be reached from it.
     Waiting { plate: bool },
-    /// Nothing below but the plate: a trunk that others may still join.
+    /// The node is on a trunk that goes straight down to the plate. Other branches may still join it.
     Trunk,
     /// The node below it is known.
     Done,
@@ -208,10 +208,11 @@ struct Meeting {
     at: DVec3,
 }
 
-/// Candidates tried at most before a node goes on alone, so that crowded parts end in time. Source: chosen. For both
-/// specimens of `grainpath specimen` a single one gives the same trees.
+/// Largest number of joints tried before a node goes on alone, which bounds the time for crowded parts. Source: chosen. For
+/// both specimens of `grainpath specimen` a single try gives the same trees.
 const TRIES: usize = 24;
-/// Length of branch that a foot counts as when joints are weighed, mm. Measured: row `support.tree.FOOT_MM` of `cargo xtask bench constants`.
+/// Length of branch that counts as much as one foot when joints are compared, mm. Measured: row `support.tree.FOOT_MM` of
+/// `cargo xtask bench constants`.
 static FOOT_MM: Tuned<f64> = Tuned::new("support.tree.FOOT_MM", 8.0);
 /// The shortest piece of trunk left below a joint, mm.
 const STUMP_MM: f64 = 1.0;
@@ -264,7 +265,8 @@ impl Grower<'_> {
         self.state[upper as usize] = State::Done;
     }
 
-    /// The piece at a contact, which leaves the part along its normal as far as that may lean.
+    /// Adds the tip at a contact. It leaves the part along the normal, or in another direction where that leans too far
+    /// or has no room.
     fn begin(&mut self, i: u32, contact: &Contact) {
         let top = contact.at - DVec3::Z * self.s.z_gap_mm;
         if top.z < 0.5 * self.s.first_layer_mm {
@@ -310,7 +312,8 @@ impl Grower<'_> {
         self.forest.nodes[contact as usize].below = Some(tip);
     }
 
-    /// No room for a branch: straight down onto whatever is there, cut to fit afterwards.
+    /// Adds a post where there is no room for a branch. It goes straight down to the part or the plate, and is cut to fit
+    /// afterwards.
     fn post(&mut self, i: u32, top: DVec3) {
         let below = self.clearance.floor_mm(top - DVec3::Z * 0.8);
         if self.s.from_plate_only && below > 0.0 || top.z - below < 1e-3 {
@@ -335,7 +338,7 @@ impl Grower<'_> {
         }
     }
 
-    /// Joins a node with the partner that saves most, if any does.
+    /// Joins a node with the partner that saves the most length. Returns whether there is one.
     fn meet(&mut self, name: u32, plate: bool) -> bool {
         let mut meetings = self.meetings(name, plate);
         meetings.sort_by(|a, b| b.gain_mm.total_cmp(&a.gain_mm).then(a.with.cmp(&b.with)));
@@ -355,7 +358,7 @@ impl Grower<'_> {
     fn meetings(&self, name: u32, plate: bool) -> Vec<Meeting> {
         let p = self.node(name).at;
         let alone = p.z - self.floor(p, plate);
-        // Length lost for each millimetre apart, for partners as high as this one: the best there can be.
+        // Least length that a joint costs for each millimetre between the partners: that of two equally high ones.
         let cost = 1.0 / sin(self.s.branch_angle_rad) - 0.5 / self.slope;
         let mut out: Vec<Meeting> = Vec::new();
         let mut best = f64::NEG_INFINITY;
@@ -422,7 +425,7 @@ impl Grower<'_> {
         let top = p.top_mm.max(q.top_mm);
         let was = self.state[m.with as usize];
         if m.at.distance(q.at) < 1e-9 && !matches!(q.kind, Kind::Contact(_)) {
-            // Straight onto the other: it carries more now, and its turn is still to come.
+            // The branch goes straight to the other node, which now carries more and whose turn is still to come.
             let radius_mm = self.s.radius_mm(carries, top - q.at.z);
             let node = &mut self.forest.nodes[m.with as usize];
             (node.carries, node.top_mm, node.radius_mm) = (carries, top, radius_mm);
@@ -438,7 +441,7 @@ impl Grower<'_> {
         self.link(m.with, joint);
     }
 
-    /// Alone towards the plate: a trunk where that is straight below, else round what is in the way.
+    /// Lets a branch go on alone towards the plate: as a trunk if nothing is below, else round the part.
     fn go_on(&mut self, name: u32) {
         let node = *self.node(name);
         if self.clearance.is_straight(node.at) {
@@ -456,7 +459,7 @@ impl Grower<'_> {
         }
     }
 
-    /// Alone onto the part.
+    /// Lets a branch end alone, straight below, on the part or the plate.
     fn land(&mut self, name: u32) {
         let node = *self.node(name);
         let floor = self.clearance.floor_mm(node.at);
@@ -539,8 +542,8 @@ pub fn brace(forest: &mut Forest, clearance: &Clearance, settings: &SupportSetti
 }
 
 impl SupportSettings {
-    /// Radius of a branch that carries so many contacts, this far below the highest: Euler's load for a column of
-    /// that length, and never more slender than allowed.
+    /// Radius of a branch at `length_mm` below the highest of the contacts it `carries`. It withstands Euler's load for a
+    /// column of that length, and is never more slender than allowed.
     pub fn radius_mm(&self, carries: u32, length_mm: f64) -> f64 {
         let length = length_mm.max(0.0);
         let load_n = f64::from(carries) * self.load_per_contact_n;
@@ -550,17 +553,17 @@ impl SupportSettings {
         euler.max(slender).clamp(self.branch_radius_mm, self.most_mm())
     }
 
-    /// The thickest branch.
+    /// The largest radius of a branch, mm.
     pub(super) fn most_mm(&self) -> f64 {
         self.base_radius_mm.max(self.branch_radius_mm)
     }
 
-    /// The thickest that a branch may be at a place near the part.
+    /// The largest radius that a branch may have at a place near the part, mm.
     pub(super) fn thickest_mm(&self, clearance: &Clearance, at: DVec3) -> f64 {
         (clearance.distance_mm(at) - self.xy_gap_mm).max(self.branch_radius_mm)
     }
 
-    /// How far a landing reaches into the part, where it is cut away again: more than a slab.
+    /// How far a landing reaches into the part, mm: more than the height of a slab. What lies in the part is cut away.
     pub(super) fn sink_mm(&self) -> f64 {
         1.0
     }

@@ -6,7 +6,7 @@ use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Polygon, Region, Role, Toolpath};
 
-/// Loops around the first layer.
+/// Settings of brim and skirt, the loops around the first layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdhesionSettings {
     /// Width of the brim, mm; 0 for none.
@@ -57,7 +57,7 @@ pub fn skirt(first_layer: &Region, settings: &AdhesionSettings) -> Vec<Toolpath>
 fn outlines(region: &Region) -> Region {
     let filled = |p: &Polygon| Polygon { outer: p.outer.clone(), holes: Vec::new() };
     let flat = Region { polygons: region.polygons.iter().map(filled).collect() };
-    // An island in the hole of another one is now inside that one's outline.
+    // Without holes, an island in the hole of another one lies inside the other's outline, so both are united.
     Region::from_contours(
         &flat.contours().cloned().collect::<Vec<_>>(),
         grainpath_core::poly::FillRule::NonZero,

@@ -1,8 +1,8 @@
-//! Walls and areas for infill of a polygon that regions divide.
+//! Lays the walls of a polygon that regions divide, and finds the areas for infill in each region.
 //!
 //! Regions may ask for different numbers of walls. Loops that all of them have stay whole. A loop that only some have is
-//! cut by their area and becomes open walls, and single beads are cut likewise. Areas for infill end on both sides of a border so
-//! far from it that the strips of their beads meet there:
+//! cut along their borders into open walls, and single beads are cut likewise. On both sides of a border the area for infill
+//! ends at such a distance that the strips of the beads meet at the border:
 //!
 //! ```text
 //!     region      |     rest           each side is shrunk by `inset`: half a strip for straight
@@ -10,9 +10,9 @@
 //!          inset >|< inset             its area; `border_mm` for fills that know it
 //! ```
 //!
-//! A piece too narrow for a bead, such as what a box leaves between its side and a wall, goes to its neighbour. Units: mm.
-//! Cost: the walls once for each number of them, and a few booleans and offsets a polygon. Polygons that no region meets
-//! cost nothing more.
+//! A piece too narrow for a bead, such as a strip between the side of a box and a wall, goes to its neighbour. Units: mm.
+//! Cost: the walls are laid once for each number of walls, with a few booleans and offsets for each polygon. Polygons that
+//! no region meets cost nothing more.
 
 use std::collections::BTreeMap;
 
@@ -28,14 +28,14 @@ const NARROW: f64 = 1.02;
 /// How far a leftover may lie from the region that gets it, mm. Source: derived. Ten times the grid of the booleans.
 const TOUCH_MM: f64 = 1e-3;
 
-/// What a region, or the rest of the part, asks for.
+/// The area and the walls of a region, or of the rest of the part.
 #[derive(Debug, Clone, Copy)]
 pub struct Share<'a> {
-    /// Its area in this layer; of no meaning for the rest.
+    /// Area of the region in this layer; not used for the rest of the part.
     pub area: &'a Region,
     /// Number of walls.
     pub n_walls: usize,
-    /// Distance of centrelines from its border, mm.
+    /// Distance of infill centrelines from the border of the area, mm.
     pub inset_mm: f64,
 }
 
@@ -48,7 +48,7 @@ pub struct DividedWalls {
     pub regions: Vec<Region>,
 }
 
-/// Lays the walls of a polygon of which each region has its own number. Areas of regions do not overlap.
+/// Lays the walls of a polygon in which each region has its own number of walls. Areas of regions must not overlap.
 pub fn lay_divided(
     polygon: &Polygon,
     settings: &WallSettings,
@@ -77,7 +77,7 @@ pub fn lay_divided(
     DividedWalls { rest: walls, regions: fills }
 }
 
-/// The walls and single beads of all zones, each with its number of walls.
+/// Cuts walls and single beads to zones, each of which has its own number of walls.
 pub(super) fn cut_walls(
     zones: &[(usize, &Region)],
     laid: &BTreeMap<usize, Walls>,
@@ -127,7 +127,7 @@ fn cut(path: &Toolpath, zone: &LineClipper) -> Vec<Toolpath> {
     if pieces.len() == 1 && pieces[0].points.len() == points.len() && pieces[0].at.last() == Some(&last) {
         return vec![path.clone()];
     }
-    // A loop that is cut begins anywhere: its first and last piece are one.
+    // The start of a loop is arbitrary, so the first and the last piece of a cut loop are joined there.
     if path.closed
         && pieces.len() > 1
         && pieces[0].at[0] == 0.0
@@ -155,7 +155,7 @@ fn cut(path: &Toolpath, zone: &LineClipper) -> Vec<Toolpath> {
     pieces.into_iter().map(piece).collect()
 }
 
-/// The areas for centrelines of infill of all shares.
+/// The area for the centrelines of infill of each share.
 fn areas(
     shares: &[(Share<'_>, Region)],
     laid: &BTreeMap<usize, Walls>,
@@ -165,7 +165,7 @@ fn areas(
     let narrow = 0.5 * NARROW * s;
     let none = Walls::default();
     let walls = |share: &Share<'_>| laid.get(&share.n_walls).unwrap_or(&none);
-    // What each share is to fill, without the places too narrow for a bead.
+    // `whole` is the area that each share is to fill; `wide` lacks the places too narrow for a bead.
     let whole: Vec<Region> = shares
         .iter()
         .map(|(share, zone)| zone.intersection(&walls(share).fill.offset(0.5 * s, MITER)))
@@ -176,10 +176,10 @@ fn areas(
         for left in whole.difference(&wide[k]).polygons.into_iter().filter(|p| p.area_mm2() > MIN_GAP_MM2) {
             let left = Region::from(left);
             let near = left.offset(TOUCH_MM, MITER);
-            // The neighbour that is told last wins, as where regions overlap.
+            // Of several neighbours the last in the list wins: the rest of the part, or else the last region.
             let touches = |&other: &usize| other != k && !wide[other].intersection(&near).is_empty();
             if let Some(other) = (0..wide.len()).rev().find(touches) {
-                // A little more than the leftover, so that both become one polygon.
+                // The leftover is grown a little, so that it becomes one polygon with the neighbour's area.
                 wide[other] = wide[other].union(&near.difference(&wide[k]));
             }
         }

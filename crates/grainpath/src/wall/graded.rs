@@ -1,8 +1,8 @@
 //! More walls where the stress is high.
 //!
-//! The least number of walls runs all around. Each wall beyond it is laid only in the places that ask for it, and ends half
-//! a strip before their border; these places lie within those of the wall outside it. Infill has the area that the walls of
-//! each place leave, so that it meets both the walls and their ends:
+//! The least number of walls runs all around. Each further wall is laid only where the stress asks for it, and ends half a
+//! strip before the border of that area. The area of each wall lies within that of the wall outside it. Infill gets the area
+//! that the walls leave in each place, so that it meets both the walls and their ends:
 //!
 //! ```text
 //!     =======================   wall 1, everywhere
@@ -21,8 +21,8 @@ use grainpath_core::{Polygon, Region};
 use super::divided::cut_walls;
 use super::{MIN_GAP_MM2, WallSettings, Walls, lay_walls};
 
-/// Lays the walls of a polygon: those of the settings everywhere, and one more in each of the areas `more`, each of which
-/// lies within the one before.
+/// Lays the walls of a polygon: the number of the settings everywhere, and one wall more in each of the areas `more`. Each
+/// of these areas lies within the one before.
 pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -> Walls {
     let section = Region::from(polygon.clone());
     let zones: Vec<Region> = more
@@ -36,7 +36,7 @@ pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -
         return lay(least);
     }
     let laid: BTreeMap<usize, Walls> = (least..=least + zones.len()).map(|n| (n, lay(n))).collect();
-    // Each zone without the next one is the place for its number of walls.
+    // A zone less the next zone is the area that gets exactly its number of walls.
     let outer = std::iter::once(&section).chain(&zones);
     let own =
         |(k, zone): (usize, &Region)| zones.get(k).map_or_else(|| zone.clone(), |next| zone.difference(next));

@@ -49,14 +49,14 @@ pub struct WallSettings {
 pub struct Wall {
     /// The closed path.
     pub path: Toolpath,
-    /// 0 for the outermost.
+    /// Place of the wall counted inwards; 0 for the outermost.
     pub depth: usize,
 }
 
 /// The walls of one polygon of a section, and the area for its fill.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Walls {
-    /// From the outermost inwards.
+    /// Closed walls, from the outermost inwards.
     pub loops: Vec<Wall>,
     /// Single beads in thin places.
     pub singles: Vec<Toolpath>,
@@ -64,7 +64,7 @@ pub struct Walls {
     pub fill: Region,
 }
 
-/// Corners of offsets are sharp; a tip farther away than this many offsets is cut off.
+/// Corners of offsets stay sharp. A tip farther from its corner than this many times the offset is cut off.
 const MITER: Join = Join::Miter(3.0);
 /// Share of their spacing by which the two sides of a wall may come closer before one bead replaces
 /// the loop.
@@ -149,8 +149,8 @@ fn corner_sum(contour: &[grainpath_core::DVec2]) -> f64 {
     sum
 }
 
-/// Walls of a polygon that is too thin for them in places: wall by wall, each with single beads
-/// where it does not fit.
+/// Lays the walls of a polygon that is too thin for them in places, one wall after the other. Where a
+/// wall does not fit, single beads are laid.
 fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
     let (w, h) = (settings.bead_width_mm, settings.height_mm);
     let mut walls = Walls::default();
@@ -160,8 +160,8 @@ fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
         // The outermost bead shows its full width; the strip of every other one touches its neighbour's.
         let half = if k == 0 { 0.5 * w } else { 0.5 * s };
         let squeeze = 0.5 * s * (1.0 - MAX_SQUEEZE);
-        // Opening: shrunk farther than the wall needs and grown back. Places too thin for both
-        // sides of the loop vanish for good, all others return to the wall's centreline.
+        // The area is shrunk farther than the wall needs and grown back. Places too thin for both
+        // sides of the loop vanish for good; all others return to the wall's centreline.
         let centre = rest.offset(-(half + squeeze), MITER).offset(squeeze, MITER);
         if (k == 0 && settings.thin_walls) || (k > 0 && settings.gap_fill) {
             // The single beads get the area that the strips of this wall do not reach.
@@ -179,7 +179,7 @@ fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
         }
     }
     let half = if settings.n_walls == 0 { 0.5 * w } else { 0.5 * s };
-    // Places up to 15 % narrower than one strip still get fill, by the same share as walls.
+    // Places up to 15 % narrower than one strip still get fill. The same share holds for walls.
     let least = half * (1.0 - MAX_SQUEEZE);
     let core = rest.offset(-least, MITER);
     if settings.gap_fill && settings.n_walls > 0 {
@@ -209,7 +209,7 @@ fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out:
 
 /// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is
 /// the part itself ([`Role::ThinWall`]), the bead is as wide as the part is thick. Between strips,
-/// the bead's strip is.
+/// the strip of the bead is as wide as the gap.
 pub fn single_beads(
     left: &Region,
     bead_width_mm: f64,

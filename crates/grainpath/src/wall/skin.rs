@@ -2,7 +2,7 @@
 //! inside.
 //!
 //! A place is inside when all of the next `top_layers` sections above and `bottom_layers` below
-//! cover it. The question is put to masks instead of polygons. A cell's accuracy is enough, because
+//! cover it. This is tested with masks instead of polygons. The accuracy of a cell is enough, because
 //! skins reach two cells under their cover anyway, and polygons would cost ten booleans a layer.
 
 use std::ops::Range;
@@ -33,38 +33,39 @@ pub type IslandPolygon = (usize, Polygon);
 /// The fill of one layer divided by use. The parts do not overlap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SkinSplit {
-    /// Seen from above.
+    /// Dense fill that is seen from above.
     pub top: Vec<IslandPolygon>,
-    /// Dense, not seen from above.
+    /// Dense fill that is not seen from above.
     pub solid: Vec<IslandPolygon>,
-    /// Over air.
+    /// Dense fill over air.
     pub bridge: Vec<IslandPolygon>,
-    /// Inside.
+    /// Sparse fill inside the part.
     pub sparse: Vec<IslandPolygon>,
     /// The cells of the section below; `None` on the plate.
     pub below: Option<Mask>,
-    /// The same for the regions of the job; empty where none meets the layer.
+    /// The same division for each region of the job; empty where no region meets the layer.
     pub regions: Vec<SkinSplit>,
 }
 
-/// Layers whose masks are made together. The masks of the layers around them are made once more by
-/// the next chunk. Source: chosen; it changes speed alone, never the result.
+/// Number of layers whose masks are made together. Each chunk also makes the masks of layers next to
+/// it, which another chunk makes too. Source: chosen; it changes speed alone, never the result.
 const CHUNK: usize = 16;
-/// Cells from the octagon of three cells that fits into a corner of sparse fill to the corner's tip. Source: derived. They are
-/// 3 (1 / sin(a / 2) - 1) in a corner of angle a: 1.2 in a right angle, 2 at 74 degrees. Sharper corners keep a dense tip.
+/// Number of cells between an octagon of three cells, pushed into a corner of sparse fill, and the corner's tip. Source:
+/// derived. It is 3 (1 / sin(a / 2) - 1) for an angle a: 1.2 in a right angle, 2 at 74 degrees. Sharper corners keep a
+/// dense tip.
 const CORNER_CELLS: usize = 2;
-/// Smaller bridges are printed as any other fill, mm2.
+/// Bridges smaller than this are printed like other dense fill, mm2.
 const MIN_BRIDGE_MM2: f64 = 1.5;
-/// Smaller changes of the surface get no border in the fill, mm2.
+/// The fill is divided only if the area seen from above and the area of the rest are both larger than this, mm2.
 const MIN_SPLIT_MM2: f64 = 4.0;
 
 /// Divides the fill of a window of layers and hands each layer's skins to `each`, whose results
 /// come back in order.
 ///
 /// `sections` are those of the whole part, since the skins of a layer depend on the `top_layers`
-/// sections above and the `bottom_layers` below it. `fills` holds where infill may lie, for the
-/// layers of the window: outside all regions, and then in each of them. `settings` has an entry for each of these. `each`
-/// gets the number of the layer in the window.
+/// sections above and the `bottom_layers` below it. `fills` holds the areas for infill in each layer of the window: first
+/// the area outside all regions, then that of each region. `settings` has an entry for each of these areas. `each` gets
+/// the number of the layer in the window.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
@@ -128,8 +129,8 @@ struct Window {
 /// The masks of the sections over and under a layer.
 struct Cover {
     grid: Grid,
-    /// Cells covered by all layers that close the part. `None` near the top and the plate, where no
-    /// cell can be.
+    /// Cells covered by all of the skin layers above and below. `None` near the top and the plate,
+    /// where no cell can be covered, and where the inside is dense too.
     inside: Option<Mask>,
     above: Option<Mask>,
     below: Option<Mask>,
@@ -165,7 +166,7 @@ fn split(fill: &[IslandPolygon], cover: Cover, settings: &SkinSettings) -> SkinS
             // walls, become dense.
             let exposed = cells.clone().and_not(inside).grown(2);
             let hidden = cells.clone().and_not(&exposed);
-            // An octagon leaves the corners of sparse fill out too; they go with what they are the corners of.
+            // Opening with an octagon also removes the corners of sparse fill, which are then added back.
             let sparse = hidden.opened(3).grown(CORNER_CELLS).and(&hidden);
             let dense = cells.clone().and_not(&sparse);
             // The zone is grown by three cells, but never into sparse fill: the polygon's own edge
@@ -198,8 +199,8 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
                     };
                     cells.contours().into_iter().filter_map(ring).collect()
                 });
-                // Only polygons of the zone nearby are cut with: a layer may have a thousand
-                // islands.
+                // The cut uses only those polygons of the zone that are near, because a layer may have
+                // a thousand islands.
                 let Some(around) = polygon.bounds() else { continue };
                 let near = zone.iter().filter(|(b, _)| b.meets(around)).map(|(_, p)| p.clone());
                 let zone = &Region { polygons: near.collect() };
@@ -212,7 +213,7 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
     (inside, outside)
 }
 
-/// The dense fill that spans air, with one millimetre of support on its sides, and the rest.
+/// Divides dense fill into what spans air, with a margin of one millimetre that lies on the part, and the rest.
 fn bridges(
     dense: Vec<IslandPolygon>,
     cells: &Mask,
@@ -228,7 +229,7 @@ fn bridges(
     cut(dense, &air.grown(hold))
 }
 
-/// The solid fill that is seen from above, and the rest.
+/// Divides solid fill into what is seen from above, and the rest.
 fn tops(solid: Vec<IslandPolygon>, cells: &Mask, cover: &Cover) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(above) = &cover.above else { return (solid, Vec::new()) };
     if solid.is_empty() {

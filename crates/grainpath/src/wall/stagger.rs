@@ -14,13 +14,13 @@
 //!     plate    ────┴───┴────
 //! ```
 //!
-//! *Where.* What is raised is the joint between a closed wall and the wall on it: the lower one grows by half of the next
-//! layer's height, the upper one begins as much higher. A joint is raised where both are closed walls of the same place in
-//! the order from outside, whose centrelines lie on each other to within `APART`, and where the lower one lies on the
-//! section below it. Every other joint stays level, so where a wall begins, ends, leans or changes, its column begins and
-//! ends level. No bead lies on air or on another one, since both sides of a joint move alike.
+//! *Where.* A joint lies between a closed wall and the wall on top of it. To raise a joint, the lower wall grows by half of
+//! the next layer's height, and the upper wall begins that much higher. A joint is raised if both are closed walls with the
+//! same place in the order from outside, their centrelines lie on each other to within `APART`, and the lower wall lies on
+//! the section below it. Every other joint stays level, so where a wall begins, ends, leans or changes, its column begins
+//! and ends level. No bead lies on air or overlaps another, since both sides of a joint move alike.
 //!
-//! *Volume.* A bead fills its strip over its own height, so a column of walls has the volume that it has level.
+//! *Volume.* A bead fills its strip over its own height, so a staggered column of walls has the same volume as a level one.
 //!
 //! Units: mm. Cost: one comparison of each wall with those of the next layer, about linear in the points.
 
@@ -31,20 +31,20 @@ use rayon::prelude::*;
 use super::Wall;
 
 /// How far the centrelines of two walls may lie apart for one to stand on the other half a layer higher, as a share of
-/// their strip. Source: derived. Half of a bead is then beside its strip by a twentieth at most: 2.5 % of the bead overlaps
-/// its neighbour, and as much is open on the other side.
+/// their strip. Source: derived. Half of a bead's height then lies off its strip by a twentieth at most: 2.5 % of the bead
+/// overlaps its neighbour, and a gap of the same size opens on the other side.
 const APART: f64 = 0.05;
 /// Step to which heights are rounded, mm. Source: z has three decimals in the G-code.
 const STEP_MM: f64 = 1e-3;
 
-/// A joint to raise: the walls below and above it, by layer, island and number.
+/// A joint to raise: the walls below and above it, each by its island and its number there.
 struct Joint {
     below: (usize, usize),
     above: (usize, usize),
 }
 
-/// Raises the joints of walls in consecutive layers, as the module's text says. `walls` holds the walls of the islands of
-/// each layer, `sections` these layers, and `lower` is the section below the first one; `None` on the plate.
+/// Raises the joints of walls in consecutive layers, as described for this module. `walls` holds the walls of the islands
+/// of each layer and `sections` holds these layers. `lower` is the section below the first one; `None` on the plate.
 pub fn stagger(walls: &mut [Vec<&mut [Wall]>], sections: &[Layer], lower: Option<&Layer>, bead_mm: f64) {
     let joints: Vec<Vec<Joint>> = (0..walls.len().saturating_sub(1))
         .into_par_iter()
@@ -104,7 +104,7 @@ fn joints(
         });
         all.collect()
     };
-    // Walls of one place lie a strip apart, so at most one of them is near enough.
+    // Neighbouring walls lie a strip apart, so at most one wall above is near enough.
     let above = numbered(upper);
     for (a, bounds) in numbered(lower) {
         let wall = &lower[a.0][a.1];
@@ -119,7 +119,7 @@ fn joints(
                 && lies_on(&wall.path, &upper.path, apart_mm)
                 && lies_on(&upper.path, &wall.path, apart_mm)
         };
-        // Where it hangs over, the first bead would sag more, being half as high again.
+        // Where the lower wall overhangs, its bead would sag more, because it is one and a half times as high.
         let held = || under.is_none_or(|l| wall.path.points.iter().all(|p| l.region().contains(*p)));
         if let Some((b, _)) = above.iter().find(|b| on_it(b))
             && held()

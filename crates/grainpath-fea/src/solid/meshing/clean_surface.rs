@@ -1,9 +1,9 @@
 //! Takes shells without volume out of a surface before it is meshed.
 //!
-//! Converted CAD files hold stray facets, sheets of two sides that lie on each other, and specks
-//! beside the body. They enclose no volume that could carry a load, but rays measure a wall of no
-//! thickness at them. A shell is a set of facets connected over edges, whatever number of facets
-//! meets there, so that a flap on the body stays with it.
+//! Converted CAD files contain stray facets, double sheets whose two sides coincide, and specks
+//! beside the body. They enclose no volume that could carry a load, but the rays that measure wall
+//! thickness would find walls of zero thickness there. A shell is a set of facets connected over
+//! edges. Any number of facets may meet at an edge, so that a flap on the body stays with it.
 //!
 //! Lengths are in mm; the cost is sorting three edges a facet. A surface whose facets share no
 //! vertices (a soup) falls into shells of one facet each; it is left as it is.
@@ -76,11 +76,11 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     };
     let removed_mm3: f64 = shells.values().filter(|s| is_flat(s)).map(|s| s.volume_mm3.abs()).sum();
     let n_removed = shells.values().filter(|s| is_flat(s)).count();
-    // In a soup every facet is a shell: the volumes from their own vertices are zero, but the whole
-    // has one.
+    // In a soup every facet is a shell of its own: measured from their own vertices the volumes are
+    // zero, but the whole surface encloses a volume.
     let is_soup = surface.signed_volume().abs() > 2.0 * total;
-    // Removing more than a hundredth of the volume would change the part; then the shells are no
-    // debris.
+    // Flat shells that together hold more than a hundredth of the volume belong to the part, so the
+    // surface is left as it is.
     if n_removed == 0 || n_removed == shells.len() || is_soup || removed_mm3 > 0.01 * total {
         return unchanged();
     }
@@ -91,7 +91,7 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     CleanSurface { mesh: Cow::Owned(mesh), n_removed, original }
 }
 
-/// For each facet the lowest facet that it is connected to over edges.
+/// For each facet, the lowest-numbered facet that it is connected to over edges.
 fn shells(surface: &TriMesh) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.triangles.len() as u32).collect();
     for mut edge in EdgeUses::count(surface).edges() {

@@ -58,8 +58,8 @@ impl Features {
             at.entry(a).or_default().push((b, sides));
             at.entry(b).or_default().push((a, sides));
         }
-        // Two sharp edges at a point make a corner only if the line turns there; one or more than
-        // two always do.
+        // Two sharp edges that meet at a point make a corner only if the line turns there. Any
+        // other number of edges always makes one.
         let is_corner = |p: u32, ways: &[(u32, [u32; 2])]| match ways {
             [(q, _), (r, _)] => {
                 (v(p) - v(*q)).normalize_or_zero().dot((v(*r) - v(p)).normalize_or_zero()) < SHARP_COS

@@ -25,17 +25,17 @@ const MOST_POINTS: f64 = 4e8;
 const MOST_CELLS: f64 = 65_000.0;
 /// Largest number of times that a cell is halved.
 pub(super) const DEEPEST: u32 = 3;
-/// Edge of an undivided cell in the units in which points are named; the centres of the smallest
-/// cells are whole numbers.
+/// Edge of an undivided cell, in the integer units that name points. With this value even the
+/// centres of the smallest cells have whole coordinates.
 const CELL: i32 = 2 << DEEPEST;
-/// A wall this many times thinner than its cells still holds lattice points. Source: derived: the
-/// lattice planes that lie farthest apart, of type (110), are 1 / sqrt 2 = 0.71 cells apart.
+/// A wall still holds lattice points if it is up to this many times thinner than its cells. Source:
+/// derived: the lattice planes that lie farthest apart, of type (110), are 1 / sqrt 2 = 0.71 cells apart.
 pub(super) const CELLS_PER_WALL: f64 = 1.41;
 
 /// A cube of the lattice: the number of halvings, and the lowest corner.
 type Octant = (u32, [i32; 3]);
 
-/// Cells of a regular grid, and which of them are divided into eight, in several levels.
+/// A regular grid of cells, some of which are divided into eight, over several levels.
 pub(super) struct Lattice {
     origin: DVec3,
     /// Half a cell, mm.
@@ -55,10 +55,10 @@ pub(super) struct Background {
     pub(super) sign: Vec<i8>,
     /// Edge of the smallest cell around each point, mm.
     pub(super) size_mm: Vec<f64>,
-    /// Corners of the tetrahedra. Corners of the grid come first, then its centres, then finer
-    /// points; warps and cuts break ties by this order.
+    /// Corners of the tetrahedra. Corners of the grid have the lowest numbers, then its centres,
+    /// then finer points; ties between moves or cuts are broken by this order.
     pub(super) tets: Vec<[u32; 4]>,
-    /// Cuts of edges with the surface, sorted by their ends.
+    /// Points where edges cut the surface, sorted by the ends of the edges.
     pub(super) cuts: Vec<Cut>,
 }
 
@@ -162,8 +162,8 @@ impl Lattice {
             })
             .collect();
         self.split = found.into_iter().flatten().collect();
-        // From fine to coarse: a division demanded by balance may itself demand one on the next
-        // coarser level.
+        // Cells are processed from fine to coarse, because a division made for balance may require
+        // another one on the next coarser level.
         for level in (1..deepest).rev() {
             let here: Vec<Octant> =
                 self.split.range((level, [i32::MIN; 3])..(level + 1, [i32::MIN; 3])).copied().collect();
@@ -171,8 +171,8 @@ impl Lattice {
                 for i in 0..27 {
                     let step = IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
                     let near = IVec3::from_array(lo) + step * (CELL >> level);
-                    // Neighbours over faces and edges only; tetrahedra do not meet over corners of
-                    // cubes.
+                    // Only neighbours over faces and edges count, because tetrahedra do not connect
+                    // cubes that share only a corner.
                     if step.abs().element_sum() < 3 && self.covers(near) {
                         self.split.insert(parent(level, near));
                     }
@@ -181,8 +181,8 @@ impl Lattice {
         }
     }
 
-    /// Lists a cell, and the cells that it is divided into, as long as a wall or gap is thin
-    /// compared with them.
+    /// Lists a cell, and then its eight parts in the same way, while a wall or gap is thin compared
+    /// with the cell.
     fn divide(&self, surface: &TriMesh, bvh: &Bvh, cell: Octant, deepest: u32, out: &mut Vec<Octant>) {
         let (level, lo) = cell;
         if level == deepest {
@@ -273,8 +273,8 @@ impl Lattice {
         let mut crossed: Vec<[u32; 2]> = kept
             .iter()
             .flat_map(|t| tet_shape::EDGES.map(|(i, j)| [t[i].min(t[j]), t[i].max(t[j])]))
-            // An edge between a point inside and one outside meets the surface; each edge is kept
-            // once.
+            // An edge between a point inside and a point outside meets the surface. Each such edge
+            // is kept once.
             .filter(|&[a, b]| sign[a as usize] != sign[b as usize])
             .collect();
         crossed.par_sort_unstable();
@@ -389,7 +389,7 @@ impl Background {
             let (inside, outside) = if sign[cut.ends[0] as usize] > 0 { (a, b) } else { (b, a) };
             let (at, facet) = crossing(bvh, inside, outside);
             let out = facet.map_or(DVec3::ZERO, |t| wall_thickness::normal(surface, t));
-            // Where facets overlap or are wound the wrong way, the direction of the edge decides.
+            // Facets may overlap or be wound the wrong way, so the normal is turned to point outwards along the edge.
             let normal = if out.dot(outside - inside) < 0.0 { -out } else { out };
             (cut.at, cut.normal) = (at, normal);
         });
@@ -431,12 +431,12 @@ fn corner_count(n: IVec3) -> usize {
     (n + 1).as_u64vec3().element_product() as usize
 }
 
-/// Whether every edge has two opposite uses, so that the inside changes only across a triangle.
+/// Whether exactly two triangles share each edge, in opposite directions, so that the mesh is closed.
 pub(super) fn is_closed(mesh: &TriMesh) -> bool {
     mesh::diagnose(mesh).is_some_and(|h| h.is_closed())
 }
 
-/// The point where the way out leaves the part, and the facet there.
+/// The point where the way from `inside` to `outside` leaves the part, and the facet there.
 fn crossing(bvh: &Bvh, inside: DVec3, outside: DVec3) -> (DVec3, Option<u32>) {
     let along = outside - inside;
     let hits = bvh.hits(inside, along, (-1e-9, 1.0 + 1e-9));
@@ -485,7 +485,7 @@ impl Block<'_> {
         let from = self.lattice.position(lo * 2);
         let to = self.lattice.position((lo + size) * 2 - 1);
         let middle = 0.5 * (from + to);
-        // No surface within the block: one sign serves all its points.
+        // There is no surface within the block, so one sign serves all its points.
         if self.side.bvh.closest_point(middle, 1.001 * middle.distance(to)).is_none() {
             let sign = self.side.sign(middle);
             for i in 0..size.pow(3) {

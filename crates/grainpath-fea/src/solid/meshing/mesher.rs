@@ -26,21 +26,22 @@ use crate::solid::model::point_location::Sampler;
 use crate::solid::model::tet_mesh::{Face, Piece, TetMesh};
 use crate::solid::model::tet_shape::{self, MeshQuality};
 
-/// Unknowns for each tetrahedron, about; in the interior of a lattice there are 4.
+/// Approximate number of unknowns for each tetrahedron; in the interior of a lattice there are 4.
 const DOFS_PER_TET: f64 = 4.6;
-/// Unknowns added by dividing a cell at the surface, about. Source: derived. Half of its eight parts are inside; each has
-/// 12 tetrahedra of 4.6 unknowns, less the 12 of the whole cell, of which half were inside.
+/// Approximate number of unknowns that are added when a cell at the surface is divided. Source: derived. Half of its
+/// eight parts are inside, each with 12 tetrahedra of 4.6 unknowns. Half of the 12 tetrahedra of the whole cell were
+/// inside before; their unknowns are subtracted.
 const DOFS_PER_SPLIT: f64 = 200.0;
 
-/// Number of times that a size chosen automatically may grow until the unknowns are within their
-/// limit.
+/// Number of times that an automatically chosen size may be enlarged to bring the unknowns within
+/// their limit.
 const COARSENINGS: usize = 2;
 
 /// Share of the volume that may be missing from the mesh in thin walls; more is refused. The mean
 /// stiffness is then wrong by about as much, which is less than the moduli of printed plastics
 /// vary.
 const MAX_LOST_SHARE: f64 = 0.03;
-/// Factor on the unknowns of an even lattice that halved cells at thin walls may cost.
+/// Factor by which halved cells at thin walls may raise the number of unknowns over that of a uniform lattice.
 const MAX_REFINEMENT: f64 = 2.0;
 /// Factor between the sizes tried in the search for one that fits the memory limit.
 /// Source: chosen; a step changes the number of elements by a fifth.
@@ -95,8 +96,8 @@ pub struct Meshed {
     pub n_crumbs: usize,
 }
 
-/// Expected number of unknowns: a cell of the lattice has 16 nodes inside, and the surface adds its
-/// own.
+/// Expected number of unknowns: a lattice cell in the interior has 16 nodes, and each cell area of
+/// the surface adds 8.
 pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
     3.0 * (16.0 * volume_mm3 / size_mm.powi(3) + 8.0 * area_mm2 / size_mm.powi(2))
 }
@@ -164,7 +165,7 @@ fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, settings: &MeshSettings) -> 
     let mut lattice = Lattice::over(surface, size_mm)?;
     let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
     let most = (2.0 * even).max(settings.max_dofs as f64);
-    // From the deepest refinement to none, until the expected unknowns fit.
+    // Tries the deepest refinement first, then less, until the expected unknowns fit.
     for deepest in (0..=DEEPEST).rev() {
         settings.cancel.check()?;
         lattice.refine(surface, bvh, deepest);
@@ -206,8 +207,8 @@ fn choose_size(surface: &TriMesh, walls: &MeasuredWalls, settings: &MeshSettings
         }
         wanted.max(coarse)
     });
-    // Cells are finer at thin walls, within limits. Whether the walls are resolved is tested on the
-    // finished mesh.
+    // Cells are refined at thin walls, but only to a limit. Whether the walls are resolved is
+    // tested on the finished mesh.
     let thickness_mm = walls.decisive_thickness_mm();
     if size_mm.is_nan() || size_mm > max_size_mm(thickness_mm) {
         return Err(thin_walls(surface, thickness_mm, size_mm, settings));
@@ -215,8 +216,8 @@ fn choose_size(surface: &TriMesh, walls: &MeasuredWalls, settings: &MeshSettings
     Ok(size_mm)
 }
 
-/// The largest cell whose smallest parts still have lattice planes within a wall of this thickness,
-/// mm.
+/// The largest cell size, mm, at which the smallest divided cells still have lattice planes within
+/// a wall of this thickness.
 fn max_size_mm(wall_mm: f64) -> f64 {
     f64::from(1 << DEEPEST) * CELLS_PER_WALL * wall_mm
 }
@@ -237,21 +238,21 @@ fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &Mes
     SolidError::ThinWalls { thickness_mm, size_mm, fitting_mm, limit_mib: settings.max_mib }
 }
 
-/// The share of the volume in walls that are missing from the mesh, or their share of the surface
+/// The share of the volume that lies in walls missing from the mesh, or their share of the surface
 /// if that is less.
 fn lost_walls(mesh: &TetMesh, walls: &MeasuredWalls, size_mm: f64) -> f64 {
     // Walls of one and a half cells and more are resolved; only thinner ones are tested.
     let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();
     let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return 0.0 };
-    // A little outside an element still counts: the middle of a wall may lie just beyond a flat
-    // face.
+    // A point slightly outside an element still counts as inside: the middle of a wall may lie just
+    // beyond a flat face.
     let inside = |p: DVec3| sampler.at(p).is_some_and(|spot| spot.depth > -0.05);
     let lost: Vec<f64> = thin.par_iter().filter(|(p, _)| !inside(*p)).map(|(_, share)| *share).collect();
     walls.share_of_surface(lost.len()).min(lost.iter().sum())
 }
 
-/// Leaves out tiny pieces, and gives pieces that touch at a corner or along an edge vertices of
-/// their own: such a hinge would have no stiffness. Returned is the number of pieces left out.
+/// Leaves out tiny pieces. Pieces that touch only at a corner or along an edge get separate
+/// vertices, because such a hinge would have no stiffness. Returns the number of pieces left out.
 fn separate(mesh: &mut Tets) -> usize {
     let piece = pieces_of(&mesh.tets);
     let mut volume: BTreeMap<u32, f64> = BTreeMap::new();
@@ -275,8 +276,8 @@ fn separate(mesh: &mut Tets) -> usize {
     volume.values().filter(|&&v| v <= least).count()
 }
 
-/// Adds the middle nodes: half way, or on the surface for sides that lie on it, unless an element
-/// would suffer.
+/// Adds the middle nodes: half way along straight sides, and on the surface for sides that lie on
+/// it, unless that would distort an element.
 fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> TetMesh {
     let mut mesh = TetMesh::straight(&tets.vertices, &tets.tets);
     let mut sides: Vec<[u32; 3]> = mesh

@@ -11,13 +11,13 @@ use super::stuffing::Tets;
 use crate::solid::model::adjacency::{boundary, incidence};
 use crate::solid::model::tet_shape::mean_ratio;
 
-/// Mean ratio that every move must leave; a sliver of 10 degrees has about 0.25.
+/// Least mean ratio that the tetrahedra must have after a move; a sliver of 10 degrees has about 0.25.
 const LEAST_RATIO: f64 = 0.25;
 /// Mean ratio below which tetrahedra are improved.
 const GOOD_RATIO: f64 = 0.5;
 const ROUNDS: usize = 3;
 
-/// Freedom of a vertex.
+/// Where a vertex may move.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Bound {
     Free,
@@ -51,8 +51,8 @@ struct Snapper<'a> {
     boundary_edges: Vec<[u32; 2]>,
 }
 
-/// Moves vertices onto the sharp edges and corners of the surface. Returned is the freedom that
-/// each vertex then has.
+/// Moves vertices onto the sharp edges and corners of the surface. Returns where each vertex may
+/// still move afterwards.
 pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<Bound> {
     let faces = boundary(&mesh.tets);
     let sides = faces.iter().flat_map(|(f, _)| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]);
@@ -67,8 +67,8 @@ pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<B
         bounds[v as usize] = Bound::Patch(features.patch[facet as usize]);
     }
     let mut snapper = Snapper { mesh, features, surface, bounds, start, around, boundary_edges: edges };
-    // Corners first, because each has only a few vertices near enough; edges then take what is
-    // left.
+    // Corners come first, because only a few vertices are near enough to each. Edges then use the
+    // remaining vertices.
     snapper.corners();
     for _ in 0..ROUNDS {
         snapper.edges();
@@ -94,19 +94,19 @@ impl Snapper<'_> {
         self.tets_at(v).map(|t| mean_ratio(&t.map(place))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Moves a vertex to a point of the surface if its tetrahedra stay good. Neighbours give way
-    /// first if that helps.
+    /// Moves a vertex to a point of the surface if its tetrahedra stay good. If that helps,
+    /// neighbouring vertices are moved aside first.
     fn take(&mut self, v: u32, to: DVec3, bound: Bound) -> bool {
         let from = self.mesh.vertices[v as usize];
         let old = self.bounds[v as usize].clone();
-        // A bad neighbourhood may stay as bad as it was, but not get worse.
+        // A neighbourhood that is already bad may stay as bad, but must not get worse.
         let enough = LEAST_RATIO.min(self.worst(v, from));
         if self.worst(v, to) >= enough {
             self.mesh.vertices[v as usize] = to;
             self.bounds[v as usize] = bound;
             return true;
         }
-        // Far inside out: no smoothing of the neighbours repairs that.
+        // The tetrahedra would be turned so far inside out that smoothing the neighbours cannot repair them.
         if self.worst(v, to) < -0.2 {
             return false;
         }
@@ -183,7 +183,7 @@ impl Snapper<'_> {
                 }
             }
         }
-        // The shortest move first: it does least harm, and often makes the move of the other end
+        // The shortest move comes first: it distorts least, and often makes moving the other end
         // unnecessary.
         crossing.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         for (_, v, edge) in crossing {
@@ -195,8 +195,8 @@ impl Snapper<'_> {
         }
     }
 
-    /// The point, distance and patches to which a vertex on a smooth patch would move, to stand on
-    /// the sharp edge that its boundary edge crosses.
+    /// Where a vertex on a smooth patch would move to stand on the sharp edge that its boundary
+    /// edge crosses: the point, its distance, and the patches beside the sharp edge.
     fn target(&self, v: u32, edge: [u32; 2]) -> Option<(DVec3, f64, [u32; 2])> {
         let Bound::Patch(own) = self.bounds[v as usize] else { return None };
         let other = if edge[0] == v { edge[1] } else { edge[0] };
@@ -234,8 +234,8 @@ impl Snapper<'_> {
         }
         let n = self.start[v as usize + 1] - self.start[v as usize];
         let sum: DVec3 = self.tets_at(v).flatten().map(|&u| self.mesh.vertices[u as usize]).sum();
-        // The sum counts the vertex itself once in each tetrahedron, so this is part of the way to
-        // the mean of the neighbours.
+        // The sum contains the vertex itself once for each tetrahedron, so this vector covers part
+        // of the way to the mean of the neighbours.
         let to_middle = sum / f64::from(4 * n) - start;
         let mut step = 0.2 * self.mesh.size_mm[v as usize];
         let mut tries = vec![to_middle, 0.5 * to_middle];

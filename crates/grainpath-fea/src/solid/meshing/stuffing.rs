@@ -23,8 +23,8 @@ pub(super) fn warp_limit(short: bool) -> f64 {
     if short { WARP_SHORT } else { WARP_LONG }
 }
 
-/// Least mean ratio (`tet_shape`: 1 for a regular tetrahedron, 0 for a flat one) after points have moved; of a worse
-/// tetrahedron the corner that moved farthest goes back.
+/// Least mean ratio (`tet_shape`: 1 for a regular tetrahedron, 0 for a flat one) after points have moved. If a
+/// tetrahedron is worse, its corner that moved farthest is put back.
 const LEAST_RATIO: f64 = 0.1;
 
 /// Tetrahedra with flat sides.
@@ -40,8 +40,8 @@ pub(super) struct Tets {
 /// number of points.
 type Corner = u32;
 
-/// Fills the inside of a lattice. Points for which `stays` is true are not moved; `keep` decides
-/// about tetrahedra whose corners all lie on the surface.
+/// Fills the inside of a lattice with tetrahedra. Points for which `stays` is true are not moved.
+/// `keep` tells whether a tetrahedron whose corners all lie on the surface is kept.
 pub(super) fn stuff(lattice: &Background, stays: &[bool], keep: impl Fn(DVec3) -> bool + Sync) -> Tets {
     let warp = Warped::new(lattice, stays);
     let parts: Vec<Vec<[Corner; 4]>> = lattice
@@ -83,8 +83,8 @@ struct Warped<'a> {
 }
 
 impl<'a> Warped<'a> {
-    /// Each point, in order, moves to the nearest cut that is too near to it. It stays where the
-    /// other end of the edge has moved onto that cut already, or where the point has to stay.
+    /// Each point, in order, moves to the nearest cut within its limit. Cuts of an edge whose other
+    /// end has moved already are left out. Points for which `stays` is true are not moved.
     fn new(lattice: &'a Background, stays: &[bool]) -> Self {
         let mut near: Vec<(u32, u32, usize, f64)> = Vec::new();
         for (i, cut) in lattice.cuts.iter().enumerate() {

@@ -10,17 +10,18 @@ use super::stuffing::warp_limit;
 use crate::solid::model::adjacency::incidence;
 use crate::solid::model::tet_shape::mean_ratio;
 
-/// Cosine between the normals below which two surfaces face away from each other, as the sides of a
-/// wall or gap do.
+/// Two surfaces face away from each other, as the sides of a wall or gap do, if the cosine between
+/// their normals is below this.
 const OPPOSITE: f64 = -0.5;
-/// Mean ratio that every move must leave to a tetrahedron of the lattice; cells of one size have
-/// 0.95, halved ones 0.6.
+/// Least mean ratio of the lattice tetrahedra after a move; before moves, cells of one size have
+/// 0.95 and halved ones 0.6.
 const LEAST_RATIO: f64 = 0.2;
-/// A point nearer to the surface than this share of an edge moves onto it all the same, because
-/// slivers are worse.
+/// A point nearer to the surface than this share of an edge is moved onto the surface in spite of
+/// the thin wall, because slivers are worse.
 const TOO_NEAR: f64 = 0.08;
 
-/// Moves such points. Returned is for each point whether it has to stay where it now is.
+/// Moves the points in thin walls and gaps towards the middle. Returns for each point whether it has to stay
+/// where it is afterwards.
 pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> Vec<bool> {
     let wanted = between(lattice);
     if wanted.is_empty() {
@@ -40,7 +41,7 @@ pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> 
             };
             tets.iter().map(ratio).fold(f64::INFINITY, f64::min)
         };
-        // The whole way first, then less: half way to the middle is still better than none.
+        // The full distance is tried first, then shorter ones: half way to the middle is still better than no move.
         for part in [1.0, 0.75, 0.5, 0.25] {
             let at = lattice.points[i] + part * shift;
             if worst(lattice, at) > LEAST_RATIO && bvh.contains(at) == (lattice.sign[i] > 0) {
@@ -62,8 +63,8 @@ pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> 
     stays
 }
 
-/// Points that would lose the other side if they moved onto the nearer one, with the vector to the
-/// middle.
+/// Points in a wall or gap so thin that a move onto the nearer side would lose the other one, each
+/// with the vector to the middle.
 fn between(lattice: &Background) -> Vec<(u32, DVec3)> {
     let mut at: Vec<(u32, usize)> =
         lattice.cuts.iter().enumerate().flat_map(|(c, cut)| cut.ends.map(|p| (p, c))).collect();
@@ -78,8 +79,8 @@ fn between(lattice: &Background) -> Vec<(u32, DVec3)> {
         };
         let cuts = || own.iter().map(|&(_, c)| &lattice.cuts[c]);
         let near = cuts().min_by(|a, b| share(a).total_cmp(&share(b)))?;
-        // The other side is lost if it faces away from the nearer one and its cut is out of reach
-        // of the opposite end's move.
+        // The other side is lost if it faces away from the nearer one and the point at the other
+        // end of the edge is too far from the cut to move onto it.
         let lost =
             |cut: &&Cut| cut.normal.dot(near.normal) < OPPOSITE && 1.0 - share(cut) > warp_limit(cut.short);
         let far = cuts().filter(lost).min_by(|a, b| depth(a).total_cmp(&depth(b)))?;

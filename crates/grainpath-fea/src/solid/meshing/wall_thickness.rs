@@ -15,8 +15,8 @@ const SAMPLES: usize = 4000;
 /// of wedges, engraved marks.
 const THIN_SHARE: f64 = 0.02;
 /// Walls that hold less than this share of the volume are sheets without thickness. Source:
-/// derived: two percent of the surface hold so little only where they are ten thousand times
-/// thinner than the part is on the mean.
+/// derived: two percent of the surface hold so little volume only if they are ten thousand times
+/// thinner than the mean of the part.
 const SHEET_SHARE: f64 = 1e-6;
 
 /// Walls found by rays: thickness and middle point, thinnest first.
@@ -30,9 +30,9 @@ pub(super) struct MeasuredWalls {
 }
 
 impl MeasuredWalls {
-    /// The thickness that the walls of all but two percent of the surface exceed, mm, for the
-    /// choice of a size. Where sheets without thickness make up that much of the surface, it is
-    /// `bulk_thickness_mm`. Infinite for a surface without opposite sides.
+    /// The thickness, mm, that the walls of all but two percent of the surface exceed; the element
+    /// size is chosen from it. Where sheets without thickness make up that much of the surface, it
+    /// is `bulk_thickness_mm`. Infinite for a surface without opposite sides.
     pub(super) fn thickness_mm(&self) -> f64 {
         let rank = (THIN_SHARE * self.n_samples as f64) as usize;
         let held: f64 = self.found.iter().take(rank + 1).map(|wall| self.share_of_volume(wall.0)).sum();

@@ -51,7 +51,7 @@ pub(crate) fn incidence<const N: usize>(n_vertices: usize, tets: &[[u32; N]]) ->
     (start, around)
 }
 
-/// For each tetrahedron the lowest one that it is connected to over faces.
+/// For each tetrahedron, the lowest-numbered one that it is connected to over faces.
 pub(crate) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {

@@ -30,7 +30,7 @@ struct Held {
 }
 
 impl Supports {
-    /// No support at any of this many nodes.
+    /// Creates a set without supports for this many nodes.
     pub fn new(n_nodes: usize) -> Self {
         Self { slot: vec![NONE; n_nodes], held: Vec::new() }
     }
@@ -50,7 +50,7 @@ impl Supports {
         self.prescribe_at(node, mesh.nodes[node as usize], direction, value_mm)
     }
 
-    /// The same for a node at `p`.
+    /// As [`Self::prescribe`], for a node whose position is `p`.
     pub(crate) fn prescribe_at(
         &mut self,
         node: u32,
@@ -66,14 +66,14 @@ impl Supports {
         let held = &mut self.held[self.slot[i] as usize];
         let direction = direction.normalize_or_zero();
         let (mut rest, mut value) = (direction, value_mm);
-        // The part of the direction that is new, and what the known directions already contribute
-        // to its displacement.
+        // `rest` is the part of the direction that is not prescribed yet; `value` is the
+        // displacement left for it.
         for &(d, v) in &held.directions {
             rest -= d * d.dot(direction);
             value -= v * d.dot(direction);
         }
-        // No new part: the direction is fixed already. The displacement asked for has to agree with
-        // it, within rounding.
+        // Nothing is left, so the direction is prescribed already. The requested displacement has
+        // to agree with it, within rounding.
         if rest.length() < 1e-6 {
             let known = held.directions.iter().map(|d| d.1.abs()).fold(value_mm.abs(), f64::max);
             if value.abs() > 1e-6 * known {
@@ -86,7 +86,7 @@ impl Supports {
         let unit = rest.normalize();
         held.directions.push((unit, value));
         held.free -= DMat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z);
-        // Three directions leave none; the difference of rounded matrices would leave a little.
+        // Three prescribed directions leave no free one. The subtraction above would leave a small rounding error.
         if held.directions.len() == 3 {
             held.free = DMat3::ZERO;
         }
@@ -138,7 +138,7 @@ impl Supports {
         self.held.iter().map(|h| h.directions.len()).sum()
     }
 
-    /// Refuses a part of which a piece can move as a rigid body, and names the piece and the
+    /// Returns an error if a piece of the part can move as a rigid body; it names the piece and the
     /// motion.
     ///
     /// # Errors
@@ -155,8 +155,8 @@ impl Supports {
         self.check_pieces(&mesh.nodes, &of_node, &pieces)
     }
 
-    /// The same for nodes with the names of their pieces; each piece is given by its name and its
-    /// lowest and highest corner.
+    /// As [`Self::check`], for nodes that each state the name of their piece. A piece is given by
+    /// its name and its lowest and highest corner.
     pub(crate) fn check_pieces(
         &self,
         nodes: &[DVec3],
@@ -168,8 +168,8 @@ impl Supports {
             let radius = (0.5 * (hi - lo).length()).max(f64::MIN_POSITIVE);
             let mut rows: Vec<[f64; 6]> = Vec::new();
             for held in self.held.iter().filter(|h| of_node[h.node as usize] == name) {
-                // Arms are divided by the size of the piece, so that rotations and translations
-                // have the same scale.
+                // Lever arms are divided by the size of the piece, so that rotations and
+                // translations have the same scale.
                 let arm = (nodes[held.node as usize] - middle) / radius;
                 for &(d, _) in &held.directions {
                     let turn = arm.cross(d);
@@ -190,8 +190,8 @@ impl Supports {
 /// A basis of the rigid motions (translation, then rotation) that no row prevents, each with as
 /// many zeros as possible.
 fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
-    // Reduced row echelon form, with pivots from the rotations back to the translations. A motion
-    // that can be described as a translation then is described as one.
+    // Reduced row echelon form, with pivots taken from the rotations first and the translations
+    // last. A motion that can be described as a translation is then described as one.
     let mut rows = rows.to_vec();
     let mut pivots: Vec<usize> = Vec::new();
     for column in (0..6).rev() {
@@ -212,7 +212,7 @@ fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
         }
         pivots.push(column);
     }
-    // One free column gives one motion: 1 there, and the pivots follow from the rows.
+    // Each column without a pivot gives one motion: 1 there; the pivot columns follow from the rows.
     let motion = |free: usize| {
         let mut m = [0.0; 6];
         m[free] = 1.0;

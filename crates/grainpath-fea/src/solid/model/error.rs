@@ -85,7 +85,7 @@ pub enum SolidError {
     /// The factorization broke down.
     #[error("the stiffness matrix is not positive definite; an element may be turned inside out")]
     NotPositive,
-    /// The iteration ended short of its goal.
+    /// The iteration ended before it reached the required residual.
     #[error("the solution did not converge: residual {residual:.1e} after {iterations} iterations")]
     NotConverged {
         /// Relative residual reached.

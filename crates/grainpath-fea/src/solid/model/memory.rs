@@ -11,9 +11,9 @@ pub(crate) fn solving_mib(n_nodes: f64) -> f64 {
     BYTES_PER_NODE * n_nodes / BYTES_PER_MIB
 }
 
-/// The edge of an element with which a step fits, mm. The memory of a thin shell grows with the
-/// square of the number of elements along an edge; that of a solid grows with the cube, so the
-/// estimate is on the safe side.
+/// The element edge, mm, at which a step fits into memory. The memory of a thin shell grows with
+/// the square of the number of elements along an edge. That of a solid grows with the cube, so for
+/// solids the estimate is on the safe side.
 pub(crate) fn fitting_edge_mm(edge_mm: f64, need_mib: f64, limit_mib: f64) -> f64 {
     edge_mm * (need_mib / limit_mib).sqrt()
 }

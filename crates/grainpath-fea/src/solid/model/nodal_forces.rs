@@ -74,8 +74,8 @@ fn over_faces(mesh: &TetMesh, faces: &[usize], mut at: impl FnMut(&[u32; 6], &[f
                 sides[0] += q * slopes[k][0];
                 sides[1] += q * slopes[k][1];
             }
-            // The cross product of both tangents is the area per unit of the reference triangle.
-            // That triangle has the area one half, as the weights add up to.
+            // The cross product of both tangents is the area per unit area of the reference
+            // triangle. The area of that triangle is one half, as is the sum of the weights.
             at(nodes, &n, p, sides[0].cross(sides[1]) * *w);
         }
     }
@@ -98,7 +98,7 @@ pub fn centroid_mm(mesh: &TetMesh, faces: &[usize]) -> DVec3 {
     if area > 0.0 { sum / area } else { DVec3::ZERO }
 }
 
-/// Adds the forces of a traction, which gets a point and its outward unit normal and returns MPa.
+/// Adds the forces of a traction: a function of a point and its outward unit normal that returns MPa.
 pub fn add_traction(
     forces: &mut [DVec3],
     mesh: &TetMesh,
@@ -150,9 +150,9 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
     }
 }
 
-/// Adds the force of a pin against the wall of a hole, N: a pressure that falls with the cosine of the
-/// angle between the wall's normal and the force, over the half of the wall that the pin pushes on.
-/// What a pressure on this wall cannot carry, such as a force along the hole, is spread evenly.
+/// Adds the force of a pin against the wall of a hole, N: a pressure that falls with the cosine of the angle
+/// between the wall's normal and the force, over the half of the wall that the pin pushes on. The part of
+/// the force that a pressure on this wall cannot carry, such as a force along the hole, is spread evenly.
 ///
 /// Source: the peak of the pressure is `2 F / (pi r L)`, the usual bearing load of a pin without play
 /// (`shigley2015`).
@@ -169,12 +169,12 @@ pub fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_
         return;
     }
     forces.iter_mut().zip(&shape).for_each(|(f, s)| *f += *s * size);
-    // The mesh of the wall is not quite symmetric about the force.
+    // The mesh of the wall is not quite symmetric about the force, so a small part of it is still missing.
     add_force(forces, mesh, faces, force_n - carried * size);
 }
 
-/// Adds tractions in MPa where `traction` states them, and evenly over the faces concerned what their sum misses of a force in
-/// N and of a moment about the origin in N mm. Returned is the area on which they act, mm2.
+/// Adds tractions in MPa where `traction` returns one. Their sum may fall short of a force in N and of a moment about the
+/// origin in N mm; the difference is spread evenly over the same faces. Returns the area on which the tractions act, mm2.
 pub fn add_carried(
     forces: &mut [DVec3],
     mesh: &TetMesh,
@@ -217,8 +217,8 @@ pub fn flat_faces(mesh: &TetMesh) -> Bvh {
     })
 }
 
-/// Adds forces in N at points of the surface: each to the nodes of the nearest face by its shape functions there. What moving
-/// them onto the face takes from their moment is added over the faces concerned.
+/// Adds forces in N at points of the surface. Each is distributed to the nodes of the nearest face by the shape functions.
+/// Moving a force onto the face changes its moment; the difference is spread over the faces concerned.
 pub fn add_points(forces: &mut [DVec3], mesh: &TetMesh, points: &[(DVec3, DVec3)]) {
     let search = flat_faces(mesh);
     let mut raw = vec![DVec3::ZERO; forces.len()];
@@ -246,7 +246,7 @@ pub fn add_points(forces: &mut [DVec3], mesh: &TetMesh, points: &[(DVec3, DVec3)
     forces.iter_mut().zip(raw).for_each(|(f, r)| *f += r);
 }
 
-/// Adds to forces on nodes what their sum misses of a force in N and of a moment about the origin in N mm, spread over faces.
+/// Adds what the sums of `forces` lack of a given force (N) and moment about the origin (N mm), spread over faces.
 fn complete(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], (force_n, moment_nmm): (DVec3, DVec3)) {
     let sums = |forces: &[DVec3]| {
         forces
@@ -256,14 +256,14 @@ fn complete(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], (force_n, mom
     };
     let missing = force_n - sums(forces).0;
     add_force(forces, mesh, faces, missing);
-    // A moment on its own is the same about every point.
+    // The sum of the forces is now complete, so the missing moment is the same about every point.
     let missing = moment_nmm - sums(forces).1;
     add_moment(forces, mesh, faces, missing);
 }
 
-/// Adds a torque in N mm about an axis (a point of it and a unit vector), by tractions across the radius
-/// that grow with the distance. A net force, which faces on one side of the axis would make, is taken
-/// out evenly.
+/// Adds a torque in N mm about an axis (a point on it and a unit vector), by tractions perpendicular to
+/// the radius that grow with the distance. Faces on one side of the axis alone would also make a net
+/// force, which is subtracted evenly.
 pub fn add_torque(
     forces: &mut [DVec3],
     mesh: &TetMesh,

@@ -29,7 +29,7 @@ pub struct Spot {
     pub tet: usize,
     /// Weights of its ten nodes.
     pub weights: [f64; 10],
-    /// Smallest barycentric coordinate; negative for a point outside, in heights of the element.
+    /// Smallest barycentric coordinate: a distance as a share of the element's height, negative for a point outside.
     pub depth: f64,
 }
 
@@ -78,8 +78,8 @@ impl<'m> Sampler<'m> {
         (c.z as usize * self.n.y as usize + c.y as usize) * self.n.x as usize + c.x as usize
     }
 
-    /// The element at a point. For a point outside, within about a cell, the element that it is
-    /// least outside of; its position is then moved onto the element's border.
+    /// The element at a point. For a point outside, within about one cell, it is the element with
+    /// the largest [`Spot::depth`]; the position is then moved onto the element's border.
     pub fn at(&self, p: DVec3) -> Option<Spot> {
         let middle = self.cell(p);
         let best = |cells: &mut dyn Iterator<Item = IVec3>| {

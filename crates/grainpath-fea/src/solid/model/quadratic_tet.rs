@@ -74,8 +74,8 @@ pub(crate) fn shapes(l: &[f64; 4]) -> [f64; 10] {
     })
 }
 
-/// Derivatives of the ten shape functions by the last three barycentric coordinates; the first is 1
-/// less their sum.
+/// Derivatives of the ten shape functions with respect to the last three barycentric coordinates;
+/// the first is 1 minus their sum.
 pub(crate) fn shape_slopes(l: &[f64; 4]) -> [DVec3; 10] {
     const BY: [DVec3; 4] = [DVec3::NEG_ONE, DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|a| match a {
@@ -183,8 +183,8 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 pub(crate) enum Law {
     /// Lame's constants.
     Isotropic { lambda: f64, mu: f64 },
-    /// All components, and the same as a linear map of second-order tensors by columns: `c[3 l +
-    /// j][3 k + i]` = C_ikjl.
+    /// All components; then the same numbers as a linear map of second-order tensors, stored by
+    /// columns: `c[3 l + j][3 k + i]` = C_ikjl.
     General { d: Box<Stiffness>, c: Box<[[f64; 9]; 9]> },
 }
 
@@ -206,7 +206,7 @@ impl Law {
             (false, false) if i == j => mu,
             _ => 0.0,
         };
-        // Isotropic laws need a handful of multiplications instead of 81, and most parts have one.
+        // An isotropic law needs a handful of multiplications instead of 81, and most parts are isotropic.
         if (0..6).all(|i| (0..6).all(|j| near(d[i][j], isotropic(i, j)))) {
             return Some(Self::Isotropic { lambda, mu });
         }
@@ -279,13 +279,13 @@ pub(crate) fn strain(g: &DMat3) -> [f64; 6] {
     ]
 }
 
-/// `d` times `e`.
+/// The product of the 6 x 6 matrix `d` with the vector `e`.
 pub(crate) fn multiply(d: &Stiffness, e: &[f64; 6]) -> [f64; 6] {
     std::array::from_fn(|i| (0..6).map(|j| d[i][j] * e[j]).sum())
 }
 
 fn positive(d: &Stiffness) -> bool {
-    // Cholesky: every pivot is positive.
+    // A Cholesky factorization succeeds only if every pivot is positive.
     let mut l = [[0.0; 6]; 6];
     for i in 0..6 {
         for j in 0..=i {

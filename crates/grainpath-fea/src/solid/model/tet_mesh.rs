@@ -85,7 +85,7 @@ impl TetMesh {
         mesh
     }
 
-    /// Finds the boundary anew; the facets of the faces are lost.
+    /// Recomputes the boundary from the tetrahedra. The link from faces to surface facets is lost.
     pub fn find_faces(&mut self) {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
         let face = |(f, t): ([u32; 3], u32)| {
@@ -164,7 +164,7 @@ impl TetMesh {
         }
     }
 
-    /// For each element the lowest one that it is connected to over faces.
+    /// For each element, the lowest-numbered one that it is connected to over faces.
     pub fn piece_of_tets(&self) -> Vec<u32> {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
         pieces_of(&corners)
@@ -208,8 +208,8 @@ impl TetMesh {
             (0..self.tets.len()).filter(|&t| self.tets[t][4..].iter().any(is_curved)).collect();
         let (start, around) = incidence(self.nodes.len(), &self.tets);
         while !bent.is_empty() {
-            // A quarter of the straight element's Jacobian: below that the inverse map distorts
-            // stresses.
+            // The least Jacobian must be at least a quarter of the straight element's: below that,
+            // the inverse map distorts stresses.
             let bad = |&t: &usize| element::least_jacobian(&self.places(t)) < 0.25;
             let mut back: Vec<u32> = bent.into_iter().filter(bad).flat_map(|t| self.tets[t]).collect();
             back.retain(is_curved);

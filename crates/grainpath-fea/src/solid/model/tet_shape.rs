@@ -44,8 +44,8 @@ pub(crate) fn volume(p: &[DVec3; 4]) -> f64 {
 pub(crate) fn mean_ratio(p: &[DVec3; 4]) -> f64 {
     let squares: f64 = EDGES.iter().map(|&(i, j)| p[i].distance_squared(p[j])).sum();
     let v = 3.0 * volume(p);
-    // The volume's two thirds over the sum of the squared edges, which makes the measure
-    // independent of size.
+    // The cube root of the squared volume is divided by the sum of the squared edges, so the
+    // measure does not depend on size.
     12.0 * (v.abs() * v.abs()).cbrt().copysign(v) / squares
 }
 

@@ -89,7 +89,7 @@ impl Direct {
             }
             let mut x: Vec<f64> = rest.iter().flat_map(|v| v.to_array()).collect();
             self.factor.solve(&mut x);
-            // Rounding may leave a trace of motion along supported directions.
+            // Rounding may leave small displacements along supported directions.
             let mut step: Vec<DVec3> = x.chunks_exact(3).map(DVec3::from_slice).collect();
             supports.project(&mut step);
             add(&mut u, 1.0, &step);

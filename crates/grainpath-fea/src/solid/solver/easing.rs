@@ -2,8 +2,8 @@
 //! others stay where they are.
 //!
 //! Method: conjugate gradients with the block diagonal as preconditioner (`hestenes1952`), on the
-//! nodes within some steps of the change. The residual is kept exact on all nodes that the motion
-//! affects, so the caller sees what remains.
+//! nodes within a number of coupling steps from the change. The residual is computed exactly on all
+//! nodes that the motion affects, so the caller knows how much of it remains.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -13,13 +13,13 @@ use super::block_matrix::dot;
 /// Nodes for each task. Source: chosen; it changes speed alone, never the result.
 const CHUNK: usize = 256;
 
-/// A stiffness row by row.
+/// A stiffness matrix that is applied row by row.
 pub(crate) trait Rows: Sync {
     /// The nodes that are coupled to a node, itself included.
     fn around(&self, node: usize) -> &[u32];
     /// The force on a node as if no node were supported.
     fn row(&self, node: usize, u: &[DVec3]) -> DVec3;
-    /// [`Rows::row`] to a few digits, where that is cheaper.
+    /// [`Rows::row`] with a few correct digits, where that is cheaper.
     fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3;
     /// Inverse of the diagonal block; for supported directions the identity.
     fn inverse_block(&self, node: usize) -> DMat3;
@@ -31,8 +31,8 @@ fn freed(rows: &dyn Rows, node: u32, force: DVec3) -> DVec3 {
     rows.free(node as usize).map_or(force, |free| *free * force)
 }
 
-/// Nodes within a number of steps of some, in ascending order, and those one step farther; `n` is
-/// the number of all nodes. Fewer steps are made where they would lead to more than `most` nodes.
+/// The nodes within a number of coupling steps from the nodes `from`, in ascending order, and those one step
+/// farther. `n` is the number of all nodes. Fewer steps are made if more than `most` nodes would be reached.
 pub(crate) fn within(
     rows: &dyn Rows,
     from: &[u32],
@@ -96,7 +96,7 @@ pub(crate) fn ease(
             q.iter_mut().zip(inside).for_each(|(q, &i)| *q = freed(rows, i, rows.rough_row(i as usize, &p)));
         });
         let along: f64 = inside.iter().zip(&q).map(|(&i, q)| p[i as usize].dot(*q)).sum();
-        // Zero or negative curvature: rounding has taken over, and further steps would not help.
+        // Zero or negative curvature is a sign that only rounding is left, so further steps would not help.
         if along.is_nan() || along <= 0.0 {
             break;
         }
@@ -104,8 +104,8 @@ pub(crate) fn ease(
         inside.iter().for_each(|&i| u[i as usize] += p[i as usize] * alpha);
         r.iter_mut().zip(&q).for_each(|(r, q)| *r -= *q * alpha);
     }
-    // Computed anew instead of carried along, because rows were applied roughly. The rim feels the
-    // motion too.
+    // The residual is recomputed instead of carried along, because rows were applied with a few
+    // digits only. It changes on the rim as well.
     for nodes in [inside, rim] {
         residual(rows, nodes, u, load, left);
     }

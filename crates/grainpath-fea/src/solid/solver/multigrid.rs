@@ -1,6 +1,6 @@
-//! A multigrid preconditioner for quadratic tetrahedra. The levels are the quadratic elements,
-//! their linear elements, grids of doubling width over the part, and a dense factorization of the
-//! last one.
+//! A multigrid preconditioner for quadratic tetrahedra. Its levels are the quadratic elements, the
+//! linear elements over the same corners, a sequence of grids that each double the width, and a
+//! dense factorization of the coarsest grid.
 //!
 //! Grids interpolate trilinearly at the nodes, so that rigid motions and uniform strains stay exact
 //! on every level. Their matrices are the Galerkin products. Levels are smoothed by Chebyshev
@@ -23,15 +23,15 @@ use crate::solid::model::{quadratic_tet as element, tet_shape};
 /// Smoothing of a level.
 #[derive(Clone, Copy)]
 pub(crate) struct Smoothing {
-    /// Applications of the matrix.
+    /// Number of times that the matrix is applied.
     steps: usize,
-    /// The polynomial damps eigenvalues from the largest down to the largest divided by this.
+    /// The polynomial damps the eigenvalues between the largest one and the largest one divided by this.
     band: f64,
 }
 
 const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
-/// The first grid is as wide as the longest side, which is several times the width of elements
-/// halved at thin walls. A band four times as wide is damped as well by twice the steps.
+/// For the linear elements. The first grid is as wide as the longest side, which is several times the
+/// width of elements halved at thin walls. Twice the steps damp a band four times as wide just as well.
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
 /// For grids, each twice as wide as the one before.
 pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
@@ -40,7 +40,7 @@ pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
 const DENSE_NODES: usize = 250;
 
 enum Matrix {
-    /// The matrix that is passed with every call.
+    /// The matrix of the finest level, which is passed with every call.
     Finest,
     Stored(Blocks),
 }
@@ -126,7 +126,7 @@ pub(crate) struct Multigrid {
 }
 
 impl Multigrid {
-    /// For quadratic tetrahedra.
+    /// Makes the levels for quadratic tetrahedra.
     pub(crate) fn new(
         model: &Model<'_>,
         supports: &Supports,
@@ -150,8 +150,8 @@ impl Multigrid {
         let matrix = assemble(corners.len(), &tets, |t| {
             let products = element::linear_gradient_products(&mesh.corners(t));
             let mut k = element::stiffness(&products, &laws[model.material(t)]);
-            // Supports are projected out here as on the finest level, so that no correction from
-            // below moves a supported direction.
+            // Supports are projected out here as on the finest level, so that no correction from a
+            // coarser level moves a supported direction.
             for a in 0..4 {
                 for b in 0..=a {
                     if let Some(p) = free(tets[t][a] as usize) {
@@ -180,8 +180,8 @@ impl Multigrid {
         Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
     }
 
-    /// From a finest level, the transfer to it, the matrix below and how it is smoothed, and the
-    /// grid below that.
+    /// Makes the levels from the finest level, the transfer to it, the matrix of the next level with
+    /// its smoothing, and the grid of the level after that.
     pub(crate) fn below(
         finest: &dyn System,
         first: Transfer,
@@ -196,7 +196,7 @@ impl Multigrid {
             levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, smoothing));
             (matrix, smoothing) = (coarse, GRID);
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
-            // Grids below start at the origin of the finer one, so that every second node
+            // The origin of each coarser grid is that of the finer one, so that every second node
             // coincides.
             (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         }
@@ -233,8 +233,8 @@ impl Multigrid {
         let (upper, below) = self.levels.split_at_mut(at + 1);
         let level = &mut upper[at];
         level.smooth_first(finest);
-        // The residual goes to the scratch vector, because the right side is needed again after the
-        // coarse correction.
+        // The residual goes to the scratch vector, because the right-hand side is needed again
+        // after the coarse correction.
         level.matrix.apply(finest, &level.x, &mut level.t, &mut level.scratch);
         for_each(&mut level.t, &level.r, |t, r| *t = *r - *t);
         if let Some(next) = below.first_mut() {
@@ -283,8 +283,8 @@ impl Level {
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
         let mut level = Self { matrix, inverse_diagonal, top: 1.0, smoothing, transfer, x, r, d, t, scratch };
-        // Power iteration approaches the largest eigenvalue from below; 1.2 keeps the true one
-        // within the polynomial's range.
+        // Power iteration approaches the largest eigenvalue from below. The factor 1.2 keeps the
+        // true one within the range of the polynomial.
         level.top = 1.2 * level.largest_eigenvalue(finest);
         level
     }
@@ -336,7 +336,7 @@ impl Level {
         scaled(&mut self.d, &self.t, &self.inverse_diagonal, 0.0, 1.0 / middle);
         for step in 0..self.smoothing.steps {
             add(&mut self.x, 1.0, &self.d);
-            // The last step needs no new residual; this saves one product with the matrix.
+            // The residual is not needed after the last step; leaving it out saves one product with the matrix.
             if step + 1 == self.smoothing.steps {
                 break;
             }
@@ -385,7 +385,7 @@ fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports)
                 transfer.weight.push(w);
             }
         }
-        // The row of a node without an element is empty; its correction is zero.
+        // A node without an element gets an empty row, so its correction is zero.
         transfer.start.push(transfer.coarse.len() as u32);
     }
     transfer.held = (0..n).filter_map(|i| supports.free(i).map(|p| (i as u32, *p))).collect();
@@ -432,7 +432,7 @@ impl Grid {
 /// Greatest distance between coupled nodes of a grid along each axis: no side is longer than the
 /// grid is wide.
 const REACH: i32 = 2;
-/// Number of places of a node's coupled nodes. Source: derived: (2 x 2 + 1)^3.
+/// Number of nodes to which a node can be coupled, itself included. Source: derived: (2 x 2 + 1)^3.
 const STENCIL: usize = 125;
 
 /// The product of transposed transfer, matrix and transfer.
@@ -454,7 +454,7 @@ fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
         }
     }
     let row = |c: usize| {
-        // A full cube of slots instead of a search: coupled nodes are at most two steps apart.
+        // Coupled nodes are at most two steps apart, so a full cube of slots replaces a search.
         let mut sums = [DMat3::ZERO; STENCIL];
         let mut used = [u32::MAX; STENCIL];
         for &(i, wi) in &support[start[c] as usize..start[c + 1] as usize] {
@@ -476,8 +476,9 @@ fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
     Blocks::from_rows((0..transfer.n_coarse).into_par_iter().map(row).collect())
 }
 
-/// Cholesky factor of the coarsest matrix. Directions without stiffness (nodes whose weights depend on others, or with
-/// nothing free below them) are left out, as [`cholesky_in_place`] does with unknowns that the others determine.
+/// Cholesky factor of the coarsest matrix. Some directions have no stiffness: those of nodes whose weights depend on
+/// other nodes, and of nodes whose finer nodes are all supported. They are left out, as [`cholesky_in_place`] does with
+/// dependent unknowns.
 struct CoarsestFactor {
     n: usize,
     /// Lower triangle by rows.

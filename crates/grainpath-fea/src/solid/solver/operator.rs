@@ -17,8 +17,8 @@ use crate::solid::model::tet_shape::EDGES;
 /// Elements of a group; their nodes are numbered with 16 bits. Source: derived: 1024 elements of
 /// ten nodes have at most 10 240 different ones.
 const GROUP: usize = 1024;
-/// Nodes that one task processes. Source: derived: 4096 vectors take 98 KB, which fits the second
-/// cache of a core.
+/// Nodes that one task processes. Source: derived: 4096 vectors take 98 KB, which fits the
+/// second-level cache of a core.
 pub(crate) const CHUNK: usize = 4096;
 
 pub(crate) struct Operator<'a> {
@@ -26,7 +26,7 @@ pub(crate) struct Operator<'a> {
     laws: Vec<Law>,
     supports: &'a Supports,
     groups: Vec<Group>,
-    /// Places where the groups left the forces on each node: `places[start[i]..start[i + 1]]`.
+    /// Indices of the slots to which the groups write the forces on each node: `places[start[i]..start[i + 1]]`.
     start: Vec<u32>,
     places: Vec<u32>,
 }
@@ -130,7 +130,7 @@ impl System for Operator<'_> {
         let mesh = self.model.mesh;
         let blocks_of_tet = |t: usize| element::diagonal(&mesh.places(t), &self.laws[self.model.material(t)]);
         let mut sum = vec![DMat3::ZERO; self.n_nodes()];
-        // Blocks of elements bound the memory: the ten matrices of an element take 720 bytes.
+        // Elements are processed in blocks to bound the memory: the ten matrices of an element take 720 bytes.
         for (c, tets) in mesh.tets.chunks(16 * GROUP).enumerate() {
             let first = c * 16 * GROUP;
             let blocks: Vec<[DMat3; 10]> =
@@ -148,15 +148,15 @@ impl System for Operator<'_> {
     }
 }
 
-/// Determinant of a block over the cube of its trace below which it counts as singular. Source: derived: where a direction
-/// aslant to the axes is projected out, rounding leaves 1e-16 of the block in it, and a determinant of 1e-17; blocks with
+/// A block counts as singular if its determinant over the cube of its trace is below this. Source: derived: if a direction
+/// oblique to the axes is projected out, rounding leaves 1e-16 of the block in it and a determinant of 1e-17; blocks with
 /// stiffness in all directions have 1e-2 to 1e-9.
 const SINGULAR: f64 = 1e-14;
 
 /// The inverse of a block. A nearly singular block is made slightly stiffer first.
 pub(crate) fn inverse(k: DMat3) -> DMat3 {
     let trace = k.x_axis.x + k.y_axis.y + k.z_axis.z;
-    // A node without stiffness: the identity passes its residual on unchanged.
+    // The node has no stiffness; the identity leaves its residual unchanged.
     if trace <= 0.0 {
         return DMat3::IDENTITY;
     }
@@ -178,7 +178,7 @@ fn group(model: &Model<'_>, g: usize) -> Group {
     let tet = |t: usize| {
         let x = mesh.places(t);
         let longest = EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max);
-        // Within rounding of the straight middle: then the cheaper formula below is exact.
+        // If all middle nodes lie half way within rounding, the formula for straight sides below is exact.
         let straight = |(m, &(i, j)): (usize, &(usize, usize))| {
             x[4 + m].distance(0.5 * (x[i] + x[j])) < 1e-12 * (longest + x[i].length())
         };

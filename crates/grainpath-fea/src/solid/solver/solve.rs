@@ -18,7 +18,7 @@ use crate::solid::model::material_map::Model;
 use crate::solid::model::memory::{fitting_edge_mm, solving_mib};
 use crate::sparse::BYTES_PER_MIB;
 
-/// Largest number of unknowns, and least number of loads, for which a factorization pays.
+/// A factorization pays up to this number of unknowns and from this number of loads on.
 const DIRECT_DOFS: usize = 60_000;
 const DIRECT_LOADS: usize = 6;
 
@@ -95,7 +95,7 @@ pub(crate) fn iterate(
     let mut q = zero();
     let mut first = load.to_vec();
     // A prescribed displacement acts as a load: the forces that it causes at free nodes move to the
-    // right side.
+    // right-hand side.
     if moved {
         operator.forces(&prescribed, &mut q, &mut scratch);
         add(&mut first, -1.0, &q);

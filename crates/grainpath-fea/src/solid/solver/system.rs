@@ -1,4 +1,4 @@
-//! The interface between a stiffness and the iteration with its preconditioner.
+//! The interface through which conjugate gradients and their preconditioner use a stiffness matrix.
 
 use grainpath_core::{DMat3, DVec3};
 
@@ -18,7 +18,7 @@ pub(crate) trait System: Sync {
     /// Forces of a displacement, as if no node were supported.
     fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]);
 
-    /// `forces` to a few digits, where that is cheaper; a preconditioner needs no more.
+    /// `forces` with a few correct digits, where that is cheaper; a preconditioner needs no more.
     fn rough_forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
         self.forces(u, f, scratch);
     }
@@ -33,7 +33,7 @@ pub(crate) trait System: Sync {
         self.hold(u, f);
     }
 
-    /// [`System::apply`] to a few digits.
+    /// [`System::apply`] with a few correct digits.
     fn rough_apply(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
         self.rough_forces(u, f, scratch);
         self.hold(u, f);

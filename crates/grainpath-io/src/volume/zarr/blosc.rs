@@ -1,9 +1,9 @@
-//! Unpacks the frames of Blosc 1, which OME-Zarr 0.4 is packed with in most programs.
+//! Unpacks the frames of Blosc 1, with which most programs pack OME-Zarr 0.4.
 //!
-//! A frame is a header of 16 bytes, the places of its blocks, and the blocks: each is packed by itself, after its bytes (or
-//! bits) of equal weight were brought together, and may be split into a stream for each byte of a voxel.
+//! A frame is a header of 16 bytes, the positions of its blocks, and the blocks. Each block is packed by itself, after its
+//! bytes (or bits) of equal weight were grouped. It may be split into one stream for each byte of a voxel.
 //! Source: the description of the format in C-Blosc 1 (`README_CHUNK_FORMAT.rst`, `blosc.c`; BSD). Cost: linear. Limits:
-//! blosclz, lz4, zlib and zstd within; snappy and the frames of Blosc 2 are refused.
+//! blosclz, lz4, zlib and zstd are read; snappy and the frames of Blosc 2 are refused.
 
 use flate2::bufread::ZlibDecoder;
 
@@ -11,14 +11,14 @@ use super::packed::{inflated, zstd};
 
 /// Bytes of the header. Source: the description of the format, as above.
 const HEADER: usize = 16;
-/// Blocks are split where voxels have at most this many bytes. Source: `MAX_SPLITS` of C-Blosc 1.
+/// A block is split only if its voxels have at most this many bytes. Source: `MAX_SPLITS` of C-Blosc 1.
 const MAX_SPLITS: usize = 16;
-/// And where a stream of a block has at least this many. Source: `MIN_BUFFERSIZE` of C-Blosc 1.
+/// A block is split only if each of its streams has at least this many bytes. Source: `MIN_BUFFERSIZE` of C-Blosc 1.
 const MIN_STREAM: usize = 128;
-/// Farther matches of blosclz state their distance in 16 bits. Source: `MAX_DISTANCE` of C-Blosc 1.
+/// Matches of blosclz at a larger distance state it in 16 bits. Source: `MAX_DISTANCE` of C-Blosc 1.
 const FAR: usize = 8191;
 
-/// Voxels of a frame that has at most `limit` bytes of them.
+/// Unpacks the voxels of a frame; more than `limit` bytes are an error.
 pub(super) fn unpack(frame: &[u8], limit: usize) -> Result<Vec<u8>, String> {
     let short = || "blosc: cut short".to_owned();
     let number = |at: usize| -> Result<usize, String> {
@@ -61,7 +61,7 @@ pub(super) fn unpack(frame: &[u8], limit: usize) -> Result<Vec<u8>, String> {
         streams.clear();
         streams.resize(out.len(), 0);
         let mut at = number(HEADER + 4 * k)?;
-        // A block whose bytes no stream divides ends early, and is refused below.
+        // If the bytes of a block cannot be divided among its streams, the block comes out too short and is refused below.
         for stream in streams.chunks_exact_mut(stream.max(1)) {
             let n = number_at(frame, at).ok_or_else(short)?;
             let bytes = frame.get(at + 4..).and_then(|rest| rest.get(..n)).ok_or_else(short)?;
@@ -113,7 +113,7 @@ fn unpack_stream(codec: u8, bytes: &[u8], out: &mut [u8]) -> Result<usize, Strin
     }
 }
 
-/// Brings the bytes of each voxel together again.
+/// Undoes the byte shuffle: puts the bytes of each voxel next to each other.
 fn unshuffle_bytes(stored: &[u8], n_bytes: usize, out: &mut [u8]) {
     let n = stored.len() / n_bytes;
     for byte in 0..n_bytes {
@@ -123,10 +123,10 @@ fn unshuffle_bytes(stored: &[u8], n_bytes: usize, out: &mut [u8]) {
     out[n * n_bytes..].copy_from_slice(&stored[n * n_bytes..]);
 }
 
-/// Brings the bits of each voxel together again: bit `b` of byte `j` of all voxels is row `8 j + b`.
+/// Undoes the bit shuffle: bit `b` of byte `j` of all voxels is row `8 j + b`.
 fn unshuffle_bits(stored: &[u8], n_bytes: usize, out: &mut [u8]) {
     let n = stored.len() / n_bytes;
-    // C-Blosc leaves blocks as they are whose voxels do not fill whole bytes of bits.
+    // C-Blosc does not shuffle the bits of a block if its number of voxels is not a multiple of 8.
     if !n.is_multiple_of(8) || n == 0 {
         out.copy_from_slice(stored);
         return;
@@ -170,12 +170,12 @@ fn blosclz(bytes: &[u8], out: &mut [u8]) -> Option<usize> {
             } else {
                 far += usize::from(code);
             }
-            // The distance counts from the byte before.
+            // The distance is counted from the byte before the current one.
             let from = n.checked_sub(far + 1)?;
             if length > out.len() - n {
                 return None;
             }
-            // A match may reach into what it writes, so it is copied byte by byte.
+            // A match may overlap the bytes that it writes, so it is copied byte by byte.
             for k in 0..length {
                 out[n + k] = out[from + k];
             }

@@ -1,19 +1,19 @@
 //! Unpacks chunks: gzip, zlib, zstd, lz4, blosc, CRC-32C, orders of axes, and the index of a shard.
 //!
-//! The size of what is unpacked is known beforehand, and no codec gives more: a bomb is an error.
+//! The unpacked size is known beforehand and limits every codec, so a decompression bomb gives an error.
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::blosc;
 use super::packed::{inflated, zstd};
 
-/// How a chunk is stored: axes in another order, then bytes, then packed.
+/// How a chunk is stored: its axes are reordered, its voxels written as bytes, and the bytes packed.
 #[derive(Debug, Clone)]
 pub(super) struct Pipeline {
-    /// Axis of the array that each stored axis is.
+    /// For each stored axis, the axis of the array that it holds.
     pub transposed: Option<Vec<usize>>,
     pub to_bytes: ToBytes,
-    /// In the order in which they were packed.
+    /// The packings in the order in which the writer applied them.
     pub packed: Vec<Packing>,
 }
 
@@ -23,13 +23,13 @@ pub(super) enum ToBytes {
     Shards(Box<Shards>),
 }
 
-/// Files that hold a grid of chunks and an index of their places.
+/// Files that hold a grid of chunks and an index of their positions.
 #[derive(Debug, Clone)]
 pub(super) struct Shards {
     /// Voxels of a chunk along each axis.
     pub chunk: Vec<u64>,
     pub pipeline: Pipeline,
-    /// Of the index.
+    /// Byte order of the index.
     pub big_endian: bool,
     /// Whether four bytes of CRC-32C follow the index.
     pub checked: bool,
@@ -59,8 +59,9 @@ impl Packing {
     }
 }
 
-/// Most bytes by which packing may make a chunk of `n` bytes larger. Source: derived. Deflate adds 5 bytes to each 16 KiB,
-/// lz4 one to 255, zstd 3 to 128 KiB, blosc 16 bytes and 4 to each block; a quarter is more than any.
+/// Largest size of a packed chunk of `n` bytes, since packing may make it larger. Source: derived. Deflate adds 5 bytes for
+/// each 16 KiB, lz4 one for each 255 bytes, zstd 3 for each 128 KiB, blosc 16 bytes and 4 for each block. A quarter of `n`
+/// is more than any of these.
 pub(super) const fn packed_limit(n: u64) -> u64 {
     n + n / 4 + (1 << 16)
 }
@@ -75,7 +76,7 @@ pub(super) fn unpack(
     let expected = shape.iter().product::<u64>() as usize * n_bytes;
     let mut bytes = packed;
     for (k, packing) in pipeline.packed.iter().enumerate().rev() {
-        // What another codec packed again may be larger than the voxels.
+        // The output of one codec that another codec packed again may be larger than the voxels.
         let limit = if k == 0 { expected } else { packed_limit(expected as u64) as usize };
         bytes = unpack_one(*packing, &bytes, limit)?;
     }
@@ -115,7 +116,7 @@ fn unpack_one(packing: Packing, bytes: &[u8], limit: usize) -> Result<Vec<u8>, S
     }
 }
 
-/// Bytes whose checksum, at their end, is right; without it.
+/// Checks the checksum at the end of the bytes and returns the bytes before it.
 pub(super) fn checked(bytes: &[u8]) -> Result<&[u8], String> {
     let (data, stated) = bytes.split_last_chunk::<4>().ok_or("crc32c: cut short")?;
     if crc32c(data) == u32::from_le_bytes(*stated) {
@@ -145,7 +146,7 @@ pub(super) fn crc32c(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, &b| (crc >> 8) ^ TABLE[((crc ^ u32::from(b)) & 255) as usize])
 }
 
-/// Voxels whose stored axis `j` is axis `order[j]` of the array, in the order of the array.
+/// Reorders voxels into the order of the array; their stored axis `j` is axis `order[j]` of the array.
 fn in_order(stored: &[u8], order: &[usize], shape: &[u64], n_bytes: usize) -> Vec<u8> {
     let mut strides = vec![n_bytes; shape.len()];
     for axis in (0..shape.len().saturating_sub(1)).rev() {
@@ -157,7 +158,7 @@ fn in_order(stored: &[u8], order: &[usize], shape: &[u64], n_bytes: usize) -> Ve
     let (mut at, mut place) = (vec![0; sizes.len()], 0);
     for voxel in stored.chunks_exact(n_bytes) {
         out[place..place + n_bytes].copy_from_slice(voxel);
-        // Counts up, the last stored axis first.
+        // Counts the position up; the last stored axis runs fastest.
         for j in (0..sizes.len()).rev() {
             at[j] += 1;
             place += steps[j];

@@ -1,4 +1,4 @@
-//! What a Zarr array says of itself: versions 2 (`.zarray`) and 3 (`zarr.json`).
+//! The metadata of a Zarr array: versions 2 (`.zarray`) and 3 (`zarr.json`).
 //!
 //! Everything is checked here, before memory is taken or a chunk is opened: axes, sizes of chunks, types, codecs.
 
@@ -10,7 +10,7 @@ use crate::volume::{MAX_PIXELS, MAX_SLICES, VolumeError, VolumeProblem, error, u
 
 /// Limit on an unpacked chunk, bytes. Source: derived. It holds 1024^3 voxels of 8 bits, four times the largest slice.
 pub(super) const MAX_CHUNK_BYTES: u64 = 1 << 30;
-/// Limit on the chunks within a shard, whose places are read at once. Source: derived. Their index then has 16 MiB.
+/// Limit on the chunks within a shard, whose positions are read at once. Source: derived. Their index then has 16 MiB.
 const MAX_IN_SHARD: u64 = 1 << 20;
 /// Limit on the axes. Source: OME-Zarr has five, t, c, z, y, x; plain arrays may have more before them.
 const MAX_AXES: usize = 8;
@@ -30,13 +30,13 @@ pub(super) struct Array {
     /// Whether names of chunks begin with `c`.
     pub prefixed: bool,
     pub sample: SampleType,
-    /// A voxel of a chunk that is not there, in the byte order of the others.
+    /// The fill value: a voxel of a missing chunk, in the byte order of the other voxels.
     pub fill: Vec<u8>,
     pub pipeline: Pipeline,
 }
 
 impl Array {
-    /// What is unpacked at a time: a chunk, within a shard or by itself.
+    /// Size of the unit that is unpacked at a time: a chunk, in a shard or in its own file.
     pub(super) fn unit(&self) -> &[u64] {
         match &self.pipeline.to_bytes {
             ToBytes::Shards(shards) => &shards.chunk,
@@ -72,7 +72,7 @@ impl Array {
         out
     }
 
-    /// How the voxels are packed, for people.
+    /// Text for messages that names how the voxels are packed.
     pub(super) fn codec(&self) -> String {
         let mut words: Vec<String> = Vec::new();
         if let ToBytes::Shards(_) = self.pipeline.to_bytes {
@@ -207,7 +207,7 @@ fn wrong_type(file: &str, found: &Value) -> VolumeError {
     field(file, "type", found, "integers of 8 to 32 bits and floats of 32 and 64 bits")
 }
 
-/// The codecs of a chunk: at most one order of axes, then the bytes, then what packs them.
+/// Reads the codecs of a chunk: at most one reordering of axes, then the conversion to bytes, then the packings.
 fn pipeline(file: &str, codecs: &Value, n_axes: usize, outer: bool) -> Result<Pipeline, VolumeError> {
     let (mut transposed, mut to_bytes, mut packed) = (None, None, Vec::new());
     for codec in codecs.as_array().map_or(&[][..], Vec::as_slice) {
@@ -290,7 +290,7 @@ fn packing(file: &str, name: &str, with: &Value) -> Result<Packing, VolumeError>
     }
 }
 
-/// The bytes of a voxel that no chunk holds.
+/// The bytes of the fill value.
 fn fill(file: &str, sample: SampleType, big_endian: bool, value: &Value) -> Result<Vec<u8>, VolumeError> {
     use SampleType::{F32, F64, I8, I16, I32, U8, U16, U32};
     let wrong = || field(file, "fill_value", value, "a number of the array's type");
@@ -340,7 +340,7 @@ fn fill(file: &str, sample: SampleType, big_endian: bool, value: &Value) -> Resu
     Ok(bytes)
 }
 
-/// Sizes that are possible, and that a machine can hold.
+/// Checks that the number of axes and the sizes are valid and within their limits.
 fn check(file: &str, array: &Array) -> Result<(), VolumeError> {
     let n_axes = array.shape.len();
     if !(3..=MAX_AXES).contains(&n_axes) {

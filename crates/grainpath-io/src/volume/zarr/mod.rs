@@ -1,19 +1,21 @@
 //! Scans in Zarr: arrays of version 2 and 3, and the images of OME-Zarr 0.4 and 0.5 with their levels and units.
 //!
-//! **Method.** The description is read and checked first. Slices then come from rows of chunks: those that hold a slice are
-//! unpacked and kept for the slices after it, so that each chunk is unpacked once. Of a shard only the index
-//! and the chunks that are asked for are read. A row larger than [`ROW_BYTES`] is unpacked in several slabs, its chunks once
-//! for each.
+//! **Method.** The metadata are read and checked first. Slices then come from rows of chunks: the chunks that hold a slice
+//! are unpacked and kept for the slices after it, so that each chunk is unpacked once. In a shard, only the index and the
+//! needed chunks are read. A row larger than [`ROW_BYTES`] is unpacked in several slabs, its chunks once for each.
 //! **Source.** Zarr core specifications 2 and 3; the sharding codec (ZEP 2); OME-NGFF 0.4 and 0.5, multiscales and axes.
-//! **Units.** Distances are those of the level and of the whole image, in the units of the axes, as mm; a plain array has none.
+//! **Units.** Spacings are the scale of the level times that of the whole image, converted from the units of the axes to mm.
+//! A plain array has none.
 //! **Cost.** Linear in the voxels. **Memory.** A row of chunks, and one chunk packed and unpacked.
-//! **Limits.** Integers of 8 to 32 bits and floats; gzip, zlib, zstd, lz4, blosc (without snappy) and crc32c; the first
-//! entry of axes before z, y, x, which is told. A chunk that is not there has the fill value, as Zarr defines; they are counted.
+//! **Limits.** Integers of 8 to 32 bits and floats; gzip, zlib, zstd, lz4, blosc (without snappy) and crc32c; of axes before
+//! z, y, x only the first entry is read, with a warning. A missing chunk has the fill value, as Zarr defines; missing chunks
+//! are counted.
 //!
-//! **Why the crate `zarrs` is not used.** Measured with 0.23.14: 134 crates to compile, most of them new here, three minutes of building on two cores, and
-//! a program of 6.0 MB that does nothing but open an array, where a wheel of 8 MB has to hold everything. Its blosc links the
-//! C++ library of the system. And its codecs take as much memory as a chunk of a few bytes says: gzip unpacks to the end, and
-//! zstd reserves what the frame states. Bytes of strangers may not do that here. What unpacks is in crates of Rust alone.
+//! **Why the crate `zarrs` is not used.** Measured with 0.23.14: 134 crates to compile, most of them new here, three minutes
+//! of building on two cores, and a program of 6.0 MB that does nothing but open an array, where a wheel of 8 MB has to hold
+//! everything. Its blosc links the C++ library of the system. And its codecs take as much memory as a chunk of a few bytes
+//! states: gzip unpacks to the end, and zstd reserves what the frame states. Untrusted files must not be able to do that
+//! here. Everything that unpacks chunks here is in crates of Rust alone.
 
 mod blosc;
 mod codec;
@@ -35,16 +37,19 @@ use super::{
     error, io_error, sample, spacing,
 };
 
-/// Limit on a file of description. Source: derived. A group that repeats the descriptions of ten thousand arrays has 10 MB.
+/// Limit on the size of a metadata file. Source: derived. A group that repeats the descriptions of ten thousand arrays has
+/// 10 MB.
 const MAX_DESCRIPTION: u64 = 32 << 20;
-/// Most bytes of a row of chunks that is kept. Source: derived. Chunks of 64 planes of 2048 x 2048 voxels of 16 bits fill it.
+/// Largest number of bytes that are kept of a row of chunks. Source: derived. 64 planes of 2048 x 2048 voxels of 16 bits
+/// fill it.
 const ROW_BYTES: u64 = 512 << 20;
 /// Limit on the chunks of a row. Source: derived. Chunks of 4 x 4 voxels in the largest slice.
 const MAX_IN_ROW: u64 = 1 << 22;
-/// Folders above an array that are looked at for the image it belongs to. Source: `image/scale0/image` of ngff-zarr has two.
+/// Number of folders above an array that are searched for the image it belongs to. Source: `image/scale0/image` of ngff-zarr
+/// has two.
 const MAX_UP: usize = 3;
 
-/// Millimetres of the units of length that OME-Zarr names and [`LengthUnit`] has not. Source: OME-NGFF 0.5, axes (UDUNITS-2).
+/// Units of length of OME-Zarr that [`LengthUnit`] lacks, with their size in mm. Source: OME-NGFF 0.5, axes (UDUNITS-2).
 const OTHER_UNITS_MM: [(&str, f64); 3] = [("angstrom", 1e-7), ("nanometer", 1e-6), ("decimeter", 100.0)];
 
 /// The checksum of a shard's index, for the tests of the reader.
@@ -87,17 +92,17 @@ pub(super) fn open(files: &Files) -> Result<Box<dyn SliceSource>, VolumeError> {
 
 /// The image that an array belongs to.
 struct Image {
-    /// Its entry of `multiscales`.
+    /// The image's entry in `multiscales`.
     about: Value,
     level: usize,
-    /// Its folder.
+    /// The image's folder.
     place: String,
 }
 
-/// A description in JSON, where there is one.
+/// Reads a JSON file; `None` if it does not exist.
 fn description(files: &Files, name: &str) -> Result<Option<Value>, VolumeError> {
     let Some(bytes) = files.whole_or_none(name, MAX_DESCRIPTION)? else { return Ok(None) };
-    // zarr-python writes NaN without quotes, which JSON has not.
+    // zarr-python writes NaN without quotes, which is not valid JSON.
     let parsed = serde_json::from_slice(&bytes).or_else(|e| {
         let text = String::from_utf8_lossy(&bytes);
         if text.contains("NaN") { serde_json::from_str(&text.replace(": NaN", ": \"NaN\"")) } else { Err(e) }
@@ -105,7 +110,7 @@ fn description(files: &Files, name: &str) -> Result<Option<Value>, VolumeError> 
     parsed.map(Some).map_err(|e| damaged(name, "description", e))
 }
 
-/// The array in a folder and the file that describes it, where there is one.
+/// The array in a folder and the name of its metadata file; `None` if the folder is not an array.
 fn read_array(files: &Files, folder: &str) -> Result<Option<(Array, String)>, VolumeError> {
     for file in ["zarr.json", ".zarray"] {
         let name = format!("{folder}/{file}");
@@ -118,7 +123,7 @@ fn read_array(files: &Files, folder: &str) -> Result<Option<(Array, String)>, Vo
     Ok(None)
 }
 
-/// The attributes of a group, where the folder is one.
+/// The attributes of a group; `None` if the folder is not a group.
 fn attributes(files: &Files, folder: &str) -> Result<Option<Value>, VolumeError> {
     if let Some(mut about) = description(files, &format!("{folder}/zarr.json"))? {
         return Ok((about["node_type"] == "group").then(|| about["attributes"].take()));
@@ -135,7 +140,7 @@ fn multiscales(attributes: &Value) -> Option<&Value> {
     within["multiscales"].get(0).filter(|image| image.is_object())
 }
 
-/// The image one of whose levels is the array in a folder.
+/// The image that lists the array in this folder as one of its levels.
 fn image_above(files: &Files, folder: &str) -> Result<Option<Image>, VolumeError> {
     let mut place = folder;
     for _ in 0..MAX_UP {
@@ -172,7 +177,8 @@ fn axes(name: &str, about: &Value, n_axes: usize) -> Result<Vec<(String, Option<
     Ok(axes)
 }
 
-/// Distances along x, y and z, mm: the scales of the level and of the whole image, in the units of the axes.
+/// Spacings along x, y and z, mm: the scale of the level times that of the whole image, converted from the units of the
+/// axes.
 fn spacing_mm(
     name: &str,
     axes: &[(String, Option<String>)],
@@ -213,7 +219,7 @@ fn spacing_mm(
     Ok(out)
 }
 
-/// Places of the chunks in a shard, the byte and the length; `None` for those that are not there.
+/// Position (first byte) and length of each chunk in a shard; `None` for a missing chunk.
 type Index = Vec<Option<(u64, u64)>>;
 
 struct Source {
@@ -308,7 +314,7 @@ impl Source {
         self.info.size[0] * self.info.size[1] * self.info.sample.n_bytes()
     }
 
-    /// Unpacks the slices around slice `k`, unless they are there.
+    /// Unpacks the slices around slice `k`, unless they are already held.
     fn load(&mut self, k: usize) -> Result<(), VolumeError> {
         if (self.first..self.end).contains(&k) {
             return Ok(());
@@ -323,8 +329,8 @@ impl Source {
         self.first = begin + (k - begin) / at_once * at_once;
         self.end = self.first;
         let end = (self.first + at_once).min(begin + depth).min(slices);
-        // Let go before the next one is made: two would be twice the memory. All voxels begin as those of a chunk that is
-        // not there.
+        // The old row is freed before the new one is made, to halve the memory. All voxels start with the fill value, which
+        // a missing chunk keeps.
         self.row = Vec::new();
         let length = (end - self.first) * slice_bytes;
         self.row = if self.array.fill.iter().all(|b| *b == 0) {
@@ -340,7 +346,7 @@ impl Source {
             for (i, left) in (0..columns).step_by(width).enumerate() {
                 (at[n_axes - 2], at[n_axes - 1]) = (j as u64, i as u64);
                 let Some(voxels) = self.unpack(&at)? else {
-                    // Of a row in several slabs each chunk counts once.
+                    // If a row is read in several slabs, a missing chunk is counted only in the first slab.
                     self.absent += u64::from(self.first == begin);
                     continue;
                 };
@@ -358,7 +364,7 @@ impl Source {
         Ok(())
     }
 
-    /// File of a chunk: its name, and where in a shard it is.
+    /// File of a chunk: its index in the grid of files, and the chunk's number in the shard.
     fn file_of(&self, at: &[u64]) -> (Vec<u64>, usize) {
         let per_file = self.array.chunk.iter().zip(self.array.unit()).map(|(outer, inner)| outer / inner);
         let (mut file, mut within) = (Vec::new(), 0);
@@ -369,7 +375,7 @@ impl Source {
         (file, within as usize)
     }
 
-    /// The place of a chunk in its shard; `None` where it is not there.
+    /// The position of a chunk in its shard; `None` if the chunk is missing.
     fn place_in_shard(
         &mut self,
         shards: &Shards,
@@ -385,7 +391,7 @@ impl Source {
         Ok(place)
     }
 
-    /// Reads the index of a shard; it is empty where the shard is not there.
+    /// Reads the index of a shard; the index is empty if the shard is missing.
     fn read_index(&self, shards: &Shards, file: &[u64]) -> Result<Index, VolumeError> {
         let n =
             self.array.chunk.iter().zip(&shards.chunk).map(|(outer, inner)| outer / inner).product::<u64>()
@@ -424,7 +430,7 @@ impl Source {
             .collect()
     }
 
-    /// The voxels of a chunk; `None` where it is not there.
+    /// The voxels of a chunk; `None` if the chunk is missing.
     fn unpack(&mut self, at: &[u64]) -> Result<Option<Vec<u8>>, VolumeError> {
         let array = Arc::clone(&self.array);
         let (file, within) = self.file_of(at);

@@ -1,9 +1,9 @@
-//! Cells: strips cut across at even lengths, and which cells share an edge.
+//! Cuts strips across into cells of about equal length, and finds which cells share an edge.
 //!
-//! A strip is a closed outline with one bead on each of its long sides. Cutting it across at even
-//! lengths gives cells about as long as [`Continuous::aspect`](super::Continuous) strips are wide.
-//! Two cells share an edge across a cut, or beside a strip where two strips face each other a bead
-//! apart.
+//! A strip is a closed outline with one bead on each of its long sides. Cuts across the strip divide it
+//! into cells, whose length is [`Continuous::aspect`](super::Continuous) times the strip's width. Two cells
+//! of one strip share an edge at the cut between them. Cells of two strips share an edge where the strips
+//! face each other a bead apart.
 //!
 //! ```text
 //!    ====+========+======   strip A     + cut across: edge between two cells of A
@@ -13,10 +13,10 @@
 //!    ======+=======+=====
 //! ```
 //!
-//! Which cuts are made is left to the tree: at a cut that it does not use, a strip ends in two
-//! caps. [`Taken`] keeps which lengths of the outlines are in use, because two joints must not
-//! share a stretch. Constants are in bead spacings, the code in mm. Cost: linear in the length of
-//! all strips.
+//! The tree decides which cuts are made: at a cut that the tree does not pass, the strip ends in two
+//! caps. [`Taken`] records which stretches of the outlines are in use, because two joints must not
+//! share a stretch. Constants are in bead spacings, the code in mm. Cost: linear in the length of all
+//! strips.
 
 use grainpath_core::DVec2;
 use grainpath_core::tuned::Tuned;
@@ -29,20 +29,20 @@ static ACROSS_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.ACROSS_MIN", 0
 /// Two beads that face each other at this distance or less may be joined by a cut across a strip, in beads.
 /// Measured: row `fill.continuous.cells.ACROSS_MAX` of `cargo xtask bench constants`.
 static ACROSS_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.ACROSS_MAX", 1.5);
-/// Neighbours over an edge along the field lie at least this far apart, in beads.
+/// Cells of two strips that face each other at this distance or more share an edge, in beads.
 /// Measured: row `fill.continuous.cells.BESIDE_MIN` of `cargo xtask bench constants`.
 static BESIDE_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.BESIDE_MIN", 0.5);
-/// Neighbours over an edge along the field lie at most this far apart, in beads.
+/// Cells of two strips that face each other at this distance or less share an edge, in beads.
 /// Measured: row `fill.continuous.cells.BESIDE_MAX` of `cargo xtask bench constants`.
 static BESIDE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.BESIDE_MAX", 1.7);
 
-/// Places beside strips are tried at this distance along a small region's strips, in beads.
+/// Least distance between the places that are tried beside strips, in beads. It holds in small regions.
 /// Measured: row `fill.continuous.cells.PLACE_MIN` of `cargo xtask bench constants`.
 static PLACE_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MIN", 1.0);
-/// Places beside strips are tried at no more than this distance, however large the region, in beads.
+/// Greatest distance between the places that are tried beside strips, in beads, however large the region.
 /// Measured: row `fill.continuous.cells.PLACE_MAX` of `cargo xtask bench constants`.
 static PLACE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MAX", 4.0);
-/// About so many places are tried in a region; in a larger one they lie further apart.
+/// About this number of places is tried in a region; in a large region they lie farther apart.
 /// Measured: row `fill.continuous.cells.MANY_PLACES` of `cargo xtask bench constants`.
 static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES", 20_000.0);
 
@@ -50,12 +50,12 @@ static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES",
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     pub cells: [u32; 2],
-    /// Cut across a strip: its number among the cuts. `None` beside strips.
+    /// Index of the cut, for an edge across a strip; `None` for an edge beside a strip.
     pub cut: Option<u32>,
-    /// A place beside a strip: ring and length along it, mm.
+    /// For an edge beside a strip: the ring, and the position along it, mm.
     pub ring: u32,
     pub at_mm: f64,
-    /// The ring and segment that faces it.
+    /// The ring and the segment on the other side of the edge.
     pub facing: [u32; 2],
     /// Middles of the two beads that face each other here.
     pub ends: [DVec2; 2],
@@ -64,15 +64,15 @@ pub(super) struct Edge {
 /// The cells of an infill region.
 pub(super) struct Cells {
     pub n: usize,
-    /// Where strips can be cut across. Without an exchange the strip stays whole; with one it ends
-    /// in two caps.
+    /// Places where strips can be cut across. If the two stretches there are not exchanged, the strip stays
+    /// whole; if they are, it ends in two caps.
     pub cuts: Vec<Facing>,
     pub edges: Vec<Edge>,
-    /// Distance of the places beside strips, mm.
+    /// Distance between neighbouring places that are tried beside strips, mm.
     pub place_mm: f64,
 }
 
-/// Which lengths of the rings are in use.
+/// Records which stretches of the rings are in use.
 pub(super) struct Taken {
     step_mm: f64,
     starts: Vec<usize>,
@@ -89,13 +89,13 @@ impl Taken {
         Self { step_mm, starts, marks }
     }
 
-    /// The marks of a stretch.
+    /// Indices of the marks that belong to a stretch.
     fn range(&self, ring: usize, from_mm: f64, to_mm: f64) -> impl Iterator<Item = usize> + use<> {
         let (start, n) = (self.starts[ring], (self.starts[ring + 1] - self.starts[ring]) as i64);
         let index = |mm: f64| (mm / self.step_mm).floor() as i64;
         let (i, j) = (index(from_mm), index(to_mm));
-        // Indices within the ring are taken as they are; the costly modulo is for stretches that
-        // pass the ring's first point.
+        // An index within the ring needs no modulo, which is costly; only a stretch that passes the ring's
+        // first point needs it.
         let at = move |k: i64| if (0..n).contains(&k) { k } else { k.rem_euclid(n) };
         (i..=j.min(i + n - 1)).map(move |k| start + at(k) as usize)
     }
@@ -112,7 +112,7 @@ impl Taken {
         self.range(ring, from_mm, to_mm).all(|k| !self.marks[k])
     }
 
-    /// Both stretches of an exchange, `half_mm` to either side of their middles.
+    /// Both stretches of an exchange, each from `half_mm` before its middle to `half_mm` after it.
     fn stretches(f: &Facing, half_mm: f64) -> [(usize, f64, f64); 2] {
         [
             (f.one_ring, f.one[1] - half_mm, f.one[1] + half_mm),
@@ -133,7 +133,7 @@ impl Taken {
     }
 }
 
-/// Cuts strips into cells of about `length_mm`; `taken` then holds the stretches at the cuts.
+/// Cuts strips into cells of about `length_mm`, and marks the stretches at the cuts in `taken`.
 pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
     let step = 0.25 * spacing_mm;
     // Two sets of marks: `near` spaces the cuts a cell's length apart on both sides of the strip,
@@ -159,8 +159,8 @@ pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Ta
     let mut edges = Vec::new();
     for (k, f) in cuts.iter().enumerate() {
         let [a, b] = [2 * k, 2 * k + 1].map(|c| cell_of[c]);
-        // A cut separates the stretch before its first end from the stretch after it. Both may
-        // belong to one cell where another way around joins them.
+        // A cut separates the stretch of ring before it from the stretch after it. Both may still belong to
+        // one cell, if they are connected another way around.
         if a != b {
             let (p, q) = (rings.point(f.one_ring, f.one[0]).0, rings.point(f.one_ring, f.one[2]).0);
             edges.push(Edge {
@@ -188,8 +188,8 @@ pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Ta
                 continue;
             };
             let a = cell_of[ends.after(ring, at_mm, &mut own)];
-            // The count of ends before the facing place changes slowly along a ring, so the search
-            // starts from the previous one.
+            // The number of cut ends before the facing place changes slowly along a ring, so the search
+            // starts from the previous number.
             if others.0 != other.ring {
                 others = (other.ring, ends.likely(other.ring, other.at_mm));
             }
@@ -203,7 +203,7 @@ pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Ta
     Cells { n, cuts, edges, place_mm }
 }
 
-/// The exchange at an edge between two strips; `None` where the stretches there are not straight
+/// The exchange of stretches at an edge between two strips; `None` if the stretches are not straight
 /// enough.
 pub(super) fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
     let facing = edge.facing.map(|v| v as usize);
@@ -219,7 +219,7 @@ pub(super) fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
 /// The ends of cuts on each ring, in order.
 struct Ends<'a> {
     rings: &'a Rings,
-    /// `(place, which end of which cut)`, ring by ring.
+    /// `(position in mm, 2 * cut + side)` for each cut end, ring by ring.
     all: Vec<Vec<(f64, u32)>>,
     n_cuts: usize,
 }
@@ -235,14 +235,14 @@ impl<'a> Ends<'a> {
         Self { rings, all, n_cuts: cuts.len() }
     }
 
-    /// A guess of the number of ends before a place, since cells are about equally long.
+    /// Estimates the number of cut ends before a place: cells are about equally long.
     fn likely(&self, ring: usize, at_mm: f64) -> usize {
         (at_mm / self.rings.length_mm(ring).max(1e-12) * self.all[ring].len() as f64) as usize
     }
 
-    /// The stretch of ring on which a place lies: the number of the cut end before it, or a number
-    /// of its own for a ring without cuts. `before` is a guess of the number of ends before the
-    /// place, and holds the true number afterwards.
+    /// The number of the stretch of ring on which a place lies: that of the cut end before it, or a number
+    /// of its own if the ring has no cuts. On entry `before` is an estimate of the number of ends before
+    /// the place, on return the true number.
     fn after(&self, ring: usize, at_mm: f64, before: &mut usize) -> usize {
         let ends = &self.all[ring];
         *before = bracket(ends.len(), *before, |k| ends[k].0 <= at_mm);
@@ -252,8 +252,8 @@ impl<'a> Ends<'a> {
         }
     }
 
-    /// The cell of each stretch of ring, and the number of cells: with all cuts exchanged each ring
-    /// is one cell.
+    /// The cell of each stretch of ring, and the number of cells. If all cuts are exchanged, each ring that
+    /// results is one cell.
     fn cells(&self) -> (Vec<u32>, usize) {
         let mut next = vec![0u32; 2 * self.n_cuts];
         for ends in &self.all {
@@ -270,8 +270,8 @@ impl<'a> Ends<'a> {
             }
             while cell_of[at] == u32::MAX {
                 cell_of[at] = n;
-                // An exchange leads from the end of one stretch to the partner of the next end,
-                // which has the last bit flipped.
+                // At a cut the path changes over to the partner of the next cut end; the numbers of two
+                // partners differ in the last bit.
                 at = next[at] as usize ^ 1;
             }
             n += 1;

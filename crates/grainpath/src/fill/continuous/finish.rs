@@ -1,15 +1,15 @@
-//! From joined rings to beads: moved to the middle of their space, smoothed, and given their widths.
+//! Turns joined rings into beads: centres them in their space, smooths them and sets their widths.
 //!
-//! Joining leaves corners, and strips of even phase leave beads that are not quite in the middle
-//! between their neighbours. Each segment measures the space to its left and right ([`Neighbours`])
-//! and moves by half the difference. Corners stay corners, straight stretches are smoothed. Moves
-//! after which a line crosses or leaves the infill region are undone around that place, and small
-//! loops that a line makes over itself are cut off. With variable width each bead then becomes as
-//! wide as the space it has.
+//! Joined rings have corners, and their beads do not lie quite in the middle between their neighbours.
+//! For each segment the space to its left and right is measured ([`Neighbours`]), and the segment is
+//! moved by half the difference. Corners stay corners, straight stretches are smoothed. Where a moved
+//! line crosses another or leaves the infill region, the moves around that place are undone. Small loops
+//! in which a line crosses itself are cut off. With variable width each bead then becomes as wide as its
+//! space.
 //!
-//! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at
-//! once, and which distances count as a neighbour, a gap, or a corner. Cost: linear in the points,
-//! a few rays each.
+//! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at once, and
+//! the distances that count as a neighbour, a gap or a corner. Cost: linear in the points, with a few rays
+//! for each.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
@@ -27,16 +27,16 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 /// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 const WIDEST: f64 = 1.6;
-/// Rounds of moving beads to the middle of the space between their neighbours.
+/// How many times beads are moved to the middle of the space between their neighbours.
 /// Measured: row `fill.continuous.finish.ROUNDS` of `cargo xtask bench constants`.
 static ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.finish.ROUNDS", 2);
 /// A turn whose cosine is below this is a corner and stays one (0.64: 50 degrees).
 /// Measured: row `fill.continuous.finish.CORNER` of `cargo xtask bench constants`.
 static CORNER: Tuned<f64> = Tuned::new("fill.continuous.finish.CORNER", 0.64);
-/// Neighbours are looked for up to this distance first, in beads: nearly all lie nearer.
-/// Source: chosen; it changes speed alone, for [`FAR`] finds the same neighbours.
+/// Neighbours are looked for within this distance first, in beads, because nearly all lie nearer. Source:
+/// chosen; it changes speed only, because the search up to [`FAR`] finds the same neighbours.
 const NEAR: f64 = 1.2;
-/// Neighbours are looked for up to this distance where none lies nearer, in beads.
+/// If no neighbour lies within [`NEAR`], the search goes up to this distance, in beads.
 /// Measured: row `fill.continuous.finish.FAR` of `cargo xtask bench constants`.
 static FAR: Tuned<f64> = Tuned::new("fill.continuous.finish.FAR", 2.6);
 /// A gap begins where the next bead is further away than this, in beads.
@@ -45,7 +45,7 @@ static GAP: Tuned<f64> = Tuned::new("fill.continuous.finish.GAP", 1.3);
 /// A gap is filled by wider beads only where it is at most this wide, in beads.
 /// Measured: row `fill.continuous.finish.GAP_WIDTH` of `cargo xtask bench constants`.
 static GAP_WIDTH: Tuned<f64> = Tuned::new("fill.continuous.finish.GAP_WIDTH", 1.5);
-/// Points lie close together up to this distance from a corner, in beads.
+/// Within this distance of a corner the points of a line are placed closer together, in beads.
 /// Measured: row `fill.continuous.finish.AT_CORNERS` of `cargo xtask bench constants`.
 static AT_CORNERS: Tuned<f64> = Tuned::new("fill.continuous.finish.AT_CORNERS", 5.0);
 /// A bead is moved where the free space on its two sides differs by more than this, in beads.
@@ -54,9 +54,9 @@ static UNEVEN: Tuned<f64> = Tuned::new("fill.continuous.finish.UNEVEN", 0.08);
 /// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
 /// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const ON_EDGE_MM: f64 = 0.002;
-/// A loop of a line over itself up to this length is cut off, in beads. Source: derived. A round loop
-/// of five beads is 1.6 across, so its own bead covers all but a spot of 0.6, and cutting it off
-/// leaves at most two square beads open. A longer loop goes around an area that needs it.
+/// A loop in which a line crosses itself is cut off up to this length, in beads. Source: derived. A round
+/// loop of five beads in length is 1.6 across, so its bead covers all of it but a spot of 0.6. Cutting it
+/// off leaves at most two square beads unfilled. A longer loop surrounds an area that needs it.
 const SMALL_LOOP: f64 = 5.0;
 /// One of two points of a line that lie closer than this is dropped, in beads.
 /// Measured: row `fill.continuous.finish.CLOSEST` of `cargo xtask bench constants`.
@@ -65,7 +65,7 @@ static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015)
 /// The space beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Space {
-    /// No bead and no border runs along here.
+    /// Open: neither a bead nor the border runs along this side.
     Open,
     /// Half the distance to the next bead, mm.
     Bead(f64),
@@ -107,8 +107,8 @@ impl ClosedBead {
     }
 }
 
-/// Lays rings that do not cross as beads. `infill_region` is the area for centrelines, `border` the area to
-/// be filled.
+/// Turns rings that do not cross into beads. `infill_region` is the area in which centrelines may lie,
+/// `border` the area to be filled.
 pub(super) fn lay(
     rings: Vec<Vec<DVec2>>,
     infill_region: &Polygon,
@@ -130,8 +130,8 @@ pub(super) fn lay(
     let mut lines = Vec::new();
     for round in 0..ROUNDS.value() {
         let from = if round == 0 { &laid } else { &lines };
-        // Only segments with uneven sides are measured again: the others hardly moved, and each
-        // costs two rays.
+        // Only segments with unequal space on their two sides are measured again. The others hardly moved,
+        // and each measurement costs two rays.
         if round > 0 {
             let uneven = uneven(&sides, spacing);
             let near = first.near(from, &marked(from, &uneven));
@@ -153,7 +153,7 @@ pub(super) fn lay(
     if !variable || !context.density.is_dense() {
         return lines.into_iter().map(|line| ClosedBead { line, widths: None }).collect();
     }
-    // Segments with even sides keep the widths measured before.
+    // Segments with equal space on both sides keep the space measured before.
     let uneven = uneven(&sides, spacing);
     let near = settled.near(&lines, &marked(&lines, &uneven));
     let sides = spaces_beside(&lines, &near, spacing, Some((sides, uneven)));
@@ -181,10 +181,10 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     width.clamp(NARROWEST * nominal, WIDEST * nominal)
 }
 
-/// Sides as measured before, and which of them are measured again, by line and segment.
+/// The space measured before, and whether it is to be measured again, for each line and segment.
 type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
 
-/// Marks segments whose sides differ, and three segments before and after each.
+/// Marks segments with unequal space on their sides, and three segments before and after each.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     let of_line = |sides: &Vec<Sides>| {
         let n = sides.len();
@@ -200,7 +200,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     sides.iter().map(of_line).collect()
 }
 
-/// The points of the segments that are marked.
+/// The first points of all marked segments.
 fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
     let of_line = |(line, marks): (&Line, &Vec<bool>)| {
         let at = |s: usize| marks[s].then(|| line.points[s]);
@@ -209,8 +209,8 @@ fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
     lines.iter().zip(uneven).flat_map(of_line).collect()
 }
 
-/// The space beside every segment: half of the distance to the next bead along it, or the distance
-/// to the border. With `known`, only marked segments are measured anew.
+/// The space beside every segment: half the distance to the next parallel bead, or the distance to the
+/// border. If `known` is given, only the segments marked in it are measured again.
 fn spaces_beside(
     lines: &[Line],
     neighbours: &Neighbours,
@@ -244,8 +244,8 @@ fn spaces_beside(
             let Some(other) = hit.line else { return Space::Border(hit.distance_mm) };
             *last = Some((other, hit.segment));
             if hit.distance_mm > GAP.value() * spacing_mm {
-                // A ray that runs along the gap between two beads also goes far before it meets
-                // one. A real gap is open across the ray too.
+                // A ray that runs along the gap between two beads also goes far before it meets one. A real
+                // gap is also wide in the direction square to the ray.
                 let inside = middle + 0.5 * hit.distance_mm * look;
                 let far = GAP_WIDTH.value() * spacing_mm;
                 let free = |way: DVec2| {
@@ -258,7 +258,7 @@ fn spaces_beside(
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Space::Bead(0.5 * hit.distance_mm) } else { Space::Open }
         };
-        // Along a bead the neighbour mostly stays the same.
+        // From one segment of a bead to the next, the neighbour is mostly the same.
         let mut last = [None; 2];
         let sought = |s: usize| match &known {
             Some((sides, marked)) if !marked[l][s] => sides[l][s],
@@ -269,12 +269,12 @@ fn spaces_beside(
     lines.iter().enumerate().map(of_line).collect()
 }
 
-/// A line moved towards the middle of its space and smoothed between its corners.
+/// Moves a line towards the middle of its space, and smooths it between its corners.
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
     let most = 0.25 * spacing_mm;
-    // Shift of each segment across its direction. A side without a neighbour does not push the bead
-    // away; the bead only follows a gap on its other side.
+    // Sideways shift of each segment. On a side without a neighbour nothing pushes the bead away; the bead
+    // is then only pulled towards a gap on its other side.
     let shift = |s: &Sides| match s.map(Space::mm) {
         [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
         [Some(left), None] => (left - 0.5 * spacing_mm).clamp(0.0, most),
@@ -300,8 +300,8 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
         if is_corner[v] {
             return p;
         }
-        // Towards the middle of both neighbours, across the line only, so that the steps along it
-        // stay even.
+        // The point moves towards the middle of its two neighbours, but only across the line, so that the
+        // steps along the line stay even.
         let across = (b - a).perp().normalize_or_zero();
         p + 0.35 * (a.midpoint(b) - p).dot(across) * across
     };
@@ -317,8 +317,8 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Undoes moves after which lines cross or leave the region. Returned are the neighbours of the
-/// lines as they then lie; `None` where some lines cross all the same.
+/// Undoes moves after which lines cross or leave the region. Returns the neighbours of the lines as they
+/// then lie, or `None` if some lines still cross.
 fn undo_trouble(
     before: &[Line],
     after: &mut [Line],
@@ -327,7 +327,7 @@ fn undo_trouble(
 ) -> Option<Neighbours> {
     let all = neighbours(after);
     let mut pairs = all.crossings();
-    // All segments in the first round, afterwards those that were moved back.
+    // The first round checks all segments, later rounds only those that were moved back.
     let mut touched: Option<Vec<(usize, usize)>> = None;
     let mut stuck = false;
     for round in 0..8 {
@@ -339,7 +339,7 @@ fn undo_trouble(
             let (a, b) = after[l].segment(s);
             infill_region.meets(a, b)
         };
-        // A segment at its old place cannot be improved by undoing.
+        // A segment still at its old place cannot be improved by undoing moves.
         let leaving = |at: &(usize, usize)| is_moved(at) && leaves(at);
         let mut trouble: Vec<(usize, usize)> = match &touched {
             Some(touched) => touched.iter().copied().filter(leaving).collect(),
@@ -368,7 +368,7 @@ fn undo_trouble(
         pairs = all.near(after, &places).crossings();
         touched = Some(back);
     }
-    // Still crossing after eight rounds: all moves of all lines are undone.
+    // If lines still cross after eight rounds, all moves of all lines are undone.
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
     None
 }
@@ -377,7 +377,7 @@ fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
     lines.iter().enumerate().flat_map(|(l, line)| (0..line.n_segments()).map(move |s| (l, s)))
 }
 
-/// Cuts off short loops that a line makes over itself, and spikes. Returned is whether there were
+/// Cuts off spikes and short loops in which a line crosses itself. Returns whether there were
 /// any.
 fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     let mut changed = false;
@@ -412,7 +412,7 @@ fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     changed
 }
 
-/// A closed line with points at most about one bead apart near its corners, where beads move most.
+/// Adds points to a closed line near its corners, where beads move most, so that they lie about one bead apart.
 fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
     let n = points.len();
     let step = |s: usize| points[(s + 1) % n] - points[s];
@@ -443,7 +443,7 @@ fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// A closed line without points that coincide with their predecessor.
+/// Removes the points of a closed line that lie within `near_mm` of the previous point, and spikes.
 fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(points.len());
     for &p in points {
@@ -458,8 +458,8 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
 }
 
-/// Takes the tips of spikes out of a closed line, together with their widths. A spike thinner than what
-/// a printer can show is a point too many, as on a straight line.
+/// Removes the tips of spikes from a closed line, together with their widths. A spike thinner than a
+/// printer can show is removed like a point on a straight line.
 fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
     let keep = unspiked(points, SIMPLIFY_MM);
     let each = || keep.iter().copied();

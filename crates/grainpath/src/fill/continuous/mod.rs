@@ -1,17 +1,17 @@
 //! One closed path through a whole infill region, along the field where it can.
 //!
-//! Method: spanning tree coverage (`Gabriely2001`) on cells that follow a field, after the idea of
-//! a patent application to join loops along a tree weighted by stress (`ContinuousPath`). A loop
-//! around the cells of a tree is one closed path, because a tree has no cycles. The steps:
+//! Method: spanning tree coverage (`Gabriely2001`) on cells that follow a field. The idea to join loops
+//! along a tree weighted by stress is that of a patent application (`ContinuousPath`). A loop around the
+//! cells of a tree is one closed path, because a tree has no cycles. The steps:
 //!
-//! 1. [`strips`] cuts the region into strips two beads wide along the field: one bead there, one back;
+//! 1. [`strips`] cuts the region along the field into strips two beads wide, one bead for each direction;
 //! 2. [`cells`] cuts the strips across at even lengths;
-//! 3. [`tree`] joins cells that share an edge, those first whose joint turns beads least out of the field;
-//! 4. [`rings`] exchanges two stretches that face each other for the two ways between their ends:
-//!    two loops become one;
+//! 3. [`tree`] joins cells that share an edge, and prefers joints that turn beads little out of the field;
+//! 4. [`rings`] makes the joints: two stretches that face each other are replaced by two connections
+//!    between their ends, so two loops become one;
 //! 5. [`finish`] moves the beads to the middle of the space they have and gives them their widths;
-//! 6. [`verify`] looks for crossings, for places left apart and for necks too narrow for a bead
-//!    there and back.
+//! 6. [`verify`] looks for crossings, for rings that could not be joined, and for necks too narrow for two
+//!    beads side by side.
 //!
 //! ```text
 //!    +-----------+ +-----------+          +-----------+-+-----------+
@@ -19,10 +19,10 @@
 //!    +-----------+ +-----------+          +-----------+ +-----------+
 //! ```
 //!
-//! A closed path lays an even number of beads across any place, so a place three beads wide cannot
-//! be filled at one width. [`Problem`] names what could not be joined. Related work: controllable
-//! space-filling curves (`Bedel2022`) improve a cycle by local moves; here the tree is chosen once
-//! and single joints are moved afterwards.
+//! A closed path lays an even number of beads across any place, so a place three beads wide cannot be
+//! filled at one width. [`Problem`] names what prevented a single path. Related work: controllable
+//! space-filling curves (`Bedel2022`) improve a cycle by local moves; here the tree is chosen once, and
+//! rings that remain apart are joined afterwards.
 //!
 //! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo
 //! xtask bench continuous`).
@@ -52,26 +52,26 @@ pub use verify::{Note, Problem};
 pub struct Continuous {
     /// The tree that joins the cells.
     pub tree: TreeKind,
-    /// Length of a cell, in its widths.
+    /// Length of a cell divided by its width.
     pub aspect: f64,
     /// Whether beads widen and narrow to fill the space they have.
     pub variable: bool,
 }
 
 impl Continuous {
-    /// Along the field, with beads of varying width. Measured: row `fill.cell_aspect` of `cargo xtask bench
-    /// constants`.
+    /// Follows the field, with beads of varying width.
+    /// Measured: row `fill.cell_aspect` of `cargo xtask bench constants`.
     pub const DEFAULT: Self = Self { tree: TreeKind::Directed, aspect: 2.5, variable: true };
 }
 
-/// Rings shorter than this are left out, in bead spacings: a start would take longer than the ring.
-/// Source: derived. Retracting 0.8 mm of filament at 35 mm/s and pushing it back, as the default profile
-/// does, takes 46 ms, in which the head goes 2.7 mm at 60 mm/s: six beads of 0.45 mm.
+/// Rings shorter than this are left out, in bead spacings, because starting takes longer than printing
+/// them. Source: derived. Retracting 0.8 mm of filament at 35 mm/s and pushing it back, as the default
+/// profile does, takes 46 ms, in which the head moves 2.7 mm at 60 mm/s: six beads of 0.45 mm.
 const MIN_RING_BEADS: f64 = 6.0;
-/// Smallest weight of the field, so that cells still prefer it where the stress is nearly zero.
+/// Least weight of the field, so that cells still follow it where the stress is nearly zero.
 /// Measured: row `fill.continuous.MIN_WEIGHT` of `cargo xtask bench constants`.
 static MIN_WEIGHT: Tuned<f64> = Tuned::new("fill.continuous.MIN_WEIGHT", 0.02);
-/// Samples along the longer side of a region when estimating how strongly the field constrains it.
+/// Number of samples along the longer side of a region, by which the typical strength of the field is estimated.
 /// Measured: row `fill.continuous.FIELD_SAMPLES` of `cargo xtask bench constants`.
 static FIELD_SAMPLES: Tuned<f64> = Tuned::new("fill.continuous.FIELD_SAMPLES", 32.0);
 
@@ -81,11 +81,11 @@ impl Infill for Continuous {
     }
 }
 
-/// The field's axis and its weight at a point. Weight 1 is that of the places where directions
-/// matter much in this region.
+/// Gives the field's axis and its weight at a point. Weight 1 stands for places where the direction matters
+/// most in this region.
 struct Pull<'a> {
     context: &'a FillContext<'a>,
-    /// The field's strength that gets weight 1.
+    /// The strength of the field that counts as weight 1.
     much: f64,
 }
 
@@ -101,8 +101,8 @@ impl<'a> Pull<'a> {
         let place = |i: usize, j: usize| bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
         let places = (0..ny).flat_map(|j| (0..nx).map(move |i| place(i, j)));
         let mut all: Vec<f64> = places.filter(|&p| inside.contains(p)).map(|p| pull.at(p).1).collect();
-        // The ninth decile, so that stress peaks at corners do not push the rest of the region to
-        // the smallest weight. With hardly a sample inside the region the scale stays 1.
+        // The ninth decile is used, because a scale set by stress peaks at corners would give the rest of
+        // the region the smallest weight. With hardly a sample inside the region the scale stays 1.
         let at = all.len() * 9 / 10;
         if at > 0 {
             pull.much = all.select_nth_unstable_by(at, f64::total_cmp).1.max(f64::MIN_POSITIVE);
@@ -113,15 +113,15 @@ impl<'a> Pull<'a> {
     fn at(&self, p: DVec2) -> (DVec2, f64) {
         let Some(field) = self.context.field else { return (DVec2::X, 1.0) };
         let there = field.sample(p.extend(self.context.z_mid_mm));
-        // The difference of the principal stresses is what a bead across the axis gives up. Fields
-        // without stresses give their own strength.
+        // The difference of the principal stresses is what is lost by a bead across the axis instead of
+        // along it. Fields without stresses give their own strength.
         let matters = there.principal_mpa.map_or(there.strength, |[along, across]| (along - across).abs());
         (direction(there.axis_rad), (matters / self.much).max(MIN_WEIGHT.value()))
     }
 }
 
 impl Continuous {
-    /// Lays the infill regions of one island, and notes what kept them from being one path.
+    /// Fills the infill regions of one island, and notes what prevented a single path.
     pub fn lay_island(
         &self,
         context: &FillContext<'_>,
@@ -135,7 +135,7 @@ impl Continuous {
             Density::Sparse(fraction) => 0.5 * context.spacing_mm() / fraction,
         };
         let whole = Region { polygons: infill_regions.iter().map(|&r| r.clone()).collect() };
-        // The distance may part a region into several; each part becomes a path of its own.
+        // Insetting by this distance may split a region; each part becomes a path of its own.
         let infill_regions = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
         verify::necks(&infill_regions, context.bead_width_mm, notes);
         infill_regions.iter().for_each(|infill_region| self.lay(context, infill_region, out, notes));
@@ -164,22 +164,22 @@ impl Continuous {
         };
         let (mut paths, mut found) = checked(beads.iter().map(|b| b.path(true, context)).collect());
         if found.iter().any(|n| matches!(n.what, Problem::Crossing | Problem::Outside)) {
-            // Beads that all but touch may cross once points are left out: then every point is
-            // kept.
+            // Beads that nearly touch may cross after points have been left out. In that case all points
+            // are kept.
             (paths, found) = checked(beads.iter().map(|b| b.path(false, context)).collect());
         }
         notes.extend(found);
         out.extend(paths);
     }
 
-    /// The loops of all cells of a region, joined to a single ring where that is possible.
+    /// The loops around all cells of a region, joined to a single ring where possible.
     fn joined(&self, context: &FillContext<'_>, infill_region: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
         let pull = Pull::new(context, infill_region);
         let axis = |p: DVec2| pull.at(p);
         let mut rings =
             Rings::new(strips::outlines(context, infill_region, &pull, spacing), infill_region, spacing);
-        // Crossing outlines cannot be exchanged: a joint would tie a knot. Squares cut out at the
-        // crossings part them.
+        // Outlines that cross cannot be joined: the joint would make a knot. So squares are cut out at the
+        // crossings, which separates the outlines.
         let touching = rings.crossings();
         if !touching.is_empty() {
             let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();

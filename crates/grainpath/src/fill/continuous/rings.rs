@@ -1,8 +1,8 @@
-//! Closed lines with positions along them, and places where two of them face each other.
+//! Closed lines (rings) with positions along them, and places where two rings can be joined.
 //!
-//! A joint takes two stretches, one bead long, that face each other a bead apart and run against
-//! each other. Exchanging them for the two ways between their ends makes one ring of two rings, or
-//! two of one, and crosses nothing:
+//! A joint takes two stretches, each one bead long, that face each other a bead apart and run in opposite
+//! directions. The stretches are replaced by two connections between their ends. This makes one ring of two
+//! rings, or two of one, and crosses nothing:
 //!
 //! ```text
 //!     ----->----->-----            ----->  +  ----->
@@ -10,10 +10,10 @@
 //!     -----<-----<-----            -----<--+  +-<----
 //! ```
 //!
-//! Stretches must be straight enough (the cosine of their turn), nearly parallel, and the two new
-//! ways must lie inside the infill region. What faces a place is found by a ray in square buckets
-//! ([`Neighbours`]); a walk along a ring first asks whether the neighbour it had a step before is
-//! still there, which answers most questions without a ray.
+//! Stretches must be straight enough (the cosine of their turn) and nearly parallel, and both connections
+//! must lie inside the infill region. A ray in square buckets ([`Neighbours`]) finds what faces a place. A
+//! walk along a ring first checks whether the neighbour of the previous step is still there, and mostly
+//! needs no ray.
 //!
 //! Positions are mm along a ring from its first point. Cost: constant for a place whose neighbour
 //! stays the same.
@@ -26,8 +26,8 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
-/// Two beads nearer than this have nothing between them, in beads. The neighbour found a step
-/// before is then kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
+/// Between two beads nearer than this nothing else can lie, in beads, so the neighbour of the
+/// previous step is kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
 /// constants`.
 pub(super) static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
 /// Side of the squares of the grid that segments are sorted into, in beads.
@@ -39,9 +39,9 @@ pub(super) const SEEN_BEADS: f64 = 2.0;
 pub(super) struct Place {
     pub ring: usize,
     pub segment: usize,
-    /// From the ring's first point, mm.
+    /// Position along the ring from its first point, mm.
     pub at_mm: f64,
-    /// Its distance, mm.
+    /// Distance from the place that it faces, mm.
     pub distance_mm: f64,
 }
 
@@ -50,41 +50,41 @@ pub(super) struct Place {
 pub(super) struct Walk {
     /// The segment of the ring.
     segment: usize,
-    /// The ring and segment that faced it last.
+    /// The ring and the segment that faced the previous place of the walk.
     facing: Option<(usize, usize)>,
 }
 
-/// Two stretches of about one bead's length that face each other about a bead apart and run in
-/// opposite directions. Exchanging them for the two ways between their ends makes one ring of two,
-/// or two of one, without a crossing.
+/// Two stretches of about one bead's length that face each other about a bead apart and run in opposite
+/// directions. Replacing them by two connections between their ends makes one ring of two, or two of one,
+/// without a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Facing {
-    /// Start, middle and end of the one, mm along its ring.
+    /// Start, middle and end of the first stretch, mm along its ring.
     pub one: [f64; 3],
     pub one_ring: usize,
-    /// Start, middle and end of the other: its start faces the end of the first.
+    /// Start, middle and end of the second stretch. Its start faces the end of the first one.
     pub other: [f64; 3],
     pub other_ring: usize,
-    /// Ends of the one, then of the other.
+    /// Start and end of the first stretch, then of the second.
     pub corners: [DVec2; 4],
     /// About half the length of a stretch, mm.
     pub half_mm: f64,
 }
 
 impl Facing {
-    /// The two ways from ring to ring.
+    /// The two connections from ring to ring.
     fn ways(&self) -> [[DVec2; 2]; 2] {
         let [a0, a1, b0, b1] = self.corners;
         [[a0, b1], [b0, a1]]
     }
 
-    /// Whether one of the two ways crosses one of the ways of `other`.
+    /// Whether one of the two connections crosses a connection of `other`.
     pub(super) fn crosses(&self, other: &Self) -> bool {
         self.ways().iter().any(|w| other.ways().iter().any(|o| segment::meeting(*w, *o) != Meeting::Apart))
     }
 }
 
-/// Side of a ring; the strip lies on its left.
+/// A side of a ring. The strip that the ring outlines lies on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
     Left,
@@ -112,8 +112,8 @@ pub(super) fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> 
     ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
 }
 
-/// The number of leading entries out of `n` for which `below` holds. The search starts from a guess
-/// and widens outwards; for entries at about even steps the guess is mostly right or one off.
+/// The number of leading entries, out of `n`, for which `below` holds. The search starts at `guess` and
+/// widens in growing steps. If entries have about even steps, the guess is mostly right or wrong by one.
 pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, n);
     let (mut at, mut step) = (guess.min(n.saturating_sub(1)), 1);
@@ -133,12 +133,12 @@ pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> 
     low
 }
 
-/// Rings run against each other where the cosine between them is below the negative of this.
+/// Rings run in opposite directions if the cosine of the angle between them is below minus this value.
 /// Measured: row `fill.continuous.rings.AGAINST` of `cargo xtask bench constants`.
 static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
-/// Segments further than this from every shorter ring are left out of the search for joints, in beads.
-/// Source: derived. The widest search looks 3.2 beads far, and the ways between the ends of two
-/// stretches, each half a bead long, lie within a bead of that. More changes speed alone.
+/// For the last joints, only segments within this distance of a ring other than the longest are searched,
+/// in beads. Source: derived. The widest search looks 3.2 beads far, and the connections between stretches
+/// lie within one more bead of that. A larger value changes speed only.
 const FURTHEST: f64 = 5.0;
 
 fn longest(arcs: &[Vec<f64>]) -> usize {
@@ -149,7 +149,7 @@ fn longest(arcs: &[Vec<f64>]) -> usize {
 /// Closed lines that do not cross.
 pub(super) struct Rings {
     pub lines: Vec<Line>,
-    /// Length up to each point, and all of it at last.
+    /// For each ring the length from its first point to each point, and its whole length as the last entry.
     arcs: Vec<Vec<f64>>,
     neighbours: Neighbours,
     infill_region: LineClipper,
@@ -163,8 +163,8 @@ impl Rings {
         })
     }
 
-    /// Rings for a search from all of them but the longest: only segments near the shorter ones are
-    /// kept.
+    /// Rings for a search that starts from all rings except the longest. Only segments near the shorter
+    /// rings are indexed.
     pub(super) fn around_short(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, infill_region, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
@@ -195,7 +195,7 @@ impl Rings {
         Self { lines, arcs, neighbours, infill_region, spacing_mm }
     }
 
-    /// The longest ring; the first one among equals.
+    /// The longest ring; if several are equally long, the first of them.
     pub(super) fn longest(&self) -> usize {
         longest(&self.arcs)
     }
@@ -205,7 +205,7 @@ impl Rings {
         self.neighbours.crossings().into_iter().map(|[a, b]| self.meeting(a, b)).collect()
     }
 
-    /// The point that two segments, each as ring and segment, have in common.
+    /// The point that two segments have in common, each given as ring and segment.
     fn meeting(&self, a: (usize, usize), b: (usize, usize)) -> DVec2 {
         let ((p, q), (r, s)) = (self.lines[a.0].segment(a.1), self.lines[b.0].segment(b.1));
         let det = cross(q - p, s - r);
@@ -217,7 +217,7 @@ impl Rings {
         self.arcs[ring].last().copied().unwrap_or(0.0)
     }
 
-    /// The segment on which a place probably lies: steps are about even.
+    /// Estimates the segment on which a position lies: segments are about equally long.
     fn likely_segment(&self, ring: usize, at_mm: f64) -> usize {
         let arc = &self.arcs[ring];
         let n = arc.len() - 1;
@@ -235,7 +235,7 @@ impl Rings {
         self.point_near(ring, at_mm, self.likely_segment(ring, at_mm))
     }
 
-    /// The same for a position within the ring's length, near `segment`.
+    /// As [`Self::point`], for a position within the ring's length; the search starts at `segment`.
     fn point_near(&self, ring: usize, at_mm: f64, segment: usize) -> (DVec2, DVec2, usize) {
         let arc = &self.arcs[ring];
         let s = bracket(arc.len(), segment + 1, |k| arc[k] <= at_mm).saturating_sub(1).min(arc.len() - 2);
@@ -244,8 +244,8 @@ impl Rings {
         (a + (at_mm - self.arcs[ring][s]) * way, way, s)
     }
 
-    /// The place that faces a position at about a bead's distance, and the points at both. `walk`
-    /// carries the neighbour from one call to the next, because along a bead it mostly stays the
+    /// The place that faces a position at about a bead's distance, and the points at both places.
+    /// `walk` passes the neighbour from one call to the next, because along a bead it mostly stays the
     /// same.
     pub(super) fn facing(
         &self,
@@ -262,7 +262,7 @@ impl Rings {
         place.map(|other| (other, [p, p + other.distance_mm * side.normal(way)]))
     }
 
-    /// The facing place, if it lies on the same ring and near the same segment as the one before.
+    /// The facing place, if it lies on or next to the segment that faced the previous position.
     fn still_facing(
         &self,
         p: DVec2,
@@ -312,8 +312,8 @@ impl Rings {
         Some(Place { ring: other, segment: hit.segment, at_mm, distance_mm: hit.distance_mm })
     }
 
-    /// The stretches around a position and around the place that faces it, where both are straight
-    /// enough. `known` is the ring and segment known to face it.
+    /// The stretch around a position and the stretch around the facing place, if both are straight enough.
+    /// `known` is a ring and segment already known to face the position.
     pub(super) fn stretches(
         &self,
         ring: usize,
@@ -335,8 +335,8 @@ impl Rings {
             if along.dot(way) < 0.8 {
                 return None;
             }
-            // All rays look across the direction at the middle, so that they stay parallel. A strip
-            // may end between two of them, so both ends are looked at anew.
+            // All rays are square to the ring's direction at the middle, so that they are parallel. A strip
+            // may end between two rays, so both ends are searched anew.
             let place = self.facing_along(ring, q, way, segment, side, range)?;
             *end = (place, q, q + place.distance_mm * look);
         }
@@ -347,7 +347,7 @@ impl Rings {
             return None;
         }
         let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
-        // A facing stretch much shorter or longer than ours lies at a slant or has a bend.
+        // A facing stretch much shorter or longer than this one lies at a slant or has a bend.
         let fits = |d: f64| d > 0.3 * half && d < 1.8 * half;
         if !fits(d0) || !fits(d1) {
             return None;
@@ -379,9 +379,9 @@ impl Rings {
         })
     }
 
-    /// Short stretches around a position and around whatever is seen from it at any angle on
-    /// another ring, where the two ways between their ends are free. For rings that run along each
-    /// other nowhere.
+    /// Short stretches around a position and around a place of another ring that a ray at any angle
+    /// hits, if the connections between their ends are free. They join rings that nowhere run side by
+    /// side.
     pub(super) fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
         let (p, way, segment) = self.point(ring, at_mm);
         let mut out = Vec::new();
@@ -422,7 +422,7 @@ impl Rings {
         out
     }
 
-    /// Whether the straight way between two points of rings meets no ring and stays inside the
+    /// Whether the straight connection between two points of rings meets no ring and stays inside the
     /// region.
     fn is_free(&self, a: DVec2, b: DVec2) -> bool {
         let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
@@ -431,17 +431,17 @@ impl Rings {
             && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
     }
 
-    /// The rings after exchanging all these stretches.
+    /// The rings that result when all joints in `swaps` are made.
     pub(super) fn exchanged(&self, swaps: &[Facing]) -> Vec<Vec<DVec2>> {
-        // For each ring its cuts: start and end of the stretch given up, and the number of the
-        // exchange's end.
+        // For each ring its cuts: start and end of the removed stretch, and a number `2 * joint +
+        // side`.
         let mut cuts: Vec<Vec<(f64, f64, usize)>> = vec![Vec::new(); self.lines.len()];
         for (k, s) in swaps.iter().enumerate() {
             cuts[s.one_ring].push((s.one[0], s.one[2], 2 * k));
             cuts[s.other_ring].push((s.other[0], s.other[2], 2 * k + 1));
         }
         cuts.iter_mut().for_each(|c| c.sort_by(|a, b| a.0.total_cmp(&b.0)));
-        // The stretch kept after cut `c`: from its end to the start of the next cut on the ring.
+        // The piece of ring kept after cut `c` reaches from the cut's end to the start of the next cut.
         let mut kept: Vec<(usize, usize)> = vec![(0, 0); 2 * swaps.len()];
         for (ring, cuts) in cuts.iter().enumerate() {
             for (i, c) in cuts.iter().enumerate() {
@@ -467,8 +467,8 @@ impl Rings {
                 ring.push(corner(cut, 1));
                 self.between(r, from, to, &mut ring);
                 ring.push(corner(next, 0));
-                // From the start of one stretch the path crosses to the end of its partner and
-                // follows that ring.
+                // From the start of a removed stretch the path crosses over to the end of its partner, and
+                // then follows the partner's ring.
                 cut = next ^ 1;
             }
             if !ring.is_empty() {
@@ -478,14 +478,14 @@ impl Rings {
         out
     }
 
-    /// The ring's own points between two places, in its direction.
+    /// Adds the ring's points between two positions, in the direction of the ring.
     fn between(&self, ring: usize, from_mm: f64, to_mm: f64, out: &mut Vec<DVec2>) {
         let arc = &self.arcs[ring];
         let points = &self.lines[ring].points;
         let n = points.len();
         let first = arc.partition_point(|&a| a <= from_mm);
         let end = arc.partition_point(|&a| a < to_mm);
-        // The kept part passes the ring's first point.
+        // The piece passes the ring's first point.
         let wraps = to_mm <= from_mm;
         let range = if wraps { first..end + n } else { first..end };
         out.extend(range.map(|i| points[i % n]));

@@ -1,10 +1,10 @@
-//! Strips two beads wide along the field, as closed outlines half a bead inside their edges.
+//! Divides a region into strips two beads wide along the field. Their outlines are the beads' centrelines.
 //!
-//! A phase ([`phase`](super::super::field::phase)) turns once per two beads across the field. Where
-//! its cosine is negative lies the inside of a strip's outline: the two beads of a strip run where
-//! the cosine changes sign, and the gap between neighbouring strips is where it is positive. The
-//! cosine does not care which way the axis points, so outlines close around every singular point of
-//! the field.
+//! The phase ([`phase`](super::super::field::phase)) makes one turn per two beads across the field. A
+//! strip's outline encloses the area in which the cosine of the phase is negative. The two beads of a
+//! strip run where the cosine changes sign, and between neighbouring strips it is positive. The cosine
+//! is the same for either sign of the axis, so outlines close around every singular point of the
+//! field.
 //!
 //! ```text
 //!    cos > 0   between strips
@@ -14,10 +14,11 @@
 //!    cos > 0   between strips
 //! ```
 //!
-//! Outlines are cut at the border of the infill region by an arrangement of polylines and contours
-//! ([`cut_by`]); places too thin for two strips side by side become strips of their own, whatever
-//! the field says. Where rounding makes the arrangement unclear the whole region becomes one strip.
-//! Cost: the phase on about [`MANY_NODES`] nodes, more where [`MESH_MAX`] bounds its squares, then linear in the outlines.
+//! Lines that leave the infill region are cut at its border and joined along its contours ([`cut_by`]).
+//! Places too thin for two strips side by side become strips of their own, whatever the field says. If
+//! rounding makes it unclear where lines and contours cross, the whole region becomes one strip. Cost: the
+//! phase on about [`MANY_NODES`] nodes, or more if [`MESH_MAX`] bounds the grid squares; then linear in the
+//! outlines.
 
 use std::f64::consts::{PI, TAU};
 
@@ -36,49 +37,49 @@ use grainpath_core::tuned::Tuned;
 
 const NONE: u32 = u32::MAX;
 
-/// Finest square of the grid that the phase is found on, in beads.
+/// Smallest side of the grid squares on which the phase is found, in beads.
 /// Measured: row `fill.continuous.strips.MESH_MIN` of `cargo xtask bench constants`.
 static MESH_MIN: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MIN", 1.0);
-/// Coarsest square of the grid that the phase is found on, in beads, however large the region.
+/// Largest side of the grid squares on which the phase is found, in beads, however large the region.
 /// Measured: row `fill.continuous.strips.MESH_MAX` of `cargo xtask bench constants`.
 static MESH_MAX: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MAX", 3.0);
-/// The grid has at most about so many nodes; a larger region gets coarser squares.
+/// The grid has about this number of nodes at most; a larger region gets larger squares.
 /// Measured: row `fill.continuous.strips.MANY_NODES` of `cargo xtask bench constants`.
 static MANY_NODES: Tuned<f64> = Tuned::new("fill.continuous.strips.MANY_NODES", 20_000.0);
 /// Parts of a region narrower than this are strips by themselves, in beads.
 /// Measured: row `fill.continuous.strips.THIN_BEADS` of `cargo xtask bench constants`.
 static THIN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_BEADS", 1.5);
-/// Strips that touch are cut back by this much, in beads. Source: derived. The two beads of a strip
-/// lie one bead apart, so squares that reach half a bead would cut the strip through from both sides;
-/// a quarter leaves half of it whole.
+/// Where strips touch, a square that reaches this far to each side is cut out, in beads. Source: derived.
+/// The two beads of a strip lie one bead apart, so two squares that reach half a bead would cut the strip
+/// through; a quarter of a bead leaves half of the strip's width.
 const PARTED_BEADS: f64 = 0.25;
-/// Distance of the points of a strip's outline, in beads.
+/// Distance between neighbouring points of a strip's outline, in beads.
 /// Measured: row `fill.continuous.strips.STEP_BEADS` of `cargo xtask bench constants`.
 static STEP_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STEP_BEADS", 1.0);
-/// Largest number of steps of an outline that become one where the outline is straight.
+/// Where an outline is straight, up to this number of its steps become one.
 /// Measured: row `fill.continuous.strips.LONGEST_STEPS` of `cargo xtask bench constants`.
 static LONGEST_STEPS: Tuned<usize> = Tuned::new("fill.continuous.strips.LONGEST_STEPS", 3);
 /// An outline is straight where its points lie nearer to the chord than this, in beads.
 /// Measured: row `fill.continuous.strips.STRAIGHT_BEADS` of `cargo xtask bench constants`.
 static STRAIGHT_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STRAIGHT_BEADS", 0.005);
-/// Least weight of the field, where the stress is nearly zero; the largest is 1.
+/// Least weight of the field, used where the stress is nearly zero. The largest weight is 1.
 /// Measured: row `fill.continuous.strips.LEAST_WEIGHT` of `cargo xtask bench constants`.
 static LEAST_WEIGHT: Tuned<f64> = Tuned::new("fill.continuous.strips.LEAST_WEIGHT", 0.1);
-/// Rounds of diffusion of the phase at each of the widths.
+/// How many rounds the phase is diffused at each width.
 /// Measured: row `fill.continuous.strips.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
 static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.strips.DIFFUSION_ROUNDS", 3);
-/// Factor on the widths of diffusion.
+/// Factor on all widths of the diffusion of the phase.
 /// Measured: row `fill.continuous.strips.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.continuous.strips.DIFFUSION_SCALE", 1.0);
 
-/// Steps of diffusion of the phase: the width of each in squares of the grid, and its rounds. Wide
-/// steps arrange the strips of the whole region, narrow ones their borders.
+/// Steps of the phase's diffusion: the width of each in grid squares, and its number of rounds. Wide steps
+/// arrange the strips of the whole region, narrow steps adjust their borders.
 fn diffusion_steps() -> [(f64, usize); 4] {
     [60.0, 25.0, 8.0, 3.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
 
-/// The outlines of all strips of a region at this bead spacing: closed, inside the region, with the
-/// strip on their left. Where a strip ends at the border, the outline follows the region's own
+/// The outlines of all strips of a region at this bead spacing. They are closed, lie inside the region and
+/// have the strip on their left. Where a strip ends at the border, its outline follows the region's
 /// contour.
 pub(super) fn outlines(
     context: &FillContext<'_>,
@@ -107,7 +108,7 @@ pub(super) fn outlines(
         .nodes
         .iter()
         .zip(&axes)
-        // A quarter turn at the border: the cosine changes sign there, so the outermost bead
+        // At the border the phase is a quarter turn. The cosine changes sign there, so the outermost bead
         // follows the border.
         .map(|(&p, axis)| near.wanted(p, *axis, 2.0 * spacing_mm, 0.25))
         .collect();
@@ -126,7 +127,7 @@ pub(super) fn outlines(
     with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
 }
 
-/// A line without the points that lie straight between their neighbours.
+/// Removes points of a line that lie on the straight line between their neighbours.
 fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
     let n = points.len();
     let mut out = Vec::with_capacity(n / 2 + 2);
@@ -148,13 +149,13 @@ fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// Adds the parts too thin for strips side by side as strips of their own, whatever the field says:
-/// one bead there and one back along their sides.
+/// Adds the parts of a region too thin for two strips side by side as strips of their own, whatever the
+/// field says. Each is outlined by two beads along its sides.
 fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let thick = region.opened(0.5 * THIN_BEADS.value() * spacing_mm);
     let mut thin = region.difference(&thick);
-    // Corners of any region are thin in this sense. Small parts count only where they connect two
-    // thick ones.
+    // Every corner of a region is thin in this sense. So small parts count only if they connect two thick
+    // parts.
     thin.polygons.retain(|p| {
         let is_neck = || {
             let grown = Region::from(p.clone()).offset(0.1 * spacing_mm, Join::Miter(2.0));
@@ -166,7 +167,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
         return loops;
     }
     let strips = Region::from_contours(&loops, FillRule::Positive);
-    // The parts are grown a little so that they overlap the strips they touch and become one with
+    // The thin parts are grown a little, so that they overlap the strips they touch and merge with
     // them.
     let thin = thin.offset(0.1 * spacing_mm, Join::Miter(2.0)).intersection(region);
     let mut all = strips.union(&thin);
@@ -174,7 +175,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
     all.contours().cloned().collect()
 }
 
-/// Outlines of strips, taken apart at the places `at` where they meet.
+/// Separates outlines of strips at the places `at` where they touch.
 pub(super) fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let half = DVec2::splat(PARTED_BEADS * spacing_mm);
     let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
@@ -195,7 +196,7 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
     let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
     let (mut points, mut edge_of) = (Vec::new(), Vec::new());
     starts.push(0u32);
-    // A tiny offset, different from node to node, keeps every node off the lines.
+    // A tiny offset that varies from node to node keeps every node off the lines.
     let at = |i: usize| phase[i] + 1e-6 * (1.0 + (i % 97) as f64 / 97.0);
     for (e, (edge, turn)) in mesh.edges.iter().zip(turns).enumerate() {
         let [a, b] = edge.ends.map(|k| k as usize);
@@ -243,8 +244,8 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
         let [p, q] = [points[w[0] as usize], points[w[1] as usize]];
         let left = cross(q - p, mesh.nodes[end as usize] - p) > 0.0;
         let mut points: Vec<DVec2> = line.iter().map(|&k| points[k as usize]).collect();
-        // Between the edge's first node and the point there may be other sign changes; each of them
-        // flips the side.
+        // Other sign changes may lie between the edge's first node and the point. Each of them swaps the
+        // sides.
         if left != (is_strip(end) ^ odd) {
             points.reverse();
         }
@@ -261,9 +262,9 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
     out
 }
 
-/// Which points follow each other. The cosine changes sign an even number of times around a
-/// triangle, so no point is left alone. Where the phase misses a turn, neighbours on the same side
-/// are joined: a strip ends, or a gap between two strips does.
+/// For each point the one or two points that it is joined to. Around a triangle the cosine changes sign an
+/// even number of times, so every point finds a partner. Where a turn of the phase is missing, neighbouring
+/// points on the same side are joined: there a strip ends, or the gap between two strips.
 fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
     let mut joined = vec![[NONE; 2]; n];
     let mut join = |a: u32, b: u32| {
@@ -284,8 +285,8 @@ fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
         };
         for corner in 0..3 {
             let sides = [(corner + 1) % 3, (corner + 2) % 3];
-            // One side has more points than the other two together: those take what they can, and
-            // the surplus is joined in pairs along the side.
+            // If one side has more points than the other two together, all points of those two are joined
+            // to it, and its surplus points are joined in pairs along the side.
             let around = if count[most] > others {
                 if corner == most { 0 } else { count[3 - corner - most] }
             } else {
@@ -310,15 +311,15 @@ fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
 struct Meeting {
     contour: usize,
     edge: usize,
-    /// Along the edge, mm.
+    /// Position along the edge of the contour, mm.
     along_mm: f64,
     at: DVec2,
     piece: usize,
     leaves: bool,
 }
 
-/// The area left of the lines and inside the region, as closed outlines; `None` where rounding
-/// makes the arrangement unclear.
+/// Closed outlines of the area that lies inside the region and to the left of the lines. `None` if rounding
+/// makes it unclear where lines and contours cross.
 fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
     let clipper = LineClipper::new(region);
     let contours: Vec<&Vec<DVec2>> = region.contours().collect();
@@ -361,8 +362,8 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
             }
             continue;
         }
-        // An open line that ends inside, or a closed one that left without coming back: one
-        // crossing was missed by rounding.
+        // An open line ends inside, or a closed line left without coming back: rounding has hidden a
+        // crossing.
         if !(line.closed && starts_inside) {
             return None;
         }
@@ -382,8 +383,8 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
         let contour = contours[group[0].contour];
         for (k, m) in group.iter().enumerate().filter(|(_, m)| m.leaves) {
             let to = &group[(k + 1) % group.len()];
-            // Along a contour ends and starts alternate, unless two crossings were told apart
-            // wrongly.
+            // Along a contour, ends and starts of pieces alternate, unless rounding has swapped two
+            // crossings.
             if to.leaves {
                 return None;
             }

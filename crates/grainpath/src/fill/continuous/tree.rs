@@ -1,15 +1,15 @@
-//! The tree that joins cells: which edges are passed, and where strips are cut.
+//! The tree that joins cells: it decides at which edges cells are joined, and where strips are cut.
 //!
 //! Method: Kruskal's minimum spanning tree (`Kruskal1956`) over the cells. The weight of an edge is
-//! the angle that its joint adds to the path, times length and the field's weight at that place.
-//! Two rules of the published method (`ContinuousPath`) hold: along the field where that is
-//! possible, and not across an edge that is the shortest of both its cells, unless nothing else
-//! joins them.
+//! the angle to the field that its joint adds to the path, times the length and the field's weight at
+//! that place. Two rules of the published method (`ContinuousPath`) hold: follow the field where
+//! possible, and avoid an edge that is the shortest edge of both its cells unless nothing else joins
+//! them.
 //!
-//! [`TreeKind::Undirected`] gives every edge a number from a hash instead of a weight. It is the
-//! baseline for the directed tree (20 to 92 % better on ten sections, `cargo xtask bench
-//! continuous`). Edges of equal weight are ordered by their number, so the tree does not depend on
-//! threads. Cost: sorting the edges, n log n.
+//! [`TreeKind::Undirected`] takes the weight of an edge from a hash. It is the baseline for comparison: the
+//! directed tree is 20 to 92 % better on ten sections (`cargo xtask bench continuous`). Edges of equal
+//! weight are ordered by their number, so the tree does not depend on threads. Cost: sorting the edges, n
+//! log n.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -21,62 +21,63 @@ use grainpath_core::math::{atan2, cross};
 use super::cells::{Cells, Edge, Taken, beside};
 use super::rings::{Facing, Rings, Side};
 
-/// The weight of edges.
+/// How the edges between cells are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TreeKind {
-    /// By how far beads are turned out of the field's direction where they pass.
+    /// By the angle between the field and the beads of the joint.
     #[default]
     Directed,
-    /// By a hash: any tree on these cells, as a baseline for comparison.
+    /// By a hash: an arbitrary tree on the same cells, as a baseline for comparison.
     Undirected,
 }
 
 /// The axis of the field at a point, and its weight there.
 pub(super) type Axis<'a> = &'a dyn Fn(DVec2) -> (DVec2, f64);
 
-/// Angle between an undirected axis and a way, radians, times the way's length.
+/// Angle between an axis (without sign) and a path segment, radians, times the segment's length.
 fn turned(axis: DVec2, way: DVec2) -> f64 {
     atan2(cross(axis, way).abs(), axis.dot(way).abs()) * way.length()
 }
 
-/// The angle to the field that an exchange adds to the path: radians times mm, weighted.
+/// The cost of an exchange: the angle to the field times the length that it adds to the path, radians times
+/// mm, weighted.
 fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
     let [a0, a1, b0, b1] = f.corners;
     let (u, weight) = axis(0.25 * (a0 + a1 + b0 + b1));
     weight * (turned(u, b1 - a0) + turned(u, a1 - b0) - turned(u, a1 - a0) - turned(u, b1 - b0))
 }
 
-/// An estimate of the same from the middles of both beads at an edge, without looking for the
+/// Estimates [`cost`] from the middles of the two beads at an edge, without searching for the
 /// stretches.
 fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
-    // Called for every edge of the region, most of which the tree never uses.
+    // This is called for every edge of the region, most of which the tree never uses, so it has to be fast.
     let way = e.ends[1] - e.ends[0];
     let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
-    // The angle to within 0.004: with t the smaller over the larger part, pi/4 t + 0.273 t (1 - t)
-    // is its tangent's.
+    // The arctangent to within 0.004 radians: atan t = pi/4 t + 0.273 t (1 - t), with t the smaller
+    // component over the larger one.
     let (across, along) = (cross(u, way).abs(), u.dot(way).abs());
     let t = across.min(along) / across.max(along).max(f64::MIN_POSITIVE);
     let small = t * (FRAC_PI_4 + 0.273 * (1.0 - t));
     let angle = if across > along { FRAC_PI_2 - small } else { small };
-    // Two ways across are added and two stretches along, one spacing long each, are removed.
+    // Two connections across are added, and two stretches along, each one spacing long, are removed.
     2.0 * weight * (angle * way.length() - (FRAC_PI_2 - angle) * spacing_mm)
 }
 
-/// Two numbers as one, the smaller one first.
+/// Packs two numbers into one, with the smaller number in the high bits.
 fn pair([a, b]: [u32; 2]) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-/// An edge and its weight as one number for sorting: edges that are used last, then by weight, then
-/// by number.
+/// An edge and its weight as one number for sorting. Edges marked `last` come after all others; then the
+/// weight decides, then the edge's number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Ranked(u64);
 
 impl Ranked {
     fn new(last: bool, weight: f64, edge: usize) -> Self {
         let bits = (weight as f32).to_bits();
-        // The bits of a float sort like an integer once negative ones are flipped and positive ones
-        // get the sign bit.
+        // The bits of a float sort like an integer if all bits of negative numbers are flipped, and the
+        // sign bit of positive ones is set.
         let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
         Self(u64::from(last) << 63 | u64::from(ordered) << 31 | edge as u64)
     }
@@ -86,10 +87,10 @@ impl Ranked {
     }
 }
 
-/// Joins all cells as a tree of least weight, after the two rules of the published method: along
-/// the field where that is possible, and not across an edge that is the shortest of both its cells.
-/// The second rule leaves out edges across a strip, because cells here are long and the field
-/// passes through their short edges. It also gives way where nothing else joins two cells.
+/// Joins all cells into a tree of least weight, under two rules of the published method: follow the field
+/// where possible, and avoid an edge that is the shortest edge of both its cells. The second rule excepts
+/// cuts across a strip, because cells are long and the field passes through their short edges. It also
+/// gives way where nothing else joins two cells.
 pub(super) fn join(
     rings: &Rings,
     cells: &Cells,
@@ -114,8 +115,8 @@ pub(super) fn join(
         let [a, b] = e.cells;
         match e.cut {
             Some(k) => {
-                // A cut inside the tree leaves the strip whole there, which needs no exchange. The
-                // exchange is made where the tree does not pass.
+                // If the tree passes a cut, the strip stays whole there and nothing is exchanged. If it
+                // does not pass, the stretches at the cut are exchanged and the strip ends in two caps.
                 if !sets.union(a as usize, b as usize) {
                     exchanges.push(cells.cuts[k as usize]);
                 }
@@ -140,8 +141,8 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     let mut by_pair: Vec<(u64, u32)> =
         cells.edges.iter().enumerate().map(|(i, e)| (pair(e.cells), i as u32)).collect();
     by_pair.sort_unstable();
-    // An edge between two strips is found once for each place along it, from both sides: half the
-    // number of places is its length.
+    // An edge between two strips was found at each place along it, and from both sides. So its length is
+    // half the number of places times their distance.
     let length = |group: &[(u64, u32)]| {
         let across = group.iter().any(|&(_, i)| cells.edges[i as usize].cut.is_some());
         if across { 2.0 * spacing_mm } else { 0.5 * cells.place_mm * group.len() as f64 }
@@ -163,8 +164,8 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     out
 }
 
-/// Joints for rings that are still apart, with closer and wider searches until nothing is left or
-/// nothing helps. The longest ring is not searched from: it is seen from all others.
+/// Finds joints for rings that are still apart. The search becomes closer and wider until all are joined or
+/// all ranges are tried. It does not start from the longest ring, which all others can see.
 pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
     let longest = rings.longest();
@@ -184,7 +185,7 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
                 }
             }
         };
-    // First with long steps, because any place will do where long rings run beside each other. Then
+    // Long steps come first, because any place will do where long rings run side by side. Then follow
     // closer steps and wider ranges, and at last slanted joints.
     let near = [0.5, 1.6];
     for (range, step) in
@@ -194,7 +195,7 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             let length = rings.length_mm(ring);
             let steps = (length / (step * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {
-                // What is joined to the longest is seen by what is not.
+                // A ring joined to the longest one needs no search: rings still apart can see it.
                 if sets.together(ring, longest) {
                     break;
                 }

@@ -1,10 +1,10 @@
-//! The last check of a continuous path: what is wrong with it, and where.
+//! The last check of a continuous path: finds its faults and their places.
 //!
-//! Every path is searched for crossings with itself and with others and for leaving its infill
-//! region, and every island for necks that are too narrow for a bead there and one back. A finding
-//! is a [`Note`]; the planner turns notes into warnings with layer and place, once for each kind.
-//! No finding means that the paths are sound: the search covers every pair of segments that share a
-//! bucket, and compares sides exactly.
+//! Every path is checked for crossings with itself and with other paths, and for places outside its infill
+//! region. Every island is checked for necks too narrow for two beads side by side. A finding is a
+//! [`Note`]; the planner turns notes into warnings with layer and place, once for each kind. Without a
+//! finding the paths are sound, because the search covers every pair of segments that share a bucket, and
+//! compares sides exactly.
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
@@ -12,7 +12,7 @@ use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::SEEN_BEADS;
 
-/// A reason why a layer's island is not one sound path.
+/// A reason why an island of a layer is not filled by one sound path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
     /// Place, in part coordinates.
@@ -24,13 +24,13 @@ pub struct Note {
 /// Problems of a continuous path.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Problem {
-    /// Two infill regions of an island are connected by a neck too narrow for a bead there and one
-    /// back.
+    /// Two infill regions of an island are connected by a neck too narrow for two beads side by
+    /// side.
     Neck {
-        /// The least width that would do, mm.
+        /// The least width of the neck that would be enough, mm.
         needed_mm: f64,
     },
-    /// A ring with no other ring close enough to be joined to.
+    /// A ring that could not be joined, because no other ring is close enough.
     Apart {
         /// Its length, mm.
         length_mm: f64,
@@ -42,11 +42,11 @@ pub enum Problem {
 }
 
 impl Note {
-    /// The warning for the user; the layer is the caller's to add.
+    /// The warning for the user. The caller has to add the layer.
     pub fn warning(&self) -> Warning {
         let warning = match self.what {
             Problem::Neck { needed_mm } => {
-                let text = "a neck is too narrow for a bead there and back, so its sides are printed one after the other";
+                let text = "a neck is too narrow for two beads side by side, so the areas it joins are printed separately";
                 let remedy = format!("make it {needed_mm:.2} mm wide, or the bead narrower");
                 Warning::new(WarningId::PathNeck, text).with_remedy(remedy)
             }
@@ -63,11 +63,11 @@ impl Note {
     }
 }
 
-/// Paths may lie this far outside their infill region, mm: coordinates are rounded and points thinned.
-/// Source: derived. Twice the distance by which thinning moves a line.
+/// Paths may lie this far outside their infill region, mm, because coordinates are rounded and points are
+/// left out. Source: derived. Twice the distance by which leaving out points moves a line.
 const SLACK_MM: f64 = 0.01;
 
-/// Checks the paths of a region: rings apart from the first one, crossings, and points outside.
+/// Checks the paths of a region for rings that were not joined, crossings, and places outside the region.
 pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let mut notes = Vec::new();
     for path in paths.iter().skip(1) {
@@ -90,8 +90,8 @@ pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64
     notes
 }
 
-/// The necks between the infill regions of one island: from each region the nearest point to those
-/// before it.
+/// Notes the necks between the infill regions of one island: for each region the place where it comes
+/// nearest to the regions before it.
 pub(super) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);

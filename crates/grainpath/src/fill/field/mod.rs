@@ -1,25 +1,25 @@
 //! Fills that follow a direction field.
 //!
-//! Dense fill is a *stripe pattern* (`Knoppel2015`): a phase is found over the infill region that
-//! turns once for every bead across the field, and each bead runs where the phase completes a turn.
-//! Even spacing is then a property of the whole region and not of the order in which lines are
-//! drawn, which is what streamline seeding lacks. The steps:
+//! Dense fill is a *stripe pattern* (`Knoppel2015`): over the infill region a phase is found that makes one
+//! turn for every bead across the field, and each bead runs where the phase completes a turn. So the
+//! spacing is even over the whole region. With streamline seeding it would depend on the order in which
+//! lines are drawn. The steps:
 //!
 //! 1. [`FieldMesh`](grainpath_core::field_mesh::FieldMesh) covers the region with right triangles
 //!    about one bead wide;
-//! 2. [`phase`] finds the phase; where the field diverges, a bead has to end, and the phase misses
-//!    a turn there;
+//! 2. [`phase`] finds the phase; where the field diverges it has a singular point, at which a bead
+//!    ends;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
-//! 4. [`stripes`] moves the lines to the middle of the space they have,
-//!    joins ends along the border and puts single beads into what is left open;
-//! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
+//! 4. [`stripes`] moves the lines to the middle of their space, joins ends along the border and fills
+//!    remaining gaps with single beads;
+//! 5. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
 //!
 //! Where all beads are to have one width, [`one_width`] takes the place of steps 4 and 5.
 //!
-//! Sparse fill is the same with lines farther apart, down to a density of [`LEAST_STRIPES`]. Below
-//! it, and where a field asks for distances of its own, [`streamlines`] places evenly spaced
-//! streamlines (`Jobard1997`); [`seed_lines`] is the published principal stress line method, kept
-//! for comparison. Lengths are in mm, phases in radians; the sign of the axis carries no meaning.
+//! Down to a density of [`LEAST_STRIPES`], sparse fill takes the same steps with lines farther apart. Below
+//! it, and for a field that asks for distances of its own, [`streamlines`] places evenly spaced streamlines
+//! (`Jobard1997`). [`seed_lines`] is the published principal stress line method, kept for comparison.
+//! Lengths are in mm, phases in radians; the sign of the axis has no meaning.
 
 mod levels;
 mod one_width;
@@ -39,7 +39,7 @@ use super::{FillContext, Infill};
 /// Lines along the field, evenly spaced at any density.
 pub struct Streamlines;
 
-/// The same family under the name of its dense end.
+/// The same fill as [`Streamlines`], under the name of its dense variant.
 pub struct Stripes;
 
 impl Infill for Streamlines {
@@ -54,12 +54,12 @@ impl Infill for Stripes {
     }
 }
 
-/// The least density that stripes fill. Source: derived. Below it lines are more than two beads
-/// apart, so that streamlines, which end at half of their distance, do not overlap. They lie closer
-/// to the field: none has to follow its neighbours.
+/// The least density that is filled with stripes; below it streamlines are laid. Source: derived. Below it
+/// lines are more than two beads apart, so that streamlines, which end at half of their distance, do not
+/// overlap. Streamlines lie closer to the field, because none has to follow its neighbours.
 const LEAST_STRIPES: f64 = 0.5;
 
-/// Both patterns are one family, from lines far apart to beads that touch.
+/// Fills a region for both patterns, at any density from lines far apart to beads that touch.
 fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let density = context.density;
     let asks = |field: &dyn DirectionField| {

@@ -1,32 +1,32 @@
 //! Dense fill of one bead width along a field.
 //!
-//! With `fill.widths = "constant"` all beads have one width. A bead can then neither widen where the
-//! field diverges nor narrow where it converges, so lines have to end. What is gained or lost by one
-//! more bead between two others is arithmetic: in a space of `d` spacings between their centrelines, `d - 1` of a bead is open
-//! without it and `2 - d` is laid twice with it. The two are equal at 1.5 spacings, a bead's share
-//! of which is [`LEAST_ROOM`].
+//! With `fill.widths = "constant"` all beads have one width. They cannot widen where the field diverges or
+//! narrow where it converges, so lines have to end. Whether one more bead fits between two others follows
+//! from the distance `d` of their centrelines in spacings: without it `d - 1` of a bead stays open, with it
+//! `2 - d` of a bead is laid twice. Both are equal at `d` = 1.5; the additional bead then has half of that,
+//! [`LEAST_ROOM`], as its own space.
 //!
 //! ```text
 //!    ------------------------------- bead
-//!            ======================= drawn on: it begins where the two are 1.5 spacings apart
+//!            ======================= new bead: it begins where the two are 1.5 spacings apart
 //!    ------------------------------- bead
 //! ```
 //!
-//! The lines are those of the phase ([`super::phase`]), with these steps in the place of moving and
-//! widening them (all by this project; lines a bead apart that end for lack of room are those of
-//! `Jobard1997`):
+//! The lines are those of the phase ([`super::phase`]). The following steps replace the centring and
+//! widening of beads. They are this project's own; only the idea that lines a bead apart end for lack of
+//! space is from `Jobard1997`:
 //!
 //! 1. the phase keeps to one spacing, without the drift that beads of any width allow;
-//! 2. a line is cut where it lies across the field by more than [`FARTHEST_RAD`]: there the phase
-//!    joins the ends of two lines;
-//! 3. lines go where they have less than [`LEAST_ROOM`];
-//! 4. ends inside the region are drawn on along the field as long as there is that room
+//! 2. a line is cut where it deviates from the field by more than [`FARTHEST_RAD`]: there the phase has
+//!    joined the ends of two lines;
+//! 3. stretches of lines with less space than [`LEAST_ROOM`] are removed;
+//! 4. lines that end inside the region are extended along the field as long as they have that much space
 //!    ([`drawn_on`]);
-//! 5. what is open in the end and at least half a bead wide gets a bead too.
+//! 5. a gap that then remains gets a bead too if it is at least half a bead wide.
 //!
-//! Lengths are in mm. Cost: linear in the length of all lines; a step of an end looks at the
-//! neighbours in a few cells. Limits: on a field that diverges as strongly as that of a radial disk
-//! of 50 beads, about 4 % stay open and 4 % are laid twice.
+//! Lengths are in mm. Cost: linear in the length of all lines; each step of an extension looks at the
+//! neighbours in a few cells. Limits: on a field that diverges like that of a radial disk of 50 beads,
+//! about 4 % of the area stays open and 4 % is laid twice.
 
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::poly::LineClipper;
@@ -35,27 +35,27 @@ use grainpath_core::{Bounds2, DVec2, Region};
 
 use super::widths::{Line, Neighbours, stretches_along};
 
-/// The least space of a line, in spacings: half of the distance between the lines on either side.
-/// Source: derived, see above.
+/// The least space of a line, in spacings: half of the distance between its two neighbours. Source:
+/// derived, see the head of this file.
 const LEAST_ROOM: f64 = 0.75;
-/// The narrowest gap that gets a bead, in beads. Source: derived as [`LEAST_ROOM`]: such a bead lies
-/// on others by as much as it closes.
+/// The narrowest gap that gets a bead, in beads. Source: derived as [`LEAST_ROOM`]: a bead in such a gap
+/// overlaps others by as much as it fills.
 pub(super) const LEAST_GAP: f64 = 0.5;
-/// A line is cut where it lies farther than this off the field. Source: measured on a radial disk. At
-/// 45 degrees the round ends of lines that turn back stay: 3.2 degrees in the mean instead of 3.0, with
-/// the same gap.
+/// A line is cut where it deviates from the field by more than this. Source: measured on a radial disk.
+/// With 45 degrees the round turns of lines that go back would stay: the mean deviation is 3.2 degrees
+/// instead of 3.0, with the same gaps.
 const FARTHEST_RAD: f64 = std::f64::consts::FRAC_PI_6;
-/// Length of a step of an end that is drawn on, in spacings. Source: derived. An end is then
-/// misplaced by an eighth of a bead on average.
+/// Length of a step by which an end is extended, in spacings. Source: derived. The end is then misplaced by
+/// an eighth of a bead on average.
 const STEP: f64 = 0.25;
-/// An end is drawn on by so many steps at most. Source: derived. Within ten beads a line can only
-/// come back to itself on a circle of three beads, on which no bead is laid.
+/// An end is extended by at most this number of steps. Source: derived. Within ten beads a line can only
+/// return to itself on a circle three beads wide, on which no bead is laid.
 const MAX_STEPS: usize = 40;
-/// Least distance of two lines that are drawn on beside each other, in spacings. Source: derived as
-/// [`LEAST_ROOM`]: closer ones lie on each other by more than half.
+/// Least distance of two extended lines side by side, in spacings. Source: derived as [`LEAST_ROOM`]:
+/// closer lines would overlap by more than half.
 const LEAST_APART: f64 = 0.5;
 
-/// Lines of the phase as the centrelines of beads of one width; pieces shorter than `shortest_mm` are
+/// Turns lines of the phase into centrelines of beads of one width. Pieces shorter than `shortest_mm` are
 /// dropped.
 pub(super) fn packed(
     lines: Vec<Line>,
@@ -73,14 +73,14 @@ pub(super) fn packed(
     lines
 }
 
-/// The stretches of lines that have [`LEAST_ROOM`].
+/// Keeps the stretches of lines that have at least [`LEAST_ROOM`].
 fn without_crowded(lines: Vec<Line>, border: &Region, spacing_mm: f64, shortest_mm: f64) -> Vec<Line> {
     let neighbours = Neighbours::new(&lines, border, 1.5 * spacing_mm);
     let strips = neighbours.strips(&lines, spacing_mm);
     let crowded = |width: &f64| *width < LEAST_ROOM * spacing_mm;
     let mut kept = Vec::with_capacity(lines.len());
-    // All crowded stretches go at once, also those of two lines beside each other: the ends that remain
-    // are drawn on into the space of the two.
+    // All crowded stretches are removed at once, even if two of them lie side by side. The ends that remain
+    // are then extended into the free space.
     for (line, widths) in lines.into_iter().zip(strips) {
         if !widths.iter().any(crowded) {
             kept.push(line);
@@ -98,8 +98,8 @@ fn without_crowded(lines: Vec<Line>, border: &Region, spacing_mm: f64, shortest_
     kept
 }
 
-/// Draws the ends of lines on along the field, up to the border of the region or to where the space
-/// between their neighbours is less than [`LEAST_ROOM`].
+/// Extends the ends of lines along the field, up to the border of the region or to where the space between
+/// the neighbours is less than [`LEAST_ROOM`].
 fn drawn_on(
     lines: &mut [Line],
     neighbours: &Neighbours,
@@ -109,14 +109,14 @@ fn drawn_on(
 ) {
     let points = lines.iter().flat_map(|l| l.points.iter().copied());
     let Some(bounds) = Bounds2::around_points(points) else { return };
-    // Ends of lines and what was added to them, which the neighbours do not know: the line of each
-    // point, and whether it is an end.
+    // Ends of lines and the points added to them, which `neighbours` does not contain: for each point its
+    // line, and whether it is an original end.
     let mut added = PointGrid2::new(bounds, spacing_mm);
     for (l, line) in lines.iter().enumerate().filter(|l| !l.1.closed) {
         let ends = line.points.first().into_iter().chain(line.points.last());
         ends.for_each(|&p| added.insert(p, (l, true)));
     }
-    // One end after the other, in the order of the lines: the result does not depend on the threads.
+    // Ends are extended one by one in the order of the lines, so the result does not depend on threads.
     for l in 0..lines.len() {
         if lines[l].closed || lines[l].points.len() < 2 {
             continue;
@@ -146,7 +146,7 @@ struct End<'a> {
 }
 
 impl End<'_> {
-    /// The points by which it goes on.
+    /// The points by which the end is extended.
     fn drawn_on(&self, added: &PointGrid2<(usize, bool)>) -> Vec<DVec2> {
         let points = &self.lines[self.line].points;
         let n = points.len();
@@ -177,7 +177,7 @@ impl End<'_> {
         out
     }
 
-    /// Whether a line lies across the way ahead.
+    /// Whether another line lies across the way directly ahead.
     fn meets_line(&self, at: DVec2, along: DVec2, step_mm: f64) -> bool {
         let reach_mm = step_mm + 0.5 * self.spacing_mm;
         self.neighbours
@@ -185,7 +185,7 @@ impl End<'_> {
             .is_some_and(|hit| hit.line.is_some())
     }
 
-    /// Whether a point is too near to where another line ends or was drawn on.
+    /// Whether a point is too near to the end of another line, or to an extension of one.
     fn crowds(&self, p: DVec2, added: &PointGrid2<(usize, bool)>) -> bool {
         let apart_mm = LEAST_APART * self.spacing_mm;
         added.within(p, apart_mm).any(|(q, (line, is_end))| {
@@ -194,8 +194,8 @@ impl End<'_> {
         })
     }
 
-    /// The space between the neighbours of a point, mm: half of the distance to a line, all of that to
-    /// the border; half a spacing where nothing is near.
+    /// The space between the neighbours of a point, mm: on each side half of the distance to a line, or the
+    /// whole distance to the border, or half a spacing where nothing is near.
     fn room(&self, p: DVec2, along: DVec2) -> f64 {
         let left = DVec2::new(-along.y, along.x);
         let side = |way: DVec2| {
@@ -207,7 +207,7 @@ impl End<'_> {
         side(left) + side(-left)
     }
 
-    /// Whether a segment is one of the last before this end.
+    /// Whether a segment is one of the three last segments before this end.
     fn is_own(&self, line: usize, segment: usize) -> bool {
         line == self.line
             && if self.at_start { segment < 3 } else { segment + 3 >= self.lines[line].n_segments() }

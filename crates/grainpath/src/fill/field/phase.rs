@@ -1,15 +1,15 @@
-//! A phase that turns once per bead across the field.
+//! Finds a phase that makes one turn per bead across the field.
 //!
-//! Every node of the mesh carries a unit complex number whose argument is the phase. Along an edge
-//! the phase should grow by the edge's length across the field, in beads. A field with curl cannot
-//! be followed everywhere: somewhere the phase misses a turn around a point, and a bead ends there.
+//! Every node of the mesh has a unit complex number whose argument is the phase. Along an edge the phase
+//! should grow by the edge's extent across the field, in beads. A field with curl cannot be followed
+//! everywhere: the phase then has singular points, around which a turn is missing and at which a bead ends.
 //!
-//! Method: stripe patterns (`Knoppel2015`) with the sign of the axis free at every node, so that
-//! across an edge whose ends disagree the number is conjugated. The energy is not minimised by an
-//! eigenvalue problem as in the paper, but by alternating one implicit step of diffusion with
-//! scaling every number back to unit length (Merriman, Bence and Osher's scheme for Ginzburg-Landau
-//! energies (`Viertel2019`)). The scaling keeps every place equal; the eigenvector of the paper
-//! fades where the field is hard to follow, and beads there would be decided by rounding.
+//! Method: stripe patterns (`Knoppel2015`). The sign of the axis is free at every node, so the number is
+//! conjugated along an edge whose ends have opposite signs. The paper minimises the energy by an eigenvalue
+//! problem. Here an implicit step of diffusion alternates with scaling every number to unit length
+//! (Merriman, Bence and Osher's scheme for Ginzburg-Landau energies (`Viertel2019`)). By the scaling all
+//! places count alike. The eigenvector fades where the field is hard to follow, so that rounding would
+//! decide on the beads there.
 //!
 //! ```text
 //!    axis ->  ================   level 2   phase 4 pi
@@ -19,15 +19,15 @@
 //!             ================   level 0   phase 0
 //! ```
 //!
-//! Before the phase, [`drift`] lets the spacing change slowly along the field so that fewer beads
+//! Before the phase is solved, [`drift`] varies the spacing slowly along the field, so that fewer beads
 //! have to end.
 //!
-//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps
-//! of at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate
-//! cases: a region in several pieces is swept piece by piece; a node whose numbers cancel keeps its
-//! last phase. Same input, same bits: no step depends on the threads.
+//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps of at
+//! most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region
+//! in several pieces is swept piece by piece; a node whose neighbours cancel each other keeps its last
+//! phase. The same input gives the same bits, because no step depends on threads.
 //!
-//! A field that fans out: where there is space for one bead more, the phase misses a turn and a level begins.
+//! The figure shows a field that fans out. Where one more bead fits in, a turn is missing and a level begins.
 //!
 #![doc = include_str!("figures/phase.svg")]
 
@@ -41,50 +41,50 @@ use grainpath_core::conjugate_gradients::{CgSettings, conjugate_gradients};
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 use grainpath_core::tuned::Tuned;
 
-/// Input of the phase, one entry a node.
+/// Input for the phase, with one entry for each node.
 pub(crate) struct PhaseInput {
     /// Unit vectors along the field; the sign does not matter.
     pub axes: Vec<DVec2>,
-    /// Turns per mm across it.
+    /// Turns of the phase per mm across the field.
     pub frequency: Vec<f64>,
-    /// Weight of the field, above 0: the phase misses turns first where the weight is small.
+    /// Weight of the field, above 0. Singular points of the phase arise first where the weight is small.
     pub strength: Vec<f64>,
-    /// Phase wanted at the node, radians, with the sign of the node's normal, and its weight;
-    /// weight 0 where no phase is wanted.
+    /// Phase wanted at the node, radians, with the sign of the node's normal, and its weight. A weight of 0
+    /// means that no phase is wanted.
     pub wanted: Vec<(f64, f64)>,
 }
 
-/// The map from the number at an edge's first end to that at its second end.
+/// How the complex number at an edge's first end is carried to its second end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turn {
-    /// Phase grown from the first end to the second, in the frame of the first.
+    /// Growth of the phase from the first end to the second, radians, for the sign of the axis at the first end.
     pub grown_rad: f64,
-    /// Whether the second end looks the other way.
+    /// Whether the axis at the second end has the opposite sign.
     pub mirrored: bool,
 }
 
-/// Rounds of diffusion at each of the widths.
+/// How many rounds of diffusion are made at each width.
 /// Measured: row `fill.field.phase.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
 static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.phase.DIFFUSION_ROUNDS", 6);
-/// Factor on the widths of diffusion.
+/// Factor on all widths of the diffusion.
 /// Measured: row `fill.field.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCALE", 1.0);
 
-/// Steps of diffusion, widest first: the width of each in squares of the grid, and its rounds. Wide
+/// Steps of diffusion, widest first: the width of each in grid squares, and its number of rounds. Wide
 /// steps settle the pattern of the whole region, narrow ones its details.
 pub(crate) fn diffusion_steps() -> [(f64, usize); 3] {
     [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
-/// The spacing may drift from the nominal one by this factor before beads end or begin: well inside
-/// the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
+/// The spacing may differ from the nominal one by this factor before beads end or begin. It lies well
+/// inside the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
 /// `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.
 static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Length over which the spacing returns to the nominal one, mm.
 /// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
 static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
-/// Factor on the frequency at every node, so that as few beads as possible have to end: within
-/// `MAX_DRIFT`.
+/// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
+/// to end.
 pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
@@ -93,7 +93,8 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     // A little smoothing across the lines too.
     matrix.add_springs(0.02);
     let mut rhs = vec![0.0; n];
-    // Along a line, the logarithm of the frequency falls by the divergence of the axis: one row a triangle.
+    // Along a line, the logarithm of the frequency falls by the divergence of the axis. Each triangle gives
+    // one equation.
     for t in &mesh.triangles {
         let [a, b, c] = t.corners.map(|k| k as usize);
         let p = [mesh.nodes[a], mesh.nodes[b], mesh.nodes[c]];
@@ -108,7 +109,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
         let t_axes = [first, same(axes[b]), same(axes[c])];
         let mean = t_axes[0] + t_axes[1] + t_axes[2];
         let length = mean.length();
-        // Near a singular point of the field there is no divergence to speak of.
+        // Near a singular point the axes differ too much to give a divergence.
         if length < 2.4 {
             continue;
         }
@@ -143,14 +144,14 @@ pub(crate) fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     mesh.edges.iter().map(|e| turn(e.ends)).collect()
 }
 
-/// The maps along the sides of squares, one entry for each side.
+/// How numbers are carried along the sides of grid squares, with one entry for each side.
 struct Carried {
-    /// Times the weight.
+    /// Cosine of the phase grown along the side, times the weight; `sin` likewise.
     cos: Vec<f32>,
     sin: Vec<f32>,
     /// Weight of the side.
     weight: Vec<f32>,
-    /// -1 where the second end's number is mirrored, else 1.
+    /// -1 if the number is conjugated at the second end, otherwise 1.
     way: Vec<f32>,
 }
 
@@ -160,7 +161,7 @@ impl Carried {
         let [cos, sin, weight, way] = std::array::from_fn(|_| Vec::with_capacity(n));
         let mut all = Self { cos, sin, weight, way };
         for (turn, edge) in turns[..n].iter().zip(&mesh.edges) {
-            // In the frame of the second end a mirrored phase grows downwards.
+            // Seen from the second end, a mirrored phase grows downwards.
             let (sin, cos) = sin_cos(if turn.mirrored { -turn.grown_rad } else { turn.grown_rad });
             let [a, b] = edge.ends.map(|k| strength[k as usize]);
             let weight = 0.5 * (a + b);
@@ -172,14 +173,14 @@ impl Carried {
         all
     }
 
-    /// The number of an edge's first end as seen from its second, or the other way round.
+    /// The number at an edge's first end, carried to its second end; `backwards` carries the other way.
     fn seen(&self, edge: usize, backwards: bool, [x, y]: [f32; 2]) -> [f32; 2] {
         let (c, s, w) = (self.cos[edge], self.sin[edge], self.way[edge]);
         if backwards { [c * x + s * y, w * (c * y - s * x)] } else { [c * x - s * w * y, s * x + c * w * y] }
     }
 
-    /// Takes `width` times the numbers at the other ends of all sides from `y`, which like `x`
-    /// holds the real parts of all nodes and then the imaginary ones.
+    /// Subtracts from `y`, at each node, `width` times the numbers carried from the neighbours in `x`. Both
+    /// hold the real parts of all nodes, then the imaginary parts.
     fn take_neighbours(&self, mesh: &FieldMesh, width: f32, x: &[f32], y: &mut [f32]) {
         let n = mesh.nodes.len();
         let ((x_re, x_im), (y_re, y_im)) = (x.split_at(n), y.split_at_mut(n));
@@ -204,8 +205,8 @@ impl Carried {
     }
 }
 
-/// The phase at every node, radians, after these steps of diffusion: width in squares of the grid,
-/// and how often.
+/// The phase at every node, radians, after diffusion in these steps. Each step is a width in grid squares
+/// and a number of rounds.
 pub(crate) fn solve(
     mesh: &FieldMesh,
     input: &PhaseInput,
@@ -214,9 +215,9 @@ pub(crate) fn solve(
 ) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);
-    // The phase wanted at the border: real and imaginary part times weight.
+    // The phase wanted at the border: real and imaginary part, times the weight.
     let mut wanted = vec![0.0f32; 2 * n];
-    // Weights of all neighbours and of what is wanted.
+    // For each node, the sum of the weights of its neighbours and of the wanted phase.
     let mut around = vec![0.0f32; n];
     for run in mesh.runs() {
         let weights = || carried.weight[run.edges.clone()].iter();
@@ -240,7 +241,7 @@ pub(crate) fn solve(
         };
         for _ in 0..times {
             let rhs: Vec<f32> = z.iter().zip(&wanted).map(|(z, want)| z + width * want).collect();
-            // The next round evens out what this one leaves.
+            // A coarse tolerance is enough: the next round corrects the remaining error.
             let mut x = z.clone();
             conjugate_gradients(&apply, &rhs, &mut x, CgSettings::relative(&rhs, 1e-2, 60));
             for k in 0..n {
@@ -254,10 +255,10 @@ pub(crate) fn solve(
     (0..n).map(|k| atan2(z[n + k].into(), z[k].into())).collect()
 }
 
-/// A first phase: carried from node to node, outwards from one.
+/// The initial phase: carried from node to node, outwards from a first node.
 fn swept(mesh: &FieldMesh, carried: &Carried, wanted: &[f32]) -> Vec<f32> {
     let n = mesh.nodes.len();
-    // Sides of squares at every node.
+    // For each node, the sides of grid squares that meet there.
     let mut starts = vec![0u32; n + 1];
     let sides = || mesh.edges.iter().take_while(|e| !e.diagonal).enumerate();
     sides().for_each(|(_, e)| e.ends.iter().for_each(|&k| starts[k as usize + 1] += 1));

@@ -1,8 +1,8 @@
 //! Dense fill of one bead width from seed lines and their offsets: the principal stress line method.
 //!
-//! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the
-//! field are chosen, the seed lines, that come nowhere nearer to each other than a bead. They part
-//! the infill region, and what lies between is filled with their offsets, one bead apart.
+//! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the field are
+//! chosen as seed lines; they never come nearer to each other than a bead. Seed lines divide the infill
+//! region, and their offsets, one bead apart, fill the areas between them.
 //!
 //! ```text
 //!    seed 2  ___________________
@@ -11,22 +11,22 @@
 //!    seed 1  ___________________
 //! ```
 //!
-//! The paper offsets the seed at the lower left of each part until the part is full, so a part that
-//! is turned on the plate is filled in another way, and where seeds diverge the offsets leave the
-//! field by as much as the seeds do. Three things are ours:
+//! In the paper each area is filled with offsets of the seed at its lower left. So the fill changes if the
+//! part is turned on the plate, and where seeds diverge the offsets leave the field by the same angle. This
+//! project changes three things:
 //!
-//! 1. the first seed passes through the middle of the widest place, which turns with the part
-//!    ([`widest_place`]);
-//! 2. offsets grow from all seeds at once, a bead each round, and an offset ends where it leaves the
-//!    field by more than [`FARTHEST_RAD`];
-//! 3. what is then still open gets seeds and offsets again, and at last streamlines one bead apart
-//!    (`Jobard1997`), so that every field is filled, point defects included.
+//! 1. the first seed passes through the middle of the widest place, which does not depend on the part's
+//!    orientation ([`widest_place`]);
+//! 2. offsets grow from all seeds at once, one bead in each round, and an offset ends where it deviates
+//!    from the field by more than [`FARTHEST_RAD`];
+//! 3. areas that are still open get seeds and offsets again, and finally streamlines one bead apart
+//!    (`Jobard1997`), so that every field is filled, even with point defects.
 //!
-//! All beads have one width, so wherever the field diverges wedges narrower than a bead stay open;
-//! [`Stripes`](super::Stripes) has none. Lengths are in mm. Cost: each bead takes one polygon offset
-//! and one difference from the free area, so it grows with the number of beads times their vertices.
-//! Degenerate cases: a field without an axis anywhere in the region lays nothing; a region narrower
-//! than a bead has no area for centrelines and is never passed here.
+//! All beads have one width, so wedges narrower than a bead stay open where the field diverges;
+//! [`Stripes`](super::Stripes) leaves none. Lengths are in mm. Cost: each bead takes one polygon offset and
+//! one difference from the free area, so the cost grows with the number of beads times their vertices.
+//! Degenerate cases: if the field has no axis anywhere in the region, nothing is laid; a region narrower
+//! than a bead has no area for centrelines and does not reach this code.
 
 use grainpath_core::poly::{Join, LineClipper, centroid, simplify_contour, simplify_line};
 use grainpath_core::polyline;
@@ -39,26 +39,26 @@ use super::stripes::{WideBead, ended, push_inside};
 use super::widths::{Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
 
-/// Seed lines and offsets.
+/// Fill with seed lines and their offsets.
 pub struct SeedLines;
 
-/// Distance between seed lines where the planner places them, in beads.
+/// Distance between the seed lines that the planner places, in beads.
 /// Measured: row `fill.field.seed_lines.SEED_SPACING` of `cargo xtask bench constants`.
 static SEED_SPACING: Tuned<f64> = Tuned::new("fill.field.seed_lines.SEED_SPACING", 8.0);
 /// Pieces shorter than this are dropped, in beads.
 /// Measured: row `fill.field.seed_lines.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
-/// An offset ends where it leaves the field by more than this. Source: chosen; plans whose mean
-/// angle is larger are warned of (`guide-far`).
+/// An offset ends where it deviates from the field by more than this. Source: chosen; a plan with a larger
+/// mean deviation gets the warning `guide-far`.
 const FARTHEST_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
-/// How often seeds far apart are laid into what is still open. Source: chosen. What two rounds leave
-/// open on a radial disk is narrower than two seeds far apart.
+/// How often distant seeds are laid into the area that is still open. Source: chosen. After two rounds the
+/// open places on a radial disk are narrower than the distance of two seeds.
 const SEED_ROUNDS: usize = 2;
-/// How far ends on the border are drawn out before a line is offset, in beads. Source: derived. An
-/// offset by one bead reaches a border that the line meets at 27 degrees or more.
+/// Before a line is offset, its ends on the border are extended by this length, in beads. Source: derived.
+/// An offset by one bead then reaches the border if the line meets it at 27 degrees or more.
 const DRAWN_OUT: f64 = 2.0;
-/// Share of the spacing that a laid line keeps free of centrelines on either side: where lines of two
-/// seeds meet, a last bead is laid if there is room for twice this.
+/// Share of the spacing that a laid line keeps free of centrelines on either side. Where the offsets of two
+/// seeds meet, a last bead is laid if there is space for twice this share.
 /// Measured: row `fill.field.seed_lines.KEPT_FREE` of `cargo xtask bench constants`.
 static KEPT_FREE: Tuned<f64> = Tuned::new("fill.field.seed_lines.KEPT_FREE", 0.8);
 /// Accuracy of lines, mm. Source: derived. A hundredth of a usual bead.
@@ -73,8 +73,9 @@ impl Infill for SeedLines {
         let mut free =
             FreeArea { infill_region: &infill_region, free: infill_region.clone(), step, axis: &axis };
         let (mut seeds, mut offsets) = (Vec::new(), Vec::new());
-        // Seeds from border to border part the region as in the paper. Later ones may end inside it: they go
-        // where offsets have left the field, which is where the field itself begins to diverge.
+        // The first seeds run from border to border and divide the region as in the paper. Later ones may
+        // end inside it: they lie where offsets have left the field, which is where the field itself begins
+        // to diverge.
         let mut more = free.seeds(true);
         for round in 0..=SEED_ROUNDS {
             offsets.extend(free.grown_from(&more));
@@ -88,8 +89,8 @@ impl Infill for SeedLines {
             let points = simplify_line(&l.points, TOLERANCE_MM);
             WideBead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
         };
-        // Seed lines are joined first, then the offsets between them. Each joint is refused where
-        // it would cross a line laid before.
+        // Seed lines are joined first, then the offsets between them. No joint may cross a line that was
+        // laid before.
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).cloned().collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
             let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
@@ -109,32 +110,32 @@ impl Infill for SeedLines {
     }
 }
 
-/// What is still open while lines are laid.
+/// The area that is still open while lines are laid.
 struct FreeArea<'a> {
-    /// Where centrelines may lie at all.
+    /// The area in which centrelines may lie at all.
     infill_region: &'a Region,
-    /// Where further centrelines may lie: at least [`KEPT_FREE`] of the spacing from every line that is laid.
+    /// The area for further centrelines: at least [`KEPT_FREE`] of the spacing from every line laid so far.
     free: Region,
-    /// Distance of neighbouring lines, mm.
+    /// Distance between neighbouring lines, mm.
     step: f64,
     /// The field's axis at a point.
     axis: &'a dyn Fn(DVec2) -> DVec2,
 }
 
 impl FreeArea<'_> {
-    /// Streamlines far apart, the first one through the middle of the widest place; with `whole` only
-    /// those that run from border to border.
+    /// Distant streamlines, the first one through the middle of the widest place. With `whole` only
+    /// streamlines from border to border are laid.
     fn seeds(&mut self, whole: bool) -> Vec<Line> {
         let spacing = SEED_SPACING.value();
-        // A seed line may run on until it is one bead away from another one.
+        // A seed line continues until it is one bead away from another one.
         let lines = self.traced(&[widest_place(&self.free, self.step)], spacing, 1.0 / spacing, whole);
         lines.iter().for_each(|line| self.take(line));
         lines
     }
 
-    /// Streamlines one bead apart in all that is left.
+    /// Streamlines one bead apart in the whole area that is still open.
     fn streamlines(&mut self) -> Vec<Line> {
-        // Along the borders of what is left: there a line lies beside its neighbour.
+        // They start along the borders of the open area, where each lies beside a line already laid.
         let inwards = 0.02 * self.step;
         let starts: Vec<DVec2> = self
             .free
@@ -161,25 +162,25 @@ impl FreeArea<'_> {
         let settings = LineSettings {
             tolerance_mm: TOLERANCE_MM,
             step_mm: self.step,
-            // A field without an end could circle for ever: twenty times the sum of both sides is
-            // far more than any line of the region.
+            // A line could circle for ever. Twenty times the sum of both sides is far longer than any line
+            // of the region.
             longest_mm: 20.0 * bounds.size().element_sum(),
         };
         let line = |l: TracedLine| Line { points: l.points, closed: l.closed };
         evenly_spaced(starts, bounds, &axis, &seeding, &settings).into_iter().map(line).collect()
     }
 
-    /// Offsets of lines, a bead each round, until no round finds room for another.
+    /// Offsets of lines, one bead farther in each round, until no more offset fits.
     fn grown_from(&mut self, lines: &[Line]) -> Vec<Line> {
         let mut out = Vec::new();
         let mut front = lines.to_vec();
         while !front.is_empty() {
             let mut next = Vec::new();
-            // One line at a time, in the order of the seeds: what grows towards each other meets in the middle,
-            // and the result does not depend on the number of threads.
+            // Lines are offset one by one in the order of the seeds. So lines that grow towards each other
+            // meet in the middle, and the result does not depend on the number of threads.
             for line in &front {
                 let offsets = self.offsets(line);
-                // The next line of the round has to keep clear of these.
+                // The next line of the round has to keep clear of these offsets.
                 offsets.iter().for_each(|line| self.take(line));
                 next.extend(offsets);
             }
@@ -189,12 +190,12 @@ impl FreeArea<'_> {
         out
     }
 
-    /// What is free of the offset of a line by one bead, to both sides, as far as it follows the field.
+    /// The offset of a line by one bead to both sides, where its place is free and it follows the field.
     fn offsets(&self, line: &Line) -> Vec<Line> {
         let around = Region::around_line(&self.drawn_out(line), line.closed, self.step);
         let clipper = LineClipper::new(&self.free);
-        // The line before this one blocks its own side, so a front only grows onwards. Round caps at the ends of
-        // a line run across the field and are cut off below.
+        // The place of the previous line is taken, so offsets only grow away from the seed. Round caps at
+        // the ends of a line run across the field and are cut off below.
         let mut pieces = Vec::new();
         for contour in around.contours() {
             push_inside(&clipper, contour.clone(), true, self.step, &mut pieces);
@@ -204,7 +205,7 @@ impl FreeArea<'_> {
         pieces.into_iter().flat_map(along).collect()
     }
 
-    /// The points of a line, drawn out straight where it ends on the border of the infill region.
+    /// The points of a line, extended straight on where it ends on the border of the infill region.
     fn drawn_out(&self, line: &Line) -> Vec<DVec2> {
         if line.closed {
             return simplify_contour(&line.points, TOLERANCE_MM);
@@ -216,7 +217,7 @@ impl FreeArea<'_> {
         for _ in 0..2 {
             let n = points.len();
             let along = (points[n - 1] - points[n - 2]).normalize_or(DVec2::ZERO);
-            // A hair that is longer than the rounding of clipping and tracing.
+            // A short distance, but longer than the rounding of clipping and tracing.
             if !self.infill_region.contains(points[n - 1] + 0.05 * self.step * along) {
                 points.push(points[n - 1] + DRAWN_OUT * self.step * along);
             }
@@ -225,17 +226,18 @@ impl FreeArea<'_> {
         points
     }
 
-    /// Keeps further centrelines a bead away from a line.
+    /// Removes the surroundings of a line from the area for further centrelines.
     fn take(&mut self, line: &Line) {
-        // Drawn out as for the offset, or a sliver would stay free where a line meets the border aslant.
+        // The line is extended as for the offset; otherwise a sliver would stay free where it meets the
+        // border aslant.
         let points = self.drawn_out(line);
         let taken = Region::around_line(&points, line.closed, KEPT_FREE.value() * self.step);
         self.free = self.free.difference(&taken);
     }
 }
 
-/// The middle of the widest place of a region: of what is left when the region is shrunk until, to a
-/// tenth of a step, nothing is. It turns with the region.
+/// The middle of the widest place of a region, which is the last part to remain when the region is shrunk,
+/// to a tenth of a step. If the region is turned, the place turns with it.
 fn widest_place(region: &Region, step: f64) -> DVec2 {
     let Some(bounds) = region.bounds() else { return DVec2::ZERO };
     let (mut low, mut high) = (0.0, 0.5 * bounds.size().min_element());
@@ -252,8 +254,8 @@ fn widest_place(region: &Region, step: f64) -> DVec2 {
     let Some(largest) = left.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2())) else {
         return bounds.centre();
     };
-    // What is left of a bar is a thin strip along its middle, whose centroid is the middle of the bar; of a ring
-    // it is a ring, whose centroid lies outside of it.
+    // A bar shrinks to a thin strip along its middle, whose centroid is the middle of the bar. A ring
+    // shrinks to a thin ring, whose centroid lies outside of it.
     let middle = centroid(&largest.outer);
     if largest.contains(middle) {
         return middle;

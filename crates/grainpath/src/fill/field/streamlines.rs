@@ -1,16 +1,16 @@
-//! Sparse fill along a field, and fill at distances that the field asks for: evenly spaced
-//! streamlines.
+//! Evenly spaced streamlines: sparse fill along a field, and fill for fields that ask for distances of
+//! their own.
 //!
 //! Method: evenly spaced streamlines (`Jobard1997`). A line starts at a point that is at least the
-//! separation away from all others and follows the field in both directions. It ends where it comes
-//! nearer to another line than a share of the separation. Lines therefore end where the field
-//! converges and begin where it diverges. All beads have one width: the nominal one, widened or
-//! narrowed until the volume is the density's.
+//! separation away from all others, and follows the field in both directions. It ends where its distance to
+//! another line falls below a share of the separation. So lines end where the field converges and begin
+//! where it diverges. All beads have one width: the nominal width, corrected until the volume matches the
+//! density.
 //!
-//! Limits: lines end as soon as they are too close, so the density of a converging field comes out
-//! a little low; the separation is 0.94 of the nominal one to make up for it on average. From a
-//! density of [`super::LEAST_STRIPES`] on [`super::stripes`] take over. Cost: linear in the length
-//! of all lines. The first seed is the middle of the region's bounds.
+//! Limits: lines end as soon as they are too close, so a converging field gets a little less than its
+//! density. The separation is 0.94 of the nominal distance to make up for it on average. At a density of
+//! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
+//! lines. The first seed is the middle of the region's bounding box.
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
@@ -21,22 +21,22 @@ use crate::fill::FillContext;
 use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
 use grainpath_core::tuned::Tuned;
 
-/// A line ends where the next one comes nearer than this share of the distance wanted.
+/// A line ends where another line is nearer than this share of the wanted distance.
 /// Measured: row `fill.field.streamlines.END_SHARE` of `cargo xtask bench constants`.
 static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.55);
-/// Lines shorter than this share of the distance are left out.
+/// Lines shorter than this multiple of the separation are left out.
 /// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
 
-/// Evenly spaced lines along the field, of one bead's width.
+/// Lays evenly spaced lines of one bead width along the field.
 pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
     let inside = LineClipper::new(&Region::from(infill_region.clone()));
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
-    // Lines that converge end and leave gaps, so the mean distance is a little more than the
+    // Converging lines end and leave gaps, so the mean distance is a little larger than the
     // separation.
     let separation = 0.94 * context.spacing_mm() / context.density.fraction();
-    // A field may ask for distances of its own; beads that would lie closer than side by side are not laid.
+    // A field may ask for distances of its own. They are at least the bead spacing, so that beads do not overlap.
     let asked = |p: DVec2| field.spacing_mm(p.extend(context.z_mid_mm));
     let own = |p: DVec2| asked(p).map_or(separation, |mm| 0.94 * mm.max(context.spacing_mm()));
     let seeding = Seeding {
@@ -55,7 +55,7 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         let points = grainpath_core::poly::simplify_line(&line.points, 0.01);
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }
-    // Where the field asks for distances, they make the density.
+    // If the field asks for distances, these decide the density, and the width is not corrected.
     if asked(bounds.centre()).is_none() {
         let area_mm2 =
             Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0)).area_mm2();

@@ -2,26 +2,26 @@
 //!
 //! Lines from the phase ([`super::phase`]) are turned into beads in four steps:
 //!
-//! 1. lines are clipped to where centrelines may lie, and pieces too short to be worth a start are left out;
-//! 2. every bead moves towards the middle between its neighbours, a few rounds over;
+//! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
+//! 2. in a few rounds every bead moves towards the middle between its neighbours;
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
-//! 4. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
-//!    width along its medial axis
+//! 4. gaps that the beads leave open and that are wide enough get a
+//!    single bead of varying width along their medial axis
 //!    ([`single_beads`]).
 //!
-//! Beads of one width are packed by [`one_width`] instead of step 2.
+//! For beads of one width [`one_width`] replaces step 2.
 //!
-//! Below full density the same lines lie farther apart, each bead takes its share of the strip, and
-//! all widths are fitted to the volume asked for.
+//! Below full density the lines lie farther apart. Each bead then fills a share of the strip between its
+//! neighbours, and all widths are fitted to the volume that the density asks for.
 //!
-//! Along the border the phase is asked to be half a bead from it where the field runs along it, so
-//! that the outermost bead touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends
-//! as in hatching. Cost: linear in the length of all beads but for the phase. Degenerate cases: a
-//! region narrower than a bead gets no line and is left to step 4; a field that crosses the border
-//! at a right angle ends its beads there and joins them by short turns, which are off the field.
+//! Where the field runs along the border, a phase is prescribed that puts the outermost bead half a bead
+//! from the border, so that it touches the walls. Method: stripe patterns (`Knoppel2015`); ends are joined
+//! as in hatching. Cost: linear in the length of all beads, without the phase. Degenerate cases: a region
+//! narrower than a bead gets no line, only the beads of step 4; where the field meets the border at a right
+//! angle, beads end there and are joined by short turns, which deviate from the field.
 //!
-//! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within
-//! stated bounds.
+//! Tests on spirals, disks, rings and point defects check that nothing crosses, and that gap and overlap
+//! stay within stated bounds.
 //!
 #![doc = include_str!("figures/stripes.svg")]
 
@@ -46,37 +46,37 @@ use crate::wall::single_beads;
 use grainpath_core::math::cross;
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
-/// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
-/// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
-/// where beads are only seldom wide.
+/// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
+/// mm lays widths within a factor of about 2. The range from 0.6 to 1.6 lies within that factor of the
+/// nominal width and leaves a margin; few beads are that wide.
 pub(crate) const NARROWEST: f64 = 0.6;
 /// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 pub(crate) const WIDEST: f64 = 1.6;
-/// Pieces shorter than this are dropped, in beads: their start and end would cost more than they fill.
+/// Pieces shorter than this are dropped, in beads, because their start and end cost more than they fill.
 /// Measured: row `fill.field.stripes.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTEST", 2.0);
 /// Two ends are joined if they lie no further apart than this, in beads.
 /// Measured: row `fill.field.stripes.LONGEST_JOINT` of `cargo xtask bench constants`.
 static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT", 2.0);
-/// Rounds of moving beads to the middle between their neighbours.
+/// How many times beads are moved to the middle between their neighbours.
 /// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
 static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
-/// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the
-/// strip of the narrowest bead is about 0.55 of the spacing wide, and cells of 0.33 have a centre
-/// in every gap of that width, however it lies.
+/// Side of the grid cells with which gaps are searched, as a share of the spacing. Source: derived; the
+/// strip of the narrowest bead is about 0.55 of the spacing wide, and with cells of 0.33 every gap of that
+/// width contains the centre of a cell, at any position.
 const GAP_CELL: f64 = 0.33;
 
-/// Above this density single beads close what is left open. Source: derived. At 0.8 the free space
-/// between two lines is a quarter of a bead, and the narrowest bead does not fit into it.
+/// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
+/// between two lines is a quarter of a bead, which is too narrow for the narrowest bead.
 const CLOSED_FROM: f64 = 0.8;
 
-/// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
+/// Lays evenly spaced beads along the field over the whole infill region. They end where the field forces them to.
 pub(crate) fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     spaced(context, infill_region, 1.0, out);
 }
 
-/// The same with lines farther apart, so that beads fill the `share` of the region. Each bead takes
-/// that share of the strip between its neighbours.
+/// As [`dense`], with lines farther apart, so that beads fill the `share` of the region. Each bead fills
+/// this share of the strip between its neighbours.
 pub(crate) fn spaced(
     context: &FillContext<'_>,
     infill_region: &Polygon,
@@ -87,8 +87,8 @@ pub(crate) fn spaced(
     let spacing = context.spacing_mm() / share;
     let infill_region = Region::from(infill_region.clone());
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
-    // The mesh has to resolve the field, not the beads: growth along an edge comes from the field,
-    // so an edge may cross a level or two.
+    // The mesh only has to resolve the field, not single beads: the growth of the phase along an edge
+    // follows from the field, so an edge may cross one or two levels.
     let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
     let levels = {
         let input = phase_input(&mesh, field, context, &border, spacing);
@@ -98,8 +98,8 @@ pub(crate) fn spaced(
     };
     let clipper = LineClipper::new(&infill_region);
     let mut lines = Vec::new();
-    // Level lines carry the zigzag of the triangulation. Resampling and three rounds of smoothing
-    // remove it.
+    // Level lines have the zigzag of the triangulation. Resampling and three rounds of smoothing remove
+    // it.
     for level in levels {
         let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
         smooth(&mut points, level.closed, 3);
@@ -126,7 +126,7 @@ pub(crate) fn spaced(
     lay(centrelines, &infill_region, &border, context, share, out);
 }
 
-/// Lines in the middle of the space they have.
+/// Moves lines to the middle between their neighbours.
 fn centred(mut lines: Vec<Line>, clipper: &LineClipper, border: &Region, spacing: f64) -> Vec<Line> {
     for _ in 0..CENTRINGS.value() {
         centre(&mut lines, border, spacing);
@@ -141,7 +141,7 @@ fn centred(mut lines: Vec<Line>, clipper: &LineClipper, border: &Region, spacing
     lines.into_iter().flat_map(clipped).collect()
 }
 
-/// What is asked of the phase for lines this far apart, mm.
+/// The input from which the phase is found, for lines `spacing` apart, mm.
 pub(super) fn phase_input(
     mesh: &FieldMesh,
     field: &dyn DirectionField,
@@ -161,15 +161,15 @@ pub(super) fn phase_input(
     PhaseInput { axes, frequency, strength, wanted }
 }
 
-/// Phase wanted near the border: where the field runs along the border, the outermost bead should
-/// too, half a bead away.
+/// The phase that is wanted near the border: where the field runs along the border, the outermost bead
+/// should run along it too, half a bead away.
 pub(crate) struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     buckets: Buckets,
 }
 
 impl NearBorder {
-    /// For places within one cell of the border; `cell_mm` is the reach.
+    /// Prepares a search for the border within `cell_mm` of a place.
     pub(crate) fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
@@ -179,8 +179,8 @@ impl NearBorder {
         Self { edges, buckets }
     }
 
-    /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a
-    /// spacing inwards, and how much that is wanted.
+    /// The phase wanted at `p`, and its weight. On the border the phase is `at_border` turns, and it grows
+    /// by one turn per spacing inwards.
     pub(crate) fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
@@ -189,8 +189,8 @@ impl NearBorder {
         {
             let (a, b) = self.edges[k as usize];
             let distance = segment::distance_squared_mm2(p, a, b).sqrt();
-            // Of two edges at the same distance, for instance at a corner, the first one counts, so
-            // that the result does not depend on the order in the buckets.
+            // Of two edges at the same distance, for instance at a corner, the first in number counts, so
+            // that the order in the buckets has no effect.
             if distance < best.0 || (distance == best.0 && k < best.1) {
                 best = (distance, k);
             }
@@ -206,8 +206,8 @@ impl NearBorder {
         let inwards = DVec2::new(-along.y, along.x);
         let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
         let parallel = along.dot(axis).abs();
-        // Full weight where field and border are parallel, none beyond 23 degrees (0.92 is its
-        // cosine): there beads end on the border and no phase on it is better than another.
+        // The weight is full where field and border are parallel, and zero beyond 23 degrees (0.92 is its
+        // cosine): there beads end on the border, and no phase on it is better than another.
         let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
@@ -215,7 +215,7 @@ impl NearBorder {
     }
 }
 
-/// Adds what lies inside of a line, unless it is too short.
+/// Adds those pieces of a line that lie inside and are not too short.
 pub(super) fn push_inside(
     clipper: &LineClipper,
     points: Vec<DVec2>,
@@ -228,8 +228,8 @@ pub(super) fn push_inside(
         line.extend(line.first().copied());
     }
     let mut pieces = clipper.clip(&line);
-    // Coordinates are compared exactly on purpose: the clipper returns the points of a piece it
-    // left whole unchanged.
+    // Coordinates are compared exactly on purpose, because the clipper does not change the points of a line
+    // that lies inside as a whole.
     let whole = pieces.len() == 1
         && pieces[0].points.len() == line.len()
         && pieces[0].points[0] == line[0]
@@ -242,7 +242,7 @@ pub(super) fn push_inside(
         return;
     }
     if closed && pieces.len() > 1 {
-        // The first and the last piece of a ring that was cut elsewhere are one.
+        // If a ring was cut elsewhere, its first and last piece belong together.
         let joins = pieces[0].points.first() == Some(&line[0])
             && pieces[pieces.len() - 1].points.last() == Some(&line[0]);
         if joins && let Some(mut last) = pieces.pop() {
@@ -260,7 +260,7 @@ pub(super) fn push_inside(
     }
 }
 
-/// Moves every bead towards the middle of the space it has.
+/// Moves every bead towards the middle between its neighbours.
 fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let moved: Vec<Vec<DVec2>> = lines
@@ -268,14 +268,14 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
         .enumerate()
         .map(|(l, line)| {
             let shift = |r: Reach| {
-                // Half the difference of the reaches goes half the way to the middle, because the
-                // neighbours move in the same round. The bound keeps beads from changing places.
+                // Half the difference of the reaches is half of the way to the middle; the neighbours move
+                // the other half in the same round. The bound keeps beads from changing places.
                 0.5 * (r.left_mm - r.right_mm).clamp(-0.4 * spacing_mm, 0.4 * spacing_mm)
             };
             let reaches = neighbours.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
             let mut shifts: Vec<f64> = reaches.into_iter().map(shift).collect();
-            // Neighbouring points see different segments of the next bead. Unsmoothed shifts would
-            // print that as ripples.
+            // Neighbouring points measure to different segments of the next bead. Without smoothing, the
+            // shifts would be printed as ripples.
             smooth(&mut shifts, line.closed, 4);
             let to = |(v, &p): (usize, &DVec2)| {
                 let t = line.tangent(v);
@@ -297,7 +297,7 @@ struct Centrelines {
     widths: Vec<Vec<f64>>,
 }
 
-/// Turns lines into beads, joins ends where the way is short, and puts single beads where a gap is left.
+/// Turns lines into beads, joins ends that lie close together, and fills gaps with single beads.
 fn lay(
     centrelines: Centrelines,
     infill_region: &Region,
@@ -330,13 +330,13 @@ fn lay(
     }
 }
 
-/// Widens or narrows beads alike until they have this volume, within the widths that can be printed.
+/// Widens or narrows all beads by one factor until they have this volume, within the printable widths.
 pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &FillContext<'_>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let scaled = |w: f64, factor: f64| {
         bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
     };
-    // Widths at a bound stay there, so the others take up the rest in another round.
+    // Widths at a bound cannot change further, so another round distributes the rest over the others.
     for _ in 0..3 {
         let laid_mm3: f64 = beads.iter().map(|p| p.volume_mm3(h)).sum();
         if laid_mm3 <= 0.0 || wanted_mm3 <= 0.0 {
@@ -352,7 +352,7 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     }
 }
 
-/// Puts single beads of varying width into what the paths from the index `first` on leave open.
+/// Fills the gaps that the paths from index `first` on leave open with single beads of varying width.
 fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
@@ -365,7 +365,7 @@ fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mu
     if context.widths == BeadWidths::Constant {
         singles.iter_mut().for_each(|single| single.width = BeadWidth::Constant(nominal));
     }
-    // Where branches of a gap meet, their beads may cross. The later one is dropped.
+    // Where branches of a gap meet, their beads may cross; of two such beads the later one is dropped.
     let mut laid: Vec<[DVec2; 2]> = Vec::new();
     for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
         let segments: Vec<[DVec2; 2]> =
@@ -377,24 +377,24 @@ fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mu
     }
 }
 
-/// The area that the beads' strips leave open, where it is wider than about a cell and a half.
+/// The area that the beads leave open, where it is wider than about one and a half cells.
 ///
-/// Open places are found on a raster and cut out exactly only there: a union of all strips costs
-/// more than the rest of the fill together.
+/// Gaps are found on a raster, and only there the beads' areas are subtracted exactly: a union of the areas
+/// of all beads would cost more than the rest of the fill together.
 fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
     let Some(bounds) = infill_region.bounds() else { return Region::default() };
     let grid = Grid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
-    // A gap worth a bead is more than one cell long. Lone cells lie between strips that do not
-    // quite touch.
+    // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
+    // touch.
     let open = Mask::from_region(grid, infill_region).and_not(&filled).without_lone();
     if open.is_empty() {
         return Region::default();
     }
-    // The window reaches four cells beyond the open ones, so that a gap that narrows down to
-    // nothing is cut out whole.
+    // The window extends four cells beyond the open cells, so that the narrow ends of a gap are cut out as
+    // well.
     let near = open.grown(4);
     let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(infill_region);
     let there = strips.iter().filter(|s| near.meets_convex(s));
@@ -415,7 +415,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
         let (a, b, _) = bead.segment(i);
         let along = (b - a).normalize_or(DVec2::X);
         let across = DVec2::new(-along.y, along.x);
-        // A little longer than the segment, so that bends leave no wedge.
+        // The strip is a little longer than the segment, so that bends leave no wedge open.
         let (a, b) = (a - 0.5 * half(i) * along, b + 0.5 * half(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
         vec![a - p, b - q, b + q, a + p]
@@ -430,8 +430,8 @@ pub(super) struct WideBead {
 }
 
 impl WideBead {
-    /// The end of the last segment, or of the first, with `by_mm` taken off, and the share of the
-    /// segment that remains. A segment not longer than 1.5 times that is kept whole.
+    /// The end point of the last segment, or of the first, after shortening by `by_mm`, and the share of
+    /// the segment that remains. A segment not longer than 1.5 times `by_mm` is kept whole.
     fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
         let n = self.points.len();
         let (a, b) =
@@ -441,7 +441,7 @@ impl WideBead {
         (a.lerp(b, t), t)
     }
 
-    /// Takes `by_mm` off the end.
+    /// Shortens the bead by `by_mm` at its end.
     fn shorten(&mut self, by_mm: f64) {
         let n = self.points.len();
         let (end, t) = self.rest(false, by_mm);
@@ -456,7 +456,7 @@ impl WideBead {
     }
 }
 
-/// Gives beads the ends that the job asks for.
+/// Gives beads the kind of ends that the job asks for: joined or open.
 pub(super) fn ended(
     mut beads: Vec<WideBead>,
     infill_region: &Region,
@@ -484,9 +484,9 @@ pub(super) fn ended(
     }
 }
 
-/// Where a bead that the area for centrelines cuts off ends on the border, and its width there.
-/// `None` where it ends inside, or meets the border at less than 30 degrees: there it runs beside
-/// the border, and the next bead lies between.
+/// The point to which an open bead is extended so that it reaches the border, and its width there. `None`
+/// if the bead ends inside, or meets the border at less than 30 degrees: then it runs beside the border,
+/// and the next bead lies between.
 fn at_border(
     bead: &WideBead,
     first: bool,
@@ -501,25 +501,25 @@ fn at_border(
         (bead.points[n - 1], bead.points[n - 2], bead.widths[n - 1])
     };
     let along = (end - before).try_normalize()?;
-    // A hair that is longer than the rounding of clipping and tracing.
+    // A short distance, but longer than the rounding of clipping and tracing.
     if inside.contains(end + 0.05 * context.spacing_mm() * along) {
         return None;
     }
-    // At 30 degrees the border is twice as far away as straight ahead.
+    // Along a bead that meets the border at 30 degrees, the border is twice as far away as at 90 degrees.
     let reach_mm = 2.5 * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
     let contour = contours.get(hit.contour)?;
     let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
     let sine = cross(along, d).abs();
-    // Half of the flat end of a strip that meets the border at an angle lies beyond it. Ending a
-    // little before makes what is left open there as large as what spills.
+    // A strip that meets the border at an angle has half of its flat end beyond it. Ending a little earlier
+    // makes the area that stays open as large as the area beyond the border.
     let short_mm = 0.25 * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
     (sine >= 0.5 && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
 }
 
-/// Joins open beads end to end along the border: each end to the nearest free one, if that is near
-/// and the way stays inside the region.
+/// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close
+/// enough and the joint stays inside the region.
 pub(super) fn joined(
     beads: Vec<WideBead>,
     neighbours: &Neighbours,
@@ -537,12 +537,12 @@ pub(super) fn joined(
     }
     let mut beads: Vec<Option<WideBead>> = beads.into_iter().map(Some).collect();
     let mut out = Vec::new();
-    // Beads are tried in the order of the level lines, which the mesh fixes: the same region gives
-    // the same joints for any number of threads.
+    // Beads are tried in the order of the level lines, which depends on the mesh only: so the joints of a
+    // region are the same for any number of threads.
     for first in 0..beads.len() {
         let Some(mut bead) = beads[first].take_if(|_| !index.is_taken(first)) else { continue };
         index.take(first);
-        // Onwards from its end, then from its start.
+        // The bead is continued at its end first, then at its start.
         for _ in 0..2 {
             loop {
                 let at = bead.points[bead.points.len() - 1];
@@ -550,8 +550,8 @@ pub(super) fn joined(
                 let to = ends[next][usize::from(second)];
                 let other = beads[next].as_ref().map(|b| b.rest(!second, retreat_mm).0);
                 let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
-                // The direct way and the joint half a bead inside the border are both tested,
-                // because another bead may lie across either of them.
+                // The straight line between the ends and the joint half a bead inside are both tested,
+                // because another bead may cross either of them.
                 if at.distance(to) > LONGEST_JOINT.value() * spacing_mm
                     || !inside.segment_inside(at, to)
                     || neighbours.between(at, to, [at, to])
@@ -564,7 +564,7 @@ pub(super) fn joined(
                 index.take(next);
                 let Some(other) = beads[next].take() else { break };
                 let mut other = if second { other } else { other.reversed() };
-                // The joint then lies half a bead from the border, as a bead along it would.
+                // After shortening, the joint lies half a bead from the border, as a bead along it would.
                 bead.shorten(retreat_mm);
                 other.shorten(retreat_mm);
                 let other = other.reversed();
@@ -579,15 +579,16 @@ pub(super) fn joined(
     out
 }
 
-/// How far a vertex may lie off the line without it and stay dropped, mm. Source: derived. A motor of 200 steps, divided
-/// by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show half of that.
+/// A vertex is dropped if it lies within this distance of the line without it, mm. Source: derived. A motor
+/// of 200 steps, divided by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show
+/// half of that.
 pub(crate) const SIMPLIFY_MM: f64 = 0.005;
 /// How much the width at a dropped vertex may differ from the width between its neighbours, mm. Source: derived. Around
 /// the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average; a filament of 1.75 mm that is 0.02 mm too thick
 /// changes it by 2.3 %.
 const SIMPLIFY_WIDTH_MM: f64 = 0.01;
 
-/// Drops the vertices that matter neither for the line nor for its width.
+/// Drops vertices that change neither the line nor its width noticeably.
 pub(crate) fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
     polyline::simplified_with(points, widths, closed, SIMPLIFY_MM, SIMPLIFY_WIDTH_MM)
 }

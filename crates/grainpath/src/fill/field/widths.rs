@@ -1,8 +1,8 @@
-//! The space of a bead between its neighbours, which decides its width.
+//! Measures the space of a bead between its neighbours, which decides its width.
 //!
-//! Beads and the border of the area they fill are kept as segments in square buckets. From a point
-//! of a bead a ray goes to the left and to the right, at right angles to it. A neighbouring bead
-//! shares the distance, the border gives all of it:
+//! Beads and the border of the area to be filled are stored as segments in square buckets. From a point of
+//! a bead one ray goes to the left and one to the right, square to the bead. The distance to a neighbouring
+//! bead is shared with it; the distance to the border belongs to the bead alone:
 //!
 //! ```text
 //!    ------------------------- neighbour
@@ -12,12 +12,13 @@
 //!    ######################### border
 //! ```
 //!
-//! Where a bead ends on a border ahead, its neighbour has ended before, and the bead keeps the reach
-//! it had beside it: the space belongs to the joint. The sum of both reaches is the width of the
-//! bead's strip;
+//! Where a bead ends on a border ahead, its neighbour has ended earlier. The space beside the bead then
+//! belongs to the joint of the two, so the bead keeps the reach it had before. The sum of both reaches is
+//! the width of the bead's strip;
 //! [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it into the width that is printed.
-//! Exact for parallel beads; where beads converge at an angle the ray overestimates the space by
-//! the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
+//! The space is exact for parallel beads. For beads that converge at an angle it is too large by a factor
+//! of one over the cosine of half the angle. Cost: a ray passes a few buckets, whatever the size of the
+//! region.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::{cos, cross};
@@ -26,7 +27,7 @@ use grainpath_core::polyline;
 use grainpath_core::segment::{self, Meeting};
 use grainpath_core::{Bounds2, DVec2, Region};
 
-/// A bead being laid: its centreline at about equal steps.
+/// The centreline of a bead being laid, with points at about equal steps.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub points: Vec<DVec2>,
@@ -65,8 +66,8 @@ impl Line {
     }
 }
 
-/// The stretches of a line that lie within `farthest_rad` of the field's axis, unless they are shorter
-/// than `shortest_mm`.
+/// The stretches of a line that deviate from the field's axis by `farthest_rad` at most; stretches shorter
+/// than `shortest_mm` are left out.
 pub(super) fn stretches_along(
     line: Line,
     axis: &dyn Fn(DVec2) -> DVec2,
@@ -80,7 +81,7 @@ pub(super) fn stretches_along(
     let n = line.n_segments();
     let good: Vec<bool> = (0..n).map(|s| follows(line.segment(s))).collect();
     let Some(bad) = good.iter().position(|good| !good) else { return vec![line] };
-    // A ring is opened where it leaves the field.
+    // A ring is opened where it first deviates from the field.
     let first = if line.closed { bad } else { 0 };
     let mut out = Vec::new();
     let mut stretch: Vec<DVec2> = Vec::new();
@@ -120,7 +121,7 @@ pub(crate) struct Hit {
 struct BeadSegment {
     a: DVec2,
     b: DVec2,
-    /// Line and segment; `u32::MAX` for the border.
+    /// Number of the line, `u32::MAX` for the border, and of the segment.
     line: u32,
     segment: u32,
 }
@@ -141,7 +142,7 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// From all `lines` and the border of the region they fill; cells are `cell_mm` wide.
+    /// Indexes all `lines` and the border of the region they fill. Cells are `cell_mm` wide.
     pub(crate) fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
         let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
         lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
@@ -151,8 +152,8 @@ impl Neighbours {
         Self::from_pieces(pieces, cell_mm)
     }
 
-    /// Only those segments of `lines` that lie within about `reach_mm` of the beads that `chosen`
-    /// names.
+    /// Indexes only those segments of `lines` that lie within about `reach_mm` of the lines for which
+    /// `chosen` is true.
     pub(crate) fn around(
         lines: &[Line],
         chosen: impl Fn(usize) -> bool,
@@ -161,8 +162,8 @@ impl Neighbours {
     ) -> Self {
         let points = lines.iter().flat_map(|l| l.points.iter().copied());
         let bounds = Bounds2::around_points(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        // Coarse cells of the size of the reach: a segment counts as near if it passes one of the
-        // nine cells around a chosen bead.
+        // Coarse cells of the size of the reach are enough: a segment counts as near if it passes one of
+        // the nine cells around a chosen bead.
         let cells = CellGrid::covering(bounds, reach_mm, 4000);
         let mut is_near = vec![false; cells.nx * cells.ny];
         for (l, line) in lines.iter().enumerate().filter(|l| chosen(l.0)) {
@@ -184,9 +185,9 @@ impl Neighbours {
         Self::from_pieces(pieces, cell_mm)
     }
 
-    /// A copy with those segments that lie within two cells of `places`, at the positions that
-    /// `lines` have now. The cells are those of the old positions, so lines may have moved by less
-    /// than a cell.
+    /// Copies the segments that lie within two cells of `places`, with the positions that `lines`
+    /// have now. Their cells are found from the old positions, so lines may have moved by less than a
+    /// cell.
     pub(crate) fn near(&self, lines: &[Line], places: &[DVec2]) -> Self {
         let cells = &self.buckets.cells;
         let mut is_near = vec![false; self.pieces.len()];
@@ -196,8 +197,8 @@ impl Neighbours {
             }
         }
         let moved = |p: &BeadSegment| {
-            // The border stays; bead segments are read anew, because the lines were moved after the
-            // cells were filled.
+            // The border has not moved. Bead segments are read again, because the lines have moved since
+            // the cells were filled.
             if p.line == BORDER {
                 return *p;
             }
@@ -236,7 +237,7 @@ impl Neighbours {
         })
     }
 
-    /// Distance and number of that segment.
+    /// Distance and index of the segment that [`Self::hit`] returns.
     fn first(
         &self,
         p: DVec2,
@@ -251,8 +252,8 @@ impl Neighbours {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
                 let to = piece.a - p;
-                // Most segments are missed by the ray, so the division waits until both parameters
-                // are known to be in range.
+                // The ray misses most segments, so the division is done only when both parameters are known
+                // to be in range.
                 let det = cross(way, d);
                 let (size, sign) = (det.abs(), det.signum());
                 let (t, u) = (sign * cross(to, d), sign * cross(to, way));
@@ -271,8 +272,8 @@ impl Neighbours {
         best
     }
 
-    /// Whether a bead crosses the straight way from `a` to `b`; segments that end at one of the
-    /// `own` points are skipped.
+    /// Whether a bead crosses the straight line from `a` to `b`. Segments that end at one of the `own`
+    /// points are skipped.
     pub(crate) fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let mut blocked = false;
         self.buckets.cells.for_each_passed(a, b, |cell| {
@@ -290,11 +291,11 @@ impl Neighbours {
         blocked
     }
 
-    /// Pairs of segments, as line and segment, that cross or touch without following each other on a line.
+    /// Pairs of segments that cross or touch and are not neighbours on a line, each given as line and segment.
     pub(crate) fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
-        // Segments of the same cell seen before.
+        // Segments of the same cell that were visited before.
         let mut met: Vec<BeadSegment> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
             met.clear();
@@ -319,12 +320,12 @@ impl Neighbours {
         out
     }
 
-    /// The space of a line at each of its vertices: all of the distance to the border, half of the
+    /// The space of a line at each of its vertices: on each side the distance to the border, or half of the
     /// distance to the next bead.
     ///
-    /// Where a line ends on a border ahead, the next one has ended before, and the space beside it
-    /// is the joint's. There the line keeps the reach it has at the nearest vertex with a neighbour.
-    /// `free_mm` stands in where a side has no such vertex, and where nothing is met within `far_mm`.
+    /// Where a line ends on a border ahead, the next line has ended earlier, and the space beside this line
+    /// belongs to their joint. There the line keeps the reach of the nearest vertex that has a neighbour.
+    /// `free_mm` is used if a side has no such vertex, and where nothing lies within `far_mm`.
     pub(crate) fn reaches(&self, lines: &[Line], line: usize, far_mm: f64, free_mm: f64) -> Vec<Reach> {
         let n = lines[line].points.len();
         let sides: Vec<[Side; 2]> =
@@ -334,15 +335,15 @@ impl Neighbours {
         left.into_iter().zip(right).map(|(left_mm, right_mm)| Reach { left_mm, right_mm }).collect()
     }
 
-    /// Widths of the strips of all lines at their vertices, mm, where lines lie about `spacing_mm` apart.
+    /// Widths of the strips of all lines at their vertices, mm, for lines that lie about `spacing_mm` apart.
     pub(crate) fn strips(&self, lines: &[Line], spacing_mm: f64) -> Vec<Vec<f64>> {
         let of_line = |(l, line): (usize, &Line)| {
             let reaches = self.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
             let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
             let n = widths.len();
             if !line.closed && n > 3 {
-                // At its very end a line looks along the border, not across to its neighbour. The next
-                // point's strip is taken instead.
+                // At the end of a line the ray runs along the border, not across to the neighbour. So the
+                // end takes the strip of the next point.
                 (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
             }
             smooth(&mut widths, line.closed, 1);
@@ -377,8 +378,8 @@ impl Neighbours {
     }
 }
 
-/// A border counts as ahead where it meets a line at more than 30 degrees. Source: derived. From
-/// there on the next line has ended less than two spacings before this one.
+/// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle
+/// the next line has ended less than two spacings before this one.
 const AHEAD_SINE: f64 = 0.5;
 
 /// What lies beside a line.
@@ -392,11 +393,11 @@ enum Side {
     Open,
 }
 
-/// The reaches on one side of a line, mm: those beside a border ahead from the nearest vertex with
-/// a neighbour.
+/// The reaches on one side of a line, mm. Beside a border ahead the reach of the nearest vertex with a
+/// neighbour is taken.
 fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<f64> {
     let n = sides.len();
-    // The last reach seen, and how many vertices ago. A closed line is walked twice.
+    // For each vertex the nearest reach, and how many vertices away it is. A closed line is walked twice.
     let mut nearest: Vec<(usize, f64)> = vec![(usize::MAX, free_mm); n];
     for backwards in [false, true] {
         let mut seen: Option<(usize, f64)> = None;
@@ -419,7 +420,7 @@ fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<
     sides.iter().enumerate().map(reach).collect()
 }
 
-/// Values smoothed along a line, `times` over; ends of open lines stay.
+/// Smooths values along a line, `times` over. The ends of open lines do not change.
 pub(crate) fn smooth<T>(values: &mut [T], closed: bool, times: usize)
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,

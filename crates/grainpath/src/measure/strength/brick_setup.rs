@@ -1,4 +1,4 @@
-//! Fixtures and loads of a job on the bricks of a solid test.
+//! Applies the fixtures and loads of a job to the bricks of a solid strength test.
 //!
 //! Lengths are in mm, forces in N. Cost: linear in the grid's points.
 
@@ -16,8 +16,8 @@ use super::frame::Frame;
 use super::setup::{TestSetup, UNBREAKABLE_MM};
 use super::{Limits, PlacedCells, StrengthError};
 
-/// Cells filled to a smaller share are left out, because they slow the solution without carrying
-/// load.
+/// Smallest filled share of a cell that is kept. Emptier cells are left out, because they slow the
+/// solution without carrying load.
 const LEAST_FILLED: f32 = 0.06;
 
 /// Forces at points of the grid, N.
@@ -41,7 +41,7 @@ impl PreparedSolid {
         self.test(card, limits).run()
     }
 
-    /// How much bending of thin walls its cells miss.
+    /// How much bending of thin walls the cells of the test cannot represent.
     pub(super) fn unresolved_bending(
         &self,
         card: &StrengthCard,
@@ -65,12 +65,12 @@ impl PreparedSolid {
     }
 }
 
-/// Corners of bricks, with the material around each of them.
+/// The corner points of the bricks, with the amount of material around each point.
 struct Points<'a> {
     bricks: &'a Bricks,
     frame: Frame,
     weight: Vec<f32>,
-    /// Number of elements among the eight cells around it.
+    /// For each point, the number of active cells among the eight around it.
     around: Vec<u8>,
 }
 
@@ -101,7 +101,7 @@ impl<'a> Points<'a> {
         [i % nx, i / nx % ny, i / nx / ny]
     }
 
-    /// The position of a point in the part, mm.
+    /// The position of a point in part coordinates, mm.
     fn place(&self, i: usize) -> DVec3 {
         self.frame.to_part_3d(self.place_in_grid(i))
     }
@@ -111,10 +111,10 @@ impl<'a> Points<'a> {
         self.bricks.origin + self.bricks.cell_mm * DVec3::new(x, y, z)
     }
 
-    /// Points with material that a shape selects. Lists of facets select points of the surface
-    /// alone.
+    /// The points with material that a selection contains. A list of facets selects only points on
+    /// the surface.
     fn chosen(&self, on: &Selection) -> Vec<usize> {
-        // Facets lie on the surface, and inner points within reach of them would be held too.
+        // Facets lie on the surface; without this test, inner points within reach would be held too.
         let listed = matches!(on, Selection::Triangles(_) | Selection::Near { .. });
         (0..self.weight.len())
             .into_par_iter()
@@ -129,7 +129,7 @@ impl<'a> Points<'a> {
         let p = self.frame.to_grid_3d(p);
         let q = ((p - self.bricks.origin) / self.bricks.cell_mm).round();
         let n = self.bricks.n;
-        // The stair-stepped surface of bricks lies up to about a cell beside the true one.
+        // The stair-stepped surface of the bricks deviates from the true surface by up to about one cell.
         let range = |k: usize| {
             let at = q[k] as i64;
             (at - 2).max(0)..=(at + 2).min(n[k] as i64)
@@ -156,10 +156,10 @@ fn corner(bricks: &Bricks, cell: usize, k: usize) -> [usize; 3] {
 }
 
 impl TestSetup {
-    /// Bricks, supports and forces of a test.
+    /// Prepares the bricks, the held points and the forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] when a fixture or load meets no material that is connected to a fixture.
+    /// [`StrengthError`] if a fixture or load catches no material that is connected to a fixture.
     pub(super) fn prepared_solid(
         &self,
         sheets: &[BeadSheet],
@@ -194,12 +194,12 @@ impl TestSetup {
             }
         }
         let lost = lost / bricks.laid_mm3;
-        // Counted again, because loose cells no longer add material to their corners.
+        // The material is counted again, because loose cells no longer add to their corners.
         let points = Points::new(&bricks, self.frame, &active);
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
         for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
-            // A point whose cells were all loose has no stiffness to hold.
+            // A point whose cells were all loose has no stiffness, so it cannot be held.
             for &i in caught.iter().filter(|i| points.weight[**i] > 0.0) {
                 marked[i] = true;
                 let p = points.place(i);
@@ -266,14 +266,14 @@ impl TestSetup {
                     let centre = chosen.iter().map(|&i| points.place(i) * weight(i)).sum::<DVec3>() / sum;
                     let Some(axis) = m.try_normalize() else { continue };
                     let turned = |i: usize| axis.cross(points.place(i) - centre);
-                    // Forces in proportion to the distance from the axis; the sum of their moments
-                    // is scaled to the load.
+                    // The forces are proportional to the distance from the axis, and scaled so that their
+                    // moments add up to the load.
                     let arm: f64 = chosen.iter().map(|&i| weight(i) * turned(i).length_squared()).sum();
                     for &i in &chosen {
                         forces[i] += turned(i) * (weight(i) * m.length() / f64::max(arm, 1e-30));
                     }
                 }
-                // Pressures are done, and the rest was refused when the test was set up.
+                // Pressures and accelerations are handled above; the other loads were refused when the test was set up.
                 Action::Pressure { .. }
                 | Action::Acceleration { .. }
                 | Action::Bearing { .. }
@@ -285,8 +285,8 @@ impl TestSetup {
                 | Action::Centrifugal { .. } => {}
             }
         }
-        // For loads without a total force, such as moments and pressures: half the sum of all
-        // magnitudes counts two opposite forces once.
+        // Loads without a total force, such as moments and pressures, count with half the sum of all
+        // magnitudes, so that a pair of opposite forces counts once.
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
         let load_n = if greatest > 0.0 { greatest } else { pulled };
         if load_n <= 0.0 {
@@ -297,14 +297,14 @@ impl TestSetup {
     }
 }
 
-/// The points of bricks that a fixture holds. A cylinder whose axis lies in the material is a
+/// The selection of points that a fixture holds. A cylinder whose axis lies in the material is a
 /// roller and holds a line of points. A cylinder around a hole holds the hole's wall.
 fn contact(on: &Selection, points: &Points<'_>, cell_mm: f64, reach: f64) -> Selection {
     let wide = on.grown(reach);
     let mut line = wide.clone();
     if let Selection::Cylinder { radius_mm, .. } = &mut line {
         *radius_mm = cell_mm;
-        // The bottom of a blind hole also lies on the axis, but has few points; it is no roller.
+        // The bottom of a blind hole also lies on the axis, but has too few points for a roller.
         if 20 * points.chosen(&line).len() > points.chosen(&wide).len() {
             return line;
         }
@@ -312,8 +312,8 @@ fn contact(on: &Selection, points: &Points<'_>, cell_mm: f64, reach: f64) -> Sel
     wide
 }
 
-/// Pressure on the surface: each small piece of it acts on the nearest point. Returned is whether
-/// any point was found.
+/// Applies a pressure to the surface: the force on each small piece of the surface acts on the nearest
+/// point. Returns whether any point was found.
 fn press(
     mpa: f64,
     on: &Selection,
@@ -328,13 +328,14 @@ fn press(
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
         let (u, v) = (b - a, c - a);
         let longest = u.length().max(v.length()).max((c - b).length());
-        // Pieces of half a cell reach every point; the limit bounds the work for a huge facet.
+        // Pieces of half a cell are small enough to load every point; the upper limit bounds the work for a
+        // huge facet.
         let n = (longest / step).ceil().clamp(1.0, 2000.0) as usize;
         let piece = u.cross(v) * (0.5 / (n * n) as f64);
         for i in 0..n {
             for j in 0..n - i {
-                // The small triangles of a divided facet stand upright or upside down; the last of
-                // a row has no partner.
+                // A facet is divided into rows of alternately upright and inverted triangles; the last
+                // upright triangle of a row has no inverted partner.
                 for (third, is_one) in [(1.0 / 3.0, true), (2.0 / 3.0, i + j + 1 < n)] {
                     let p = a + (u * (i as f64 + third) + v * (j as f64 + third)) / n as f64;
                     let at = if is_one && on.contains(p) { points.nearest(p) } else { None };
@@ -350,7 +351,7 @@ fn press(
     any
 }
 
-/// Cells near held or loaded points; they cannot fail.
+/// Marks the cells near held or loaded points, which cannot fail.
 fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<bool> {
     let bricks = points.bricks;
     let [nx, ny, nz] = bricks.n;

@@ -1,23 +1,23 @@
-//! The direction of a test's grid: that of the part, so that a part turned on the plate has the same cells.
+//! Aligns the grid of a strength test with the part, so that a part turned on the plate gets the same cells.
 //!
-//! Cells resolve a wall along the grid better than one across it, so a grid along the axes of the plate would give a
-//! turned part another peak load. The grid is laid along the direction of the longest straight sides of the convex
-//! hull of all beads (sides within half a degree of each other count together), and about the middle of the beads.
-//! Turning or moving all beads turns and moves the grid with them; only rounding differs. Cost: sorting all ends of
-//! beads. A round part has no such direction; one is chosen by the first of its sides.
+//! Cells resolve a wall along the grid better than an oblique one, so a grid along the axes of the plate would give a
+//! turned part another peak load. The grid is aligned with the longest straight side of the convex hull of all beads,
+//! and centred on the beads; sides whose directions differ by less than half a degree count together. Turning or moving
+//! all beads turns and moves the grid with them, apart from rounding. Cost: sorting the end points of all beads. A round
+//! part has no longest side; the first side of its hull then decides.
 
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet};
 
-/// Sides of the hull whose directions differ by less than this are one direction, rad. Source: derived. G-code rounds both ends
-/// of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
+/// Sides of the hull whose directions differ by less than this count as parallel, rad. Source: derived. G-code rounds both
+/// ends of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
 const SAME_DIRECTION_RAD: f64 = 0.0087;
-/// Smaller angles than this between grid and plate are left out, rad. Source: derived. Over 200 mm such an angle moves a bead by
-/// 0.002 mm, about what G-code rounds.
+/// An angle between grid and plate below this is taken as zero, rad. Source: derived. Over 200 mm this angle moves a bead by
+/// 0.002 mm, about the rounding of G-code.
 const MIN_ANGLE_RAD: f64 = 1e-5;
 
-/// The directions of a grid seen from the part: a turn about z.
+/// The rotation about z between the part and the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Frame {
     /// Direction of the grid's first axis.
@@ -31,7 +31,7 @@ impl Default for Frame {
 }
 
 impl Frame {
-    /// The frame of some beads.
+    /// Finds the frame that is aligned with these beads.
     pub(super) fn new(sheets: &[BeadSheet]) -> Self {
         let ends = sheets.iter().flat_map(|s| &s.beads).flat_map(|b| [b.a, b.b]);
         let hull = convex_hull(ends.filter(|p| p.is_finite()).collect());
@@ -42,7 +42,7 @@ impl Frame {
                 .sum::<DVec2>()
         };
         let longest = sides.iter().map(parallel).fold(DVec2::ZERO, |best, sum| {
-            // Rounding does not decide between sides of one direction.
+            // The margin keeps rounding from deciding between sides of the same length.
             if sum.length_squared() > (1.0 + 1e-9) * best.length_squared() { sum } else { best }
         });
         if longest == DVec2::ZERO {
@@ -55,12 +55,12 @@ impl Frame {
         if angle.abs() < MIN_ANGLE_RAD { Self::default() } else { Self { x: direction(angle) } }
     }
 
-    /// From the grid to the part.
+    /// Transforms a vector from grid to part coordinates.
     pub(super) fn to_part(self, p: DVec2) -> DVec2 {
         self.x * p.x + self.x.perp() * p.y
     }
 
-    /// From the part to the grid.
+    /// Transforms a vector from part to grid coordinates.
     pub(super) fn to_grid(self, p: DVec2) -> DVec2 {
         DVec2::new(self.x.dot(p), self.x.perp().dot(p))
     }
@@ -75,7 +75,7 @@ impl Frame {
         self.to_grid(p.truncate()).extend(p.z)
     }
 
-    /// Beads seen from the grid.
+    /// The beads in grid coordinates.
     pub(super) fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
         let bead = |b: &BeadPiece| BeadPiece { a: self.to_grid(b.a), b: self.to_grid(b.b), ..*b };
         let sheet =

@@ -1,8 +1,8 @@
-//! The virtual strength test of a plan, or of any other G-code.
+//! Runs the virtual strength test of a plan, or of any other G-code.
 //!
-//! Beads of a program become plies of a plate or bricks of a solid (`grainpath_fea::strength`);
-//! fixtures and loads are those of the job. The peak load comes with the interval that the bounds
-//! of the material's strengths allow, and with its change when the cells are halved.
+//! The beads of a program become plies of a plate or bricks of a solid (`grainpath_fea::strength`).
+//! Fixtures and loads are those of the job. The result is the peak load, its interval over the bounds
+//! of the material's strengths, and its change when the cells are halved.
 
 mod brick_setup;
 mod frame;
@@ -41,7 +41,7 @@ use setup::{Fidelity, Prepared};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum StrengthError {
-    #[error("needs {0}; fixtures and loads are those of [guide]")]
+    #[error("needs {0}; fixtures and loads are set in [guide]")]
     Missing(&'static str),
     #[error(
         "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
@@ -55,7 +55,7 @@ pub enum StrengthError {
         "a part with fibre is tested as a plate: loads in the layers' plane, strength.fidelity = \"plane\""
     )]
     FibreInSpace,
-    #[error("{0} moves by a displacement; the test wants forces")]
+    #[error("{0} prescribes a displacement, but the strength test needs forces")]
     Moved(String),
     #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
     NoNormal { what: String, shape: &'static str },
@@ -81,7 +81,7 @@ pub enum StrengthError {
     )]
     Outside { percent: f64 },
     #[error(
-        "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be mm of filament of the diameter printer.filament_mm = {filament_mm}, or M200 say that it is mm3"
+        "the program extrudes {laid_mm3:.0} mm3, but the job's part has {part_mm3:.0} mm3: E should be in mm of filament with the diameter printer.filament_mm = {filament_mm}, or M200 should state that E is in mm3"
     )]
     TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
     #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
@@ -102,7 +102,7 @@ pub enum StrengthError {
 }
 
 impl StrengthError {
-    /// Who has to act on the error.
+    /// The kind of the error, which tells the user what has to be changed.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::NothingPrinted
@@ -117,8 +117,8 @@ impl StrengthError {
     }
 }
 
-/// A corner of a material's card: the choice of low, nominal or high along the beads and for all
-/// other strengths.
+/// A corner of a material's card: one choice of low, nominal or high for the strengths along the beads,
+/// and one for all other strengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Corner {
     /// Name in reports.
@@ -136,32 +136,32 @@ pub const CORNERS: [Corner; 5] = [
     Corner { name: "weak along, strong across", along: 0, rest: 2 },
 ];
 
-/// What a test takes from the job besides its part, fixtures and loads. Made by
+/// Settings of a strength test, apart from part, fixtures and loads. Made by
 /// [`crate::run::config::strength`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct StrengthSettings {
-    /// Plate, solid, or as the part allows.
+    /// Model of the part: a plate, a solid, or chosen by the part.
     pub fidelity: choices::Fidelity,
-    /// Size of the cells, mm; chosen by the part and its beads where not given.
+    /// Size of the cells, mm; `None` chooses it from the part and its beads.
     pub cell_mm: Option<f64>,
-    /// Whether the peak is compared with that on larger cells.
+    /// Whether the peak load is compared with the peak load on larger cells.
     pub check: bool,
     /// Whether every corner of the material's card is tested.
     pub corners: bool,
-    /// Memory that the solver may take, MiB.
+    /// Memory limit of the solver, MiB.
     pub max_mib: f64,
-    /// Width of a usual bead, mm.
+    /// Nominal width of a bead, mm.
     pub bead_mm: f64,
     /// Diameter of the filament, mm.
     pub filament_mm: f64,
     /// The card of the part's material.
     pub material: MaterialSection,
-    /// The card of the fibre, where the job lays any.
+    /// The card of the fibre, if the job lays fibre.
     pub fibre: Option<MaterialSection>,
 }
 
 impl StrengthSettings {
-    /// The materials at a corner of their cards: that of the part, and its fibre where it has any.
+    /// The strength cards at a corner: first that of the part's material, then that of the fibre, if any.
     ///
     /// # Errors
     /// [`StrengthError::NoCard`] naming every strength that is missing.
@@ -181,7 +181,7 @@ impl StrengthSettings {
         ])
     }
 
-    /// Where the strengths come from.
+    /// Origin of the strengths, for the report.
     fn source(&self) -> String {
         let matrix = &self.material.strength_source;
         match &self.fibre {
@@ -238,7 +238,7 @@ pub struct StrengthReport {
     /// Load at which the first ply begins to fail.
     pub first_n: f64,
     pub peak_displacement_mm: f64,
-    /// The load of the job, which was scaled up to the peak.
+    /// The load in the job; the test scales it up to the peak.
     pub job_load_n: f64,
     pub case: String,
     pub mode: &'static str,
@@ -254,9 +254,9 @@ pub struct StrengthReport {
     /// Relative change of the peak load when the cells were halved to this size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_change: Option<f64>,
-    /// Share by which size and place of the cells move the peak; the interval is wider by it on both sides.
+    /// Share by which the peak depends on the cells' size and position. The interval is wider by this share on both sides.
     pub grid_share: f64,
-    /// Every load case, where there are several; the rest of the report is that of the smallest factor.
+    /// Every load case, if there are several. The other fields are those of the case with the smallest factor.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cases: Vec<CasePeak>,
     /// Relative difference between the cells' volume and the extruded volume.
@@ -266,7 +266,7 @@ pub struct StrengthReport {
     pub seconds: f64,
     pub card_source: String,
     pub card_tier: &'static str,
-    /// Displacement in mm and load in N.
+    /// Points of the load curve: displacement in mm and load in N.
     pub curve: Vec<[f64; 2]>,
 }
 
@@ -280,7 +280,7 @@ pub struct CasePeak {
     pub high_n: f64,
     /// Load of the job in this case.
     pub job_load_n: f64,
-    /// Peak over the job's load.
+    /// Peak load over the load in the job.
     pub factor: f64,
 }
 
@@ -298,15 +298,15 @@ pub struct Weakest {
 
 /// A finished test.
 pub struct Tested {
-    /// Its result.
+    /// Result of the test.
     pub report: StrengthReport,
     /// History of every element.
     pub outcome: Outcome,
     /// Position of the elements.
     pub map: Map,
-    /// The directions of their grid.
+    /// The orientation of the elements' grid.
     frame: Frame,
-    /// Program coordinates are part coordinates plus this, mm.
+    /// Vector from part coordinates to program coordinates, mm.
     program_from_part_mm: DVec3,
     /// Lowest height of the part and its height, mm.
     heights_mm: [f64; 2],
@@ -315,16 +315,16 @@ pub struct Tested {
 /// An element that lost stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BrokenElement {
-    /// Its middle in the program's coordinates, mm.
+    /// Centre of the element in the program's coordinates, mm.
     pub at_mm: DVec3,
-    /// The share of its stiffness that is lost, 0 to 1.
+    /// The lost share of the element's stiffness, 0 to 1.
     pub lost: f32,
     /// The first state of the test in which it is broken.
     pub state: u32,
 }
 
 impl Tested {
-    /// The edges of an element, mm; those of plates are as high as the plate.
+    /// The edge lengths of an element, mm. An element of a plate is as high as the plate.
     pub fn element_mm(&self) -> DVec3 {
         match &self.map {
             Map::Plane(e) => DVec3::new(e.grid.cell_mm, e.grid.cell_mm, self.heights_mm[1]),
@@ -384,7 +384,7 @@ struct Limits {
     cancel: CancelFlag,
 }
 
-/// The cells of a test: their size, and by which share of it the grid is moved along both axes.
+/// The cells of a test: their size, and the shift of the grid along both axes as a share of that size.
 #[derive(Debug, Clone, Copy)]
 struct PlacedCells {
     size_mm: f64,
@@ -463,11 +463,11 @@ impl LoadedPart {
     }
 }
 
-/// Largest number of cells where a job does not state their size: of a plate, and of a solid.
+/// Largest number of cells in a plate, if the job does not state their size. The next constant is that of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
-/// The usual size of the cells of a test and the smallest that it may take, mm: a bead in a solid and half a bead in a
-/// plate, which resolves single beads. `area_mm2` is that of the section, `size` that of the part.
+/// The usual and the smallest size of the cells of a test, mm. The usual size is a bead in a solid, and half a bead in a
+/// plate, which resolves single beads. `area_mm2` is the area of the section, `size` the size of the part.
 fn cell_sizes_mm(
     fidelity: Fidelity,
     bead_mm: f64,
@@ -478,41 +478,41 @@ fn cell_sizes_mm(
     match fidelity {
         Fidelity::Plane => (0.5 * bead_mm, (area_mm2 / CELLS).sqrt()),
         Fidelity::Voxels => {
-            // The grid also counts the empty cells of the part's box, and two around it.
+            // The grid also contains the empty cells of the part's bounding box, and two cells around it.
             let boxed = 1.1 * size.element_product() / MAX_BRICKS as f64;
             (bead_mm, (volume_mm3 / CELLS_SOLID).max(boxed).cbrt())
         }
     }
 }
 
-/// Bending of thin walls that cells may miss, as a share of the failure index. Measured: walls four cells thick miss up to
-/// a third, and their peak is still within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
+/// Largest share of the failure index from bending of thin walls that the cells may miss without a warning. Measured: walls
+/// four cells thick miss up to a third; their peak is within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
 const RESOLVED: f64 = 0.35;
-/// A test is refused above this share. Source: derived. Two cells across a wall, or one on the border of two, miss as much
-/// as they see, which is a share of 1.
+/// A test is refused if the cells miss more than this share. Source: derived. Two cells across a wall, or one cell on the
+/// border of two, miss as much bending as they represent, which is a share of 1.
 const MAX_UNRESOLVED: f64 = 0.9;
-/// How often cells are made smaller for walls that bend. Source: derived. The first time finds the thickness to within a
-/// larger cell, the second to within a quarter of the wall; the third confirms it.
+/// How often cells are made smaller for walls that bend. Source: derived. The first round finds the wall's thickness to
+/// within one of the larger cells, the second to within a quarter of the wall, and the third confirms it.
 const MAX_ROUNDS: usize = 3;
-/// Cells of the comparison over those of the test, in size.
+/// Size of the cells of the comparison run over the size of the cells of the test.
 const COARSE: f64 = 2.0;
-/// The same where walls are only four cells thick. Source: derived. They are three cells thick in the comparison; two are
-/// refused.
+/// The same ratio if walls are only four cells thick. Source: derived. The walls are then three cells thick in the
+/// comparison run; two cells would be refused.
 const COARSE_OF_WALLS: f64 = 4.0 / 3.0;
 
-/// The cells of a test, small enough for the walls that bend.
+/// The chosen cells of a test, small enough for walls that bend.
 struct ChosenCells {
     cell_mm: f64,
     part: LoadedPart,
-    /// Size of the larger cells that the answer is compared with, over `cell_mm`.
+    /// Size of the cells of the comparison run over `cell_mm`.
     coarse: f64,
     bending: UnresolvedBending,
 }
 
 impl ChosenCells {
-    /// Cells of the size given, or of a bead in a solid and half a bead in a plate, which resolves single beads and would
-    /// be too many in a solid. Where thin walls bend and the size is
-    /// not given, cells become a quarter of such a wall.
+    /// Takes cells of the given size. Without a given size, cells are as large as a bead in a solid and half a bead in a
+    /// plate; half a bead would give too many cells in a solid. If thin walls bend and no size is given, the cells become a
+    /// quarter of the thickness of such a wall.
     fn new(
         setup: &TestSetup,
         sheets: &[BeadSheet],
@@ -526,7 +526,7 @@ impl ChosenCells {
             cell_sizes_mm(setup.fidelity, bead_mm, area_mm2, setup.volume_mm3, size);
         let mut cell_mm = given_mm.unwrap_or(usual_mm.max(smallest_mm));
         let mut coarse = COARSE;
-        // The thickness of a wall is found more exactly by the smaller cells.
+        // Smaller cells give the thickness of a wall more precisely, so the search is repeated.
         let mut round = 0;
         loop {
             limits.cancel.check().map_err(TestError::from)?;
@@ -551,7 +551,7 @@ impl ChosenCells {
     }
 }
 
-/// The warning about thin walls whose bending the cells miss.
+/// Text of the warning about thin walls whose bending the cells cannot represent.
 fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
     format!(
         "strength: walls {:.2} mm thick bend and are only {:.1} cells of {cell_mm:.3} mm across; the peak may be up to {:.0} % too high",
@@ -561,16 +561,16 @@ fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
     )
 }
 
-/// Extruded volume over the part's volume above which the program's E words must mean something
-/// else.
+/// Largest plausible ratio of extruded volume to the part's volume. A larger ratio means that the program's
+/// E words have another unit.
 const MAX_VOLUME_RATIO: f64 = 1.6;
-/// Relative change of the peak load on halving the cells above which the result is not final.
+/// Largest relative change of the peak load on halving the cells without a warning.
 const CONVERGED: f64 = 0.03;
 
-/// Tests a program. `plate_from_part` is the position of the part in it, where it is known.
+/// Tests a program. `plate_from_part` is the position of the part in the program, if known.
 ///
 /// # Errors
-/// [`StrengthError`] for cards without strengths, programs of another part, loads that meet no
+/// [`StrengthError`] for cards without strengths, programs of another part, loads that act on no
 /// material, and parts that are not held.
 pub fn test(
     settings: &StrengthSettings,
@@ -582,7 +582,7 @@ pub fn test(
     test_noting(settings, setup, program, plate_from_part, diagnostics, &|_| {})
 }
 
-/// [`test()`] with a word to `note` as soon as there is a first answer, on larger cells.
+/// As [`test()`], but calls `note` with a message as soon as the first result, on larger cells, is known.
 ///
 /// # Errors
 /// As [`test()`].
@@ -631,7 +631,7 @@ fn test_case(
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Tested, StrengthError> {
     let start_s = diagnostics.now_s();
-    // Checked first: a missing strength must not be found after minutes of work.
+    // The strengths are checked first, so that a missing one is not found only after minutes of work.
     let nominal = settings.cards(CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let (sheets, program_from_part_mm) = setup.sheets(program, plate_from_part)?;
@@ -655,7 +655,7 @@ fn test_case(
             "{case}: about {peak_n:.0} N on cells of {coarse_mm:.3} mm; going on with {cell_mm:.3} mm"
         ));
     };
-    // The coarse run serves twice: as the other end of the mesh comparison, and for the corners of
+    // The run on larger cells serves two purposes: the comparison of cell sizes, and the corners of
     // the card.
     let (others, outcome) = rayon::join(
         || at_corners(settings, setup, &sheets, coarse_mm, corners, limits, &first),
@@ -664,12 +664,12 @@ fn test_case(
     let mut outcome = outcome?;
     outcome.weakest = frame.to_part_3d(outcome.weakest);
     let CoarsePeaks { corners: others, moved_n } = others?;
-    // The interval of the card is computed with the coarse cells and carried over as a ratio.
+    // The peaks at the corners are computed on the larger cells; only their ratios to the nominal peak are used.
     let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
     let peaks: BTreeMap<&'static str, f64> =
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
     let placing_change = moved_n.zip(others.first()).map_or(0.0, |(moved, here)| (moved / here - 1.0).abs());
-    // Relative to the fine cells, whose peak is the one reported.
+    // The change is relative to the peak on the smaller cells, which is the reported one.
     let mesh_change =
         others.first().filter(|_| settings.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
     warn(&outcome, &prepared, mesh_change, cell_mm, diagnostics);
@@ -680,7 +680,7 @@ fn test_case(
     let grid_share = mesh_change.unwrap_or(0.0).max(placing_change).max(unresolved).min(0.99);
     let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
-    // Displacement at the highest point, because the curve goes on while the part softens.
+    // The displacement is taken at the highest point, because the curve continues after the peak.
     let at_peak =
         outcome.curve.iter().max_by(|a, b| a.load_n.total_cmp(&b.load_n)).map_or(0.0, |p| p.displacement_mm);
     let report = StrengthReport {
@@ -697,7 +697,7 @@ fn test_case(
             .iter()
             .zip(outcome.mode_shares)
             .filter(|m| m.1 > 5e-4)
-            // Modes with less than a twentieth of a percent are rounding.
+            // A share below 0.05 % comes from rounding.
             .map(|(m, s)| (m.name(), digits(s)))
             .collect(),
         weakest: weakest(setup, &outcome),
@@ -749,7 +749,7 @@ fn plate_test<'a>(prepared: &'a Prepared, cards: &'a [StrengthCard], limits: &Li
     }
 }
 
-/// Peak loads at the corners of the card, the nominal one first; empty for a cell size of zero.
+/// Peak loads at the corners of the card, nominal first. The result is empty for a cell size of zero.
 fn at_corners(
     settings: &StrengthSettings,
     setup: &TestSetup,
@@ -762,7 +762,7 @@ fn at_corners(
     if cell_mm <= 0.0 {
         return Ok(CoarsePeaks::default());
     }
-    // Geometry and loads do not depend on the strengths, so one loaded part serves all corners.
+    // Geometry and loads do not depend on the strengths, so the same loaded part is used for all corners.
     let prepared = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
     let peak = |corner: &Corner| Ok(prepared.run(&settings.cards(*corner)?, limits)?.peak_load_n);
@@ -782,9 +782,9 @@ fn at_corners(
 /// Peak loads on larger cells, N.
 #[derive(Default)]
 struct CoarsePeaks {
-    /// At the corners of the card, nominal first.
+    /// Peak loads at the corners of the card, nominal first.
     corners: Vec<f64>,
-    /// The nominal one with the grid moved by half a cell.
+    /// The nominal peak load with the grid shifted by half a cell.
     moved_n: Option<f64>,
 }
 
@@ -803,7 +803,7 @@ fn warn(
         let remedy = format!("set strength.cell_mm = {:.3}", 0.5 * cell_mm);
         diagnostics.push(Warning::new(WarningId::StrengthNotConverged, text).with_remedy(remedy));
     }
-    // One percent of loose material: a few detached beads are normal and carry no load.
+    // Up to one percent of loose material gives no warning: a few detached beads are normal and carry no load.
     if prepared.lost() > 0.01 {
         diagnostics.warn(
             WarningId::StrengthLooseMaterial,
@@ -861,7 +861,7 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     Weakest { x_mm, y_mm, z_mm: None, words }
 }
 
-/// The feature of a plate beside which a point lies.
+/// Describes where a point of a plate lies: at a hole or at the border, and how far from it.
 fn beside(setup: &TestSetup, p: DVec2) -> String {
     let mut near = (f64::INFINITY, false, DVec2::ZERO);
     for polygon in &setup.section.polygons {
@@ -886,7 +886,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
     if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
 }
 
-/// Five significant digits, more than a test can promise.
+/// Rounds to five significant digits, which is more precise than a test can be.
 fn digits(v: f64) -> f64 {
     format!("{v:.4e}").parse().unwrap_or(v)
 }
@@ -903,10 +903,10 @@ impl StrengthReport {
         }
     }
 
-    /// A few lines for a terminal.
+    /// The result in a few lines, for the terminal.
     pub fn summary(&self) -> String {
         let mesh =
-            self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
+            self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % change when halved", 100.0 * c));
         let over = self.over();
         let cases: String = (self.cases.iter())
             .map(|c| {

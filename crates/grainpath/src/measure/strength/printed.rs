@@ -1,14 +1,14 @@
-//! The part that a program prints, where no model of it is at hand.
+//! Reconstructs the part from the beads of a program, for tests without a model of the part.
 //!
-//! The test needs the part besides its beads: its box, for places and words; its sections, for telling plates from
-//! solids; its volume, for the size of cells. All three follow from the beads. The section of a layer is the union of
-//! the strips that its beads cover, without the voids of sparse fill: a void is a hole of the part if the ring of outer
-//! walls around it encloses nothing else, that is, if the hole of the walls' own union there is as large. Part coordinates
-//! are the program's, with z from the bottom of the first printed layer of the part.
+//! Besides the beads, the test needs the part's bounding box for places and messages, its sections to distinguish plates
+//! from solids, and its volume for the size of the cells. All three follow from the beads. The section of a layer is the
+//! union of the strips that its beads cover; voids of sparse fill are closed. A void is a hole of the part if the ring of
+//! outer walls around it encloses nothing else: the hole in the union of the outer walls is then as large as the void.
+//! Part coordinates are those of the program, with z from the bottom of the part's first printed layer.
 //!
-//! Cost: one union of all strips a layer, in parallel; 0.1 s for a thousand beads a layer and a hundred layers. Limits:
-//! programs without roles keep the voids of their fill in the section, which only makes the stated volume smaller. A
-//! priming line of the first layer counts for that layer's section and not for the box.
+//! Cost: one union of strips for each layer, in parallel; 0.1 s for a hundred layers of a thousand beads. Limits: in
+//! programs without roles the voids of sparse fill stay open, which only makes the stated volume smaller. A priming line
+//! in the first layer becomes part of that layer's section, but not of the bounding box.
 
 use grainpath_core::poly::{Contour, FillRule, Join};
 use grainpath_core::{Bounds2, DVec2, DVec3, Layer, LayerStack, Polygon, Region, Role, TriMesh};
@@ -22,26 +22,26 @@ use super::setup::layers_of_part;
 use crate::guide::{TypedLoads, boundary_conditions};
 use crate::shape::Standing;
 
-/// Widest strip that a bead is taken for, mm. Source: `WIDEST` of grainpath-fea's laminate: wider ones are blobs.
+/// Largest width of the strip of a bead, mm. Source: `WIDEST` of grainpath-fea's laminate: wider beads are blobs.
 const WIDEST_MM: f64 = 10.0;
-/// Gaps between strips that are closed, mm. Source: a tenth of the narrowest common bead; neighbouring strips share a
-/// border up to the rounding of the program.
+/// Gaps between strips are closed up to twice this width, mm. Source: a tenth of the narrowest common bead; neighbouring
+/// strips touch, apart from the rounding of the program.
 const SEAM_MM: f64 = 0.04;
-/// Area by which a void of a layer may be smaller than the hole of its walls and still be that hole. Source: gap fill and
-/// brims inside holes take less than a tenth; voids of fill are a small part of what their walls enclose.
+/// A void is a hole of the part if its area is more than this share of the hole in the outer walls. Source: gap fill and
+/// brims inside holes cover less than a tenth; a void of sparse fill is a small part of the area inside its walls.
 const HOLE_SHARE: f64 = 0.9;
-/// Share of their area by which layers of a plate may differ. Source: strips of beads end up to half a width from the
-/// section, at seams and in corners; the planner's own sections differ by 0.002 at most.
+/// Largest share of their area by which layers of a plate may differ. Source: at seams and in corners the strips end up to
+/// half a width from the true section; the planner's own sections differ by 0.002 at most.
 const SAME_SHARE: f64 = 0.03;
 
-/// A part as its program shows it.
+/// A part reconstructed from its program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrintedPart {
     /// Its layers, from z = 0.
     pub stack: LayerStack,
-    /// Its box as a mesh.
+    /// Bounding box of the part as a mesh.
     pub mesh: TriMesh,
-    /// Height of z = 0 of the part above the plate, mm: that of a raft.
+    /// Height of the part's bottom above the plate, mm: the height of a raft or of supports, otherwise 0.
     pub bottom_mm: f64,
 }
 
@@ -49,7 +49,7 @@ fn strip(bead: &Bead, height_mm: f64) -> Option<Vec<DVec2>> {
     let (a, b) = (bead.start(), bead.end());
     let along = (b - a).normalize_or_zero();
     let r = 0.5 * bead.width_mm(height_mm).min(WIDEST_MM);
-    // Strips reach over their ends by half of their width, as round ends of beads do on average.
+    // A strip extends beyond each end of the bead by a quarter of its width, which stands for the round ends of beads.
     let (over, side) = (0.5 * r * along, r * along.perp());
     let corners = vec![a - over - side, b + over - side, b + over + side, a - over + side];
     (along != DVec2::ZERO && r > 0.0).then_some(corners)
@@ -73,10 +73,10 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
         .map(|h| (area(h), Polygon { outer: h.clone(), holes: Vec::new() }))
         .collect();
     let is_hole = |void: &Contour| {
-        // A void without fill shares its border with the hole of the walls, so a point of the border decides nothing.
+        // A void without fill shares its border with the hole in the walls, so a point inside the void is tested.
         let inside = point_inside(void);
         let around = holes.iter().filter(|(_, h)| h.contains(inside));
-        // The smallest ring of walls around the void is its own.
+        // The void belongs to the smallest ring of walls around it.
         let own = around.map(|(area, _)| *area).fold(f64::INFINITY, f64::min);
         area(void) > HOLE_SHARE * own
     };
@@ -86,8 +86,8 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
         .map(|h| (area(h), is_hole(h), Polygon { outer: h.clone(), holes: Vec::new() }))
         .collect();
     let open = voids.iter().filter(|v| v.1).map(|v| v.2.outer.clone());
-    // An island in a void that is filled adds nothing to the section, and its outline would be counted twice around
-    // its holes.
+    // An island in a closed void adds nothing to the section, and its outline would count twice around its
+    // holes.
     let stands_alone = |outer: &Contour| {
         let inside = point_inside(outer);
         let around = voids.iter().filter(|v| v.2.contains(inside));
@@ -98,7 +98,7 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
     Region::from_contours(&contours, FillRule::NonZero)
 }
 
-/// A point in the area of a contour: beside the middle of its longest side.
+/// A point inside a contour, close to the middle of its longest side.
 fn point_inside(contour: &[DVec2]) -> DVec2 {
     // Source: a quarter of SEAM_MM, the width below which gaps were closed.
     const BESIDE_MM: f64 = 0.01;
@@ -125,19 +125,19 @@ fn box_mesh(low: DVec3, high: DVec3) -> TriMesh {
 }
 
 impl PrintedPart {
-    /// The part of a program.
+    /// Reconstructs the part from a program.
     ///
     /// # Errors
-    /// [`StrengthError::NothingPrinted`].
+    /// [`StrengthError::NothingPrinted`] for a program without beads of a part.
     pub fn new(program: &Program) -> Result<Self, StrengthError> {
         let (layers, heights, bottom_mm) = layers_of_part(program);
         let below_mm = layers.last().map_or(bottom_mm, |l| l.z_mm);
         let mut sections: Vec<Region> =
             layers.par_iter().zip(&heights).map(|(l, h)| section(l, *h)).collect();
-        // Seams and fill move the borders of equal sections a little. A plate keeps its middle one.
+        // Seams and fill change equal sections slightly. All layers of a plate get the section of its middle layer.
         if let Some(middle) = sections.get(sections.len() / 2).cloned() {
             let off = |r: &Region| r.difference(&middle).area_mm2() + middle.difference(r).area_mm2();
-            // Priming lines lie in the first layer.
+            // The first layer is not compared, because it may contain priming lines.
             let most = SAME_SHARE * middle.area_mm2();
             if sections.len() > 2 && sections[1..].par_iter().all(|r| off(r) <= most) {
                 sections.iter_mut().for_each(|r| r.clone_from(&middle));
@@ -172,7 +172,7 @@ impl PrintedPart {
                 return Err(StrengthError::NeedsSurface(format!("load {}", k + 1)));
             }
         }
-        // Without a file of its own the part stands as it is printed.
+        // The part has no file, so it is neither scaled nor turned.
         let standing = Standing::new(1.0, [0.0; 3], 0.0);
         Ok(boundary_conditions(typed, &self.mesh, &standing)?)
     }

@@ -1,16 +1,17 @@
-//! Reserve: the factor on the loads of a case at which the printed part begins to fail, without the virtual test.
+//! Computes the reserve, the factor on the loads of a case at which the printed part begins to fail, without the virtual
+//! test.
 //!
-//! Method: the stress that the guide solved for a solid part is laid on the beads that were written. Beads become the
-//! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids); each cell carries the stress at its middle
-//! over the share of the part that is filled around it, and
-//! [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells within 1.5 mm of
-//! fixtures and loads do not count, as in the test. Three factors are told: at the low, nominal and high strengths of the
-//! material's card; the outer two are wider by what the elements miss of the stress and by `METHOD`.
+//! Method: the guide's stress, which was solved for a solid part, is applied to the written beads. The beads become the
+//! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The stress of a cell is the stress at its
+//! centre, divided by the filled share of the part around the cell;
+//! [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells near fixtures and
+//! loads do not count, as in the test. The report states three factors, for the low, nominal and high strengths of the
+//! material's card. The low and the high factor are moved apart by the mesh error of the stress and by `METHOD`.
 //!
-//! Held against the first failure of the test in `crates/grainpath-cli/tests/reserve.rs`; `docs/validation.md` has the
-//! table. Cost: linear in cells and beads, a fraction of the solve. Limits: around sparse infill the stress is spread
-//! evenly over what is filled, where the test follows single lines; notches between the ends of beads at a border without
-//! walls are not seen; no reserve is told where the peak of the stress cannot be trusted.
+//! `crates/grainpath-cli/tests/reserve.rs` compares the reserve with the first failure in the test; `docs/validation.md`
+//! has the table. Cost: linear in cells and beads, a fraction of the solve. Limits: in sparse infill the stress is
+//! distributed evenly over the filled share, while the test follows single lines; notches between the ends of beads at a
+//! border without walls are ignored; no reserve is stated if the peak of the stress cannot be trusted.
 
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::selection::Selection;
@@ -27,27 +28,27 @@ use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};
 
-/// The corners of the card whose reserve is told: low, nominal, high.
+/// The corners of the card for which the reserve is stated: low, nominal, high.
 const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
-/// Shares by which the interval is wider than the card and the mesh make it, downwards and upwards. Measured: on cells of a
-/// bead six pieces lie within 15 % of the first failure of the virtual test; on cells of half a bead the test sees the
-/// notches of curved borders, and a corner with a fillet fails 29 % before its reserve (docs/validation.md).
+/// Shares by which the interval is widened downwards and upwards, besides card and mesh error. Measured: with cells of a
+/// bead width, six test parts lie within 15 % of the first failure in the virtual test; with cells of half a bead width, the
+/// test resolves notches of curved borders, and a corner with a fillet fails 29 % below its reserve (docs/validation.md).
 const METHOD: [f64; 2] = [0.3, 0.15];
-/// The share filled is taken over this many distances between lines of sparse infill, so that it holds whole lines
-/// wherever it lies. Source: derived; one distance holds one line of each direction, two make its share of the window
-/// change by a quarter at most.
+/// Side of the window over which the filled share is averaged, in distances between lines of sparse infill, so that every
+/// window contains whole lines. Source: derived; one distance contains one line of each direction; with two distances, the
+/// share changes by a quarter at most as the window moves.
 const WINDOW_LINES: f64 = 2.0;
 
-/// The factor on the job's loads at first failure; of the case in which it is least.
+/// The factor on the job's loads at first failure, for the case with the least factor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct ReserveReport {
     #[serde(flatten)]
     pub least: Option<CaseReserve>,
-    /// Every load case, where there are several.
+    /// Every load case, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cases: Vec<CaseReserve>,
-    /// Why there is none.
+    /// The reason, if no reserve is stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untold: Option<String>,
     pub seconds: f64,
@@ -57,13 +58,13 @@ pub struct ReserveReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct CaseReserve {
-    /// The factor on the case's loads at first failure: with the low, nominal and high strengths of the material.
+    /// The factors on the case's loads at first failure with the low, nominal and high strengths of the material.
     pub first_failure: [f64; 3],
     pub case: String,
     pub mode: &'static str,
-    /// Where, in part coordinates.
+    /// Position of the first failure, part coordinates.
     pub at_mm: [f64; 3],
-    /// In which layer, from 1; of a plate the first whose beads fail so.
+    /// Number of the layer of the first failure, from 1. In a plate, the lowest layer with beads in the failing direction.
     pub layer: usize,
 }
 
@@ -81,7 +82,7 @@ impl ReserveReport {
         let all = if self.cases.is_empty() { std::slice::from_ref(least) } else { &self.cases };
         let row = |c: &CaseReserve| {
             let ([low, nominal, high], [x, y, z]) = (c.first_failure, c.at_mm);
-            let below = if nominal < 1.0 { "; it begins to fail below its load" } else { "" };
+            let below = if nominal < 1.0 { "; the part begins to fail below its load" } else { "" };
             let what = match all.len() {
                 1 => "first failure".into(),
                 _ => format!("first failure, case {}", c.case),
@@ -101,15 +102,15 @@ impl ReserveReport {
 pub struct StressedPart<'a> {
     /// Its stress.
     pub guide: &'a Guide,
-    /// Its sections.
+    /// Its layers with their sections.
     pub stack: &'a LayerStack,
     /// Density of its sparse infill.
     pub density: Density,
-    /// The program's coordinates are those of the part plus this, mm.
+    /// Vector from part coordinates to program coordinates, mm.
     pub plate_from_part_mm: DVec2,
 }
 
-/// The reserve of a part on the program that was written.
+/// Computes the reserve of a part from its written program.
 pub fn reserve(
     settings: &StrengthSettings,
     part: StressedPart<'_>,
@@ -123,18 +124,18 @@ pub fn reserve(
     report
 }
 
-/// Why no reserve is told.
+/// Why no reserve is stated.
 #[derive(Debug, thiserror::Error)]
 enum Untold {
     #[error("the peak of the stress cannot be trusted")]
     Peak,
-    #[error("all of the part lies at fixtures and loads")]
+    #[error("the whole part lies near fixtures and loads, where failure is not evaluated")]
     Nothing,
     #[error(transparent)]
     Strength(#[from] StrengthError),
 }
 
-/// The beads of a part as cells, and where they lie.
+/// The beads of a part, with all that is needed to turn them into cells.
 struct LaidCells<'a> {
     sheets: Vec<BeadSheet>,
     /// Sheets of each layer.
@@ -145,9 +146,9 @@ struct LaidCells<'a> {
     cell_mm: f64,
     floor_mm: f64,
     stack: &'a LayerStack,
-    /// Half the side of the window in which the share filled is taken, mm; `None` where infill is dense.
+    /// Half the side of the window over which the filled share is averaged, mm; `None` if infill is dense.
     window_mm: Option<f64>,
-    /// What is left out.
+    /// The regions near fixtures and loads, which are left out.
     grips: Vec<Selection>,
 }
 
@@ -289,7 +290,7 @@ impl<'a> LaidCells<'a> {
         self.grips.iter().any(|on| on.contains(p))
     }
 
-    /// The stress of a case at a point of the part, in the directions of the grid.
+    /// The stress of a case at a point of the part, in grid coordinates.
     fn stress(&self, case: &CaseStress, p: DVec3) -> Option<[f64; 6]> {
         let [xx, yy, zz, xy, yz, zx] = case.stress.whole(p);
         let DVec2 { x: c, y: s } = self.frame.to_part(DVec2::X);
@@ -304,27 +305,27 @@ impl<'a> LaidCells<'a> {
         turned.iter().all(|s| s.is_finite()).then_some(turned)
     }
 
-    /// The layer, from 1, that holds a height.
+    /// Number of the layer at a height, from 1.
     fn layer_at(&self, z_mm: f64) -> usize {
         let layers = self.stack.layers();
         layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1)) + 1
     }
 
-    /// The first layer, from 1, with a bead of about this direction at a point of the grid.
+    /// Number of the lowest layer, from 1, that has a bead of about this direction at a point of the grid.
     fn layer_of_ply(&self, p: DVec2, angle_rad: f64) -> usize {
         let along = grainpath_core::math::direction(angle_rad);
         let near = |s: &BeadSheet| {
             s.beads.iter().any(|b| {
                 let (d, wide) = (b.b - b.a, b.volume_mm3 / (b.a.distance(b.b) * s.height_mm).max(1e-12));
                 let off = grainpath_core::segment::distance_squared_mm2(p, b.a, b.b);
-                // Beads of a fan lie within an eighth of a right angle of its mean.
+                // A ply averages beads within a fan of 22.5 degrees, so directions may differ by that much here.
                 off <= (0.5 * wide + self.cell_mm).powi(2) && d.dot(along).abs() >= 0.92 * d.length()
             })
         };
         self.sheets.iter().position(near).map_or(1, |k| k / self.sheets_a_layer + 1)
     }
 
-    /// The share of the part that is filled around each cell: 1 where infill is dense.
+    /// The filled share of the part around each cell; 1 if infill is dense.
     fn shares(
         &self,
         n: [usize; 3],
@@ -354,7 +355,7 @@ impl<'a> LaidCells<'a> {
                 box_sums(&mut inside, n, axis, reach);
             }
             let share = |(laid, inside): (f32, f32)| {
-                // A cell that only touches the part has its own share for want of another.
+                // Without any cell of the part in the window, the share is 1.
                 if inside > 0.5 { (laid / inside).clamp(LEAST_FILLED, 1.0) } else { 1.0 }
             };
             laid.into_iter().zip(inside).map(share).collect::<Vec<f32>>()
@@ -363,7 +364,7 @@ impl<'a> LaidCells<'a> {
     }
 }
 
-/// Cells filled to a smaller share are left out, as in the test of solids. Source: `LEAST_FILLED` of `brick_setup`.
+/// Smallest filled share of a cell that counts, as in the test of solids. Source: `LEAST_FILLED` of `brick_setup`.
 const LEAST_FILLED: f32 = 0.06;
 
 /// Replaces each value by the sum over `reach` cells to either side along an axis.

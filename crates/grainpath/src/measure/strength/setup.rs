@@ -1,5 +1,5 @@
-//! Fixtures and loads of a job on the cells of a plate test, and the beads of a program in part
-//! coordinates.
+//! Applies the fixtures and loads of a job to the cells of a plate test, and moves the beads of a
+//! program into part coordinates.
 //!
 //! A program of any slicer may be tested, so it is first compared with the part: its size, its
 //! height, and how much of it lies outside the part's sections. Lengths are in mm, forces in N.
@@ -20,11 +20,11 @@ use super::{CORNERS, PlacedCells, StrengthError, StrengthSettings};
 pub(super) use crate::guide::UNBREAKABLE_MM;
 use crate::guide::constant_section;
 
-/// Cells filled to a smaller share of their height are left out.
+/// Smallest share of a cell's height that must be filled; emptier cells are left out.
 const LEAST_FILLED: f64 = 0.02;
-/// Distance outside the part up to which another slicer's beads still belong to it, mm. The next
-/// constants are the share of a program beyond that distance above which it is of another or a
-/// rotated part, and the number of layers that are sampled.
+/// Beads of another slicer's program belong to the part up to this distance outside it, mm. The next
+/// constants are the largest share of the program's bead length beyond that distance (more means
+/// another or a rotated part), and the number of sampled layers.
 const OUTSIDE_MM: f64 = 1.0;
 const MOST_OUTSIDE: f64 = 0.05;
 const SECTIONS: usize = 9;
@@ -47,7 +47,7 @@ impl Fidelity {
     }
 }
 
-/// The part's side of a test: everything besides its beads.
+/// The inputs of a strength test that come from the part and the job: all except the beads.
 #[derive(Debug, Clone)]
 pub struct TestSetup {
     pub(super) low: DVec3,
@@ -56,24 +56,24 @@ pub struct TestSetup {
     pub(super) section: Region,
     /// Sampled sections with their heights, mm, for comparing another slicer's beads.
     sections: Vec<(f64, Region)>,
-    /// Volume of the part, mm3; the number of its layers follows.
+    /// Volume of the part, mm3.
     pub(super) volume_mm3: f64,
     pub(super) n_layers: usize,
     pub(super) fidelity: Fidelity,
-    /// The surface, for solids under pressure; otherwise empty.
+    /// Surface of the part if it is loaded by a pressure; otherwise empty.
     pub(super) mesh: TriMesh,
     pub(super) conditions: BoundaryConditions,
-    /// The index of the load case.
+    /// Index of the tested load case.
     case: usize,
     /// The other load cases of the job.
     pub(super) others: Vec<Self>,
-    /// The directions of the grid.
+    /// The orientation of the grid.
     pub(super) frame: Frame,
-    /// Whether fibre has a card of its own.
+    /// Whether the job has fibre, which has a material card of its own.
     fibre: bool,
 }
 
-/// The layers in which the part is printed, their heights, and the height at which they begin, mm.
+/// Returns the layers in which the part is printed, their heights, and the height of the part's bottom, mm.
 pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f64) {
     let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
     let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
@@ -83,18 +83,18 @@ pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f
         _ => 0.0,
     };
     let mut below = first;
-    // Heights come from the differences of nozzle heights, because other slicers do not state them.
+    // The heights are computed from the nozzle heights, because other slicers do not state them.
     let heights = layers.iter().map(|l| l.z_mm - std::mem::replace(&mut below, l.z_mm)).collect();
     (layers, heights, first)
 }
 
-/// Whether beads of the program stand above their layers.
+/// Whether any bead of the program is raised above its layer.
 pub(super) fn is_staggered(layers: &[&BeadLayer]) -> bool {
     layers.iter().flat_map(|l| &l.beads).any(|b| b.raise_mm != [0.0; 2])
 }
 
-/// The beads of a part's layers, moved by `-shift`. Layers with walls half a layer higher than others become two sheets,
-/// so that each sheet holds what lies at its height.
+/// The beads of a part's layers, moved by `-shift`. If some walls are half a layer higher than others, each layer becomes
+/// two sheets, and each sheet gets the beads at its height.
 pub(super) fn sheets_of(
     layers: &[&BeadLayer],
     heights: &[f64],
@@ -119,7 +119,7 @@ pub(super) fn sheets_of(
     let mut sheets: Vec<BeadSheet> = heights.iter().flat_map(|h| [half(h), half(h)]).collect();
     for (i, (l, h)) in layers.iter().zip(heights).enumerate() {
         for b in l.beads.iter().filter(|b| b.role.is_part() && taken(b)) {
-            // The ends of the bead above the lower end of its layer.
+            // Bottom and top of the bead above the bottom of its layer.
             let [low, high] = [f64::from(b.raise_mm[0]), h + f64::from(b.raise_mm[1])];
             let mut bottom = 0.0;
             for sheet in &mut sheets[2 * i..] {
@@ -128,7 +128,7 @@ pub(super) fn sheets_of(
                 if bottom >= high {
                     break;
                 }
-                // Heights are rounded to a micrometre, which leaves slivers.
+                // Heights are rounded to a micrometre, so a bead may reach into a sheet by a sliver, which is ignored.
                 if share > 0.02 {
                     let whole = piece(b);
                     sheet.beads.push(BeadPiece { volume_mm3: share * whole.volume_mm3, ..whole });
@@ -141,10 +141,10 @@ pub(super) fn sheets_of(
 }
 
 impl TestSetup {
-    /// One test for every load case of the job, the one with the largest weight first.
+    /// Sets up one test for every load case of the job, that with the largest weight first.
     ///
     /// # Errors
-    /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or where
+    /// [`StrengthError`] if a fixture, a load or a strength of the material is missing, or if
     /// a plate test has a load out of the layers' plane.
     pub fn new(
         settings: &StrengthSettings,
@@ -175,7 +175,7 @@ impl TestSetup {
         let fidelity = match settings.fidelity {
             choices::Fidelity::Plane if !flat => return Err(StrengthError::NotFlat),
             choices::Fidelity::Plane => Fidelity::Plane,
-            // Fibre is modelled in plates alone, so it makes the choice where a plate is possible.
+            // Fibre can be tested only in plates, so a part with fibre is a plate wherever the loads allow it.
             choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.is_some()) => {
                 Fidelity::Plane
             }
@@ -196,7 +196,7 @@ impl TestSetup {
             if fixture.displacement_mm != DVec3::ZERO {
                 return Err(StrengthError::Moved(what));
             }
-            // Other shapes have no normal of their own.
+            // Only planes and cylinders define a normal.
             let has_normal = matches!(fixture.on, Selection::Plane { .. } | Selection::Cylinder { .. });
             if fixture.held == Held::Normal && !has_normal {
                 return Err(StrengthError::NoNormal { what, shape: fixture.on.name() });
@@ -209,7 +209,7 @@ impl TestSetup {
         }
         let is_pressure = |a: &Action| matches!(a, Action::Pressure { .. });
         let pressed = conditions.cases[case].loads.iter().any(|l| is_pressure(&l.action));
-        // The mesh may be large and is needed for pressures alone.
+        // The mesh may be large, so it is kept only for pressures.
         let mesh = if pressed { mesh.clone() } else { TriMesh::default() };
         let volume_mm3 = layers.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
         let n_layers = layers.len();
@@ -230,12 +230,12 @@ impl TestSetup {
         })
     }
 
-    /// The load case.
+    /// The tested load case.
     pub fn case(&self) -> &LoadCase {
         &self.conditions.cases[self.case]
     }
 
-    /// The same load case with the directions of a grid.
+    /// The same test with another orientation of the grid.
     pub(super) fn in_frame(&self, frame: Frame) -> Self {
         Self { frame, others: Vec::new(), ..self.clone() }
     }
@@ -248,11 +248,11 @@ impl TestSetup {
         self.conditions.catches_nothing(what, on, "what is printed and held").into()
     }
 
-    /// The beads of the part in part coordinates, and what leads from those to the program's. For a program of our own the part's position on
-    /// the plate is known; otherwise the centre of the printed beads gives it.
+    /// The beads of the part in part coordinates, and the vector from part coordinates to program coordinates. For a program
+    /// of grainpath the part's position on the plate is known; otherwise the centre of the printed beads gives it.
     ///
     /// # Errors
-    /// [`StrengthError`] when no part is printed or its size differs from the job's part.
+    /// [`StrengthError`] if no part is printed, or if its size differs from the job's part.
     pub(super) fn sheets(
         &self,
         program: &Program,
@@ -269,17 +269,17 @@ impl TestSetup {
             }
             bounds
         };
-        // Purge lines of other slicers lie in the first layer and cannot be told from the part by
-        // their role.
+        // The first layer is skipped: it may contain purge lines of another slicer, whose role does not
+        // distinguish them from the part.
         let skipped = usize::from(layers.len() > 2);
         let boxes = layers.iter().zip(&heights).skip(skipped).map(|(l, h)| box_of(l, *h));
         let found = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(StrengthError::NothingPrinted)?;
         let (size, part) = (found.1 - found.0, (self.high - self.low).truncate());
         let tall = below - first;
-        // Another slicer may scale or simplify a little; 3 % or 1.5 mm more is another part.
+        // Another slicer may scale or simplify slightly; a difference of more than 3 % and 1.5 mm is another part.
         let far = |a: f64, b: f64| (a - b).abs() > f64::max(1.5, 0.03 * b);
-        // Another slicer may end up to one layer above or below. If more is missing, the program
-        // was cut off.
+        // The program of another slicer may end up to one layer higher or lower. If more is missing,
+        // the program is incomplete.
         let layer = heights.iter().copied().fold(0.0, f64::max);
         let (height, most) = (self.high.z - self.low.z, f64::max(1.01 * layer, 0.01 * tall));
         if far(size.x, part.x) || far(size.y, part.y) || (tall - height).abs() > most {
@@ -288,11 +288,11 @@ impl TestSetup {
         }
         let shift =
             plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
-        // Beads far from the box of the upper layers are purge lines.
+        // Beads more than 2 mm outside the bounding box of the upper layers are purge lines.
         let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
         let is_near = |b: &Bead| near(b.start()) && near(b.end());
         let sheets = sheets_of(&layers, &heights, shift, self.fibre, &is_near);
-        // For a program of our own the position is exact and needs no test.
+        // For a program of grainpath the position is exact and is not checked.
         let share = if plate_from_part.is_some() { 0.0 } else { self.outside(&sheets) };
         if share > MOST_OUTSIDE {
             return Err(StrengthError::Outside { percent: 100.0 * share });
@@ -300,8 +300,8 @@ impl TestSetup {
         Ok((sheets, shift.extend(first - self.low.z)))
     }
 
-    /// The share of the beads' length that lies outside the part, in the layers of the sampled
-    /// sections.
+    /// The share of the beads' length that lies outside the part. Only the layers at the sampled
+    /// sections are measured.
     fn outside(&self, sheets: &[BeadSheet]) -> f64 {
         let (mut all, mut outside) = (0.0, 0.0);
         for (z_mm, section) in &self.sections {
@@ -324,10 +324,10 @@ impl TestSetup {
         outside / f64::max(all, 1e-12)
     }
 
-    /// Cells, supports and forces of a test.
+    /// Prepares the cells, the held nodes and the forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] when a fixture or load meets no material, or a piece can move freely.
+    /// [`StrengthError`] if a fixture or load catches no material, or if a piece can move freely.
     pub(super) fn prepared(
         &self,
         sheets: &[BeadSheet],
@@ -341,8 +341,8 @@ impl TestSetup {
         let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
         let (piece, n_pieces) = connected_cells(&grid, &taken);
         // Only material connected to a fixture can carry a load.
-        // Nodes lie up to half a cell from the true border, diagonally more: the selection is grown
-        // by that.
+        // Nodes lie up to half a cell from the true border, or more along a diagonal, so the selections
+        // are grown by 0.75 cells.
         let reach = 0.75 * cell_mm;
         let mut holds_of = vec![Vec::new(); n_pieces];
         let elements = PlateElements::from_cells(&grid, &taken);
@@ -372,7 +372,7 @@ impl TestSetup {
             }
         }
         for holds in holds_of.iter().filter(|h| !h.is_empty()) {
-            // A piece that is held but can still turn or slide would make the stiffness singular.
+            // If a held piece can still turn or slide, the stiffness matrix would be singular.
             if let Some(how) = free_motion(holds) {
                 let at = holds[0].0;
                 return Err(StrengthError::Free { x: at.x, y: at.y, how });
@@ -382,7 +382,7 @@ impl TestSetup {
         let in_grid: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
         let nodes: Vec<DVec2> = in_grid.iter().map(|p| self.frame.to_part(*p)).collect();
         let mut marked = vec![false; nodes.len()];
-        // The elements have new node numbers now that loose cells are gone.
+        // Loose cells were removed, so the nodes have new numbers.
         let mut holds = Vec::new();
         for (i, p) in nodes.iter().enumerate() {
             for along in self.directions(&wide, *p) {
@@ -413,7 +413,7 @@ impl TestSetup {
             let own = match f.held {
                 Held::Normal => [normal.try_normalize(), None],
                 Held::Axes([x, y, _]) => [x.then_some(DVec2::X), y.then_some(DVec2::Y)],
-                // Parts that are held so are tested as solids.
+                // Parts with turned axes are tested as solids only.
                 Held::Turned { .. } => [None; 2],
             };
             for along in own.into_iter().flatten() {
@@ -456,7 +456,7 @@ impl TestSetup {
             chosen.iter().for_each(|&i| marked[i] = true);
             match load.action {
                 Action::Force { total_n: f, .. } => {
-                    // Spread by the material at each node, so that every ligament gets its share.
+                    // The force is distributed by the material at each node, so that every ligament gets its share.
                     greatest = greatest.max(f.truncate().length());
                     chosen.iter().for_each(|&i| forces[i] += f.truncate() * (weight[i] / sum));
                 }
@@ -472,7 +472,7 @@ impl TestSetup {
                 Action::Pressure { mpa: p, .. } => {
                     self.press(p, on, elements, nodes, &mut forces);
                 }
-                // Refused when the test was set up.
+                // Accelerations are handled above; the other loads were refused when the test was set up.
                 Action::Acceleration { .. }
                 | Action::Bearing { .. }
                 | Action::Torque { .. }
@@ -483,8 +483,8 @@ impl TestSetup {
                 | Action::Centrifugal { .. } => {}
             }
         }
-        // Without a force the sum of opposite forces, counted once, stands for the load: two equal
-        // pressures make one pull.
+        // Without a total force, the load is half the sum of all magnitudes, so that two equal and
+        // opposite pressures count once.
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
         let load_n = if greatest > 0.0 { greatest } else { pulled };
         if load_n <= 0.0 {
@@ -493,7 +493,7 @@ impl TestSetup {
         Ok((forces, load_n))
     }
 
-    /// Pressure on the border: each short piece of it acts on the nearest node.
+    /// Applies a pressure to the border: the force on each short piece of the border acts on the nearest node.
     fn press(
         &self,
         mpa: f64,
@@ -539,9 +539,9 @@ pub(super) struct Prepared {
     pub lost: f64,
 }
 
-/// The nodes of a grid that a fixture holds. A cylinder whose axis lies in the material is a
-/// roller: it holds the one node next to its axis, because two nodes would prevent the part from
-/// turning there. A cylinder around a hole holds the hole's wall.
+/// The selection of nodes that a fixture holds. A cylinder whose axis lies in the material is a
+/// roller: it holds only the node nearest to its axis, because two held nodes would keep the part
+/// from turning there. A cylinder around a hole holds the hole's wall.
 fn contact(on: &Selection, elements: &PlateElements, frame: Frame, reach: f64) -> Selection {
     let mut wide = on.grown(reach);
     let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
@@ -560,11 +560,11 @@ fn contact(on: &Selection, elements: &PlateElements, frame: Frame, reach: f64) -
 /// Width of the strip that a bead fills in its layer, mm.
 fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
     let length = bead.start().distance(bead.end()).max(1e-9);
-    // The bound keeps a blob, extruded without motion, from making an enormous strip.
+    // The upper limit applies to blobs, which are extruded almost without motion.
     (f64::from(bead.volume_mm3) / (length * bead.height_mm(height_mm).max(1e-3))).min(5.0)
 }
 
-/// Material around each node, as a share of the thickness of its elements.
+/// Material at each node: the sum of a quarter of the thickness of every element around it.
 fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
     let mut weight = vec![0.0; elements.places.len()];
     for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
@@ -574,7 +574,7 @@ fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
     weight
 }
 
-/// Elements near held or loaded nodes; they cannot fail.
+/// Marks the elements near held or loaded nodes, which cannot fail.
 fn unbreakable(grid: &CellGrid, elements: &PlateElements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
     let mut near = vec![false; grid.nx * grid.ny];
     let radius = UNBREAKABLE_MM + grid.cell_mm;
