@@ -34,7 +34,7 @@ pub struct SliceSettings {
     pub first_layer_height_mm: f64,
     /// Layer heights that follow the slopes; `None` for uniform layers.
     pub adaptive: Option<Adaptive>,
-    /// In badly damaged sections, open chains whose ends are no farther apart than this are dropped, mm.
+    /// In badly damaged sections, open chains whose ends are no farther apart than this are closed on themselves, mm.
     pub gap_closing_mm: f64,
     /// Largest deviation of a simplified contour from the original, mm.
     pub simplify_mm: f64,
