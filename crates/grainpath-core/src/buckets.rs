@@ -75,7 +75,7 @@ impl CellGrid {
         let (nx, ring) = (self.nx, ring as i64);
         let (column, row) = (column as i64, row as i64);
         let rows = (row - ring).max(0)..=(row + ring).min(self.ny as i64 - 1);
-        // The first and the last row belong to the ring as a whole; of the rows between only both ends do.
+        // The first and the last row belong to the ring as a whole; of each row between, only its two ends do.
         rows.flat_map(move |y| {
             let (left, right) = (column - ring, column + ring);
             let whole = y == row - ring || y == row + ring;

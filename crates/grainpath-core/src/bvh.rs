@@ -131,7 +131,7 @@ impl Bvh {
         if self.is_empty() {
             return None;
         }
-        // The search uses squared distances; `distance` becomes the root at the end.
+        // During the search `distance` holds the squared distance; its root is taken at the end.
         let mut best = ClosestPoint { point: q, distance: reach * reach, triangle: u32::MAX };
         let mut stack = Stack::new();
         stack.push((0, self.nodes[0].distance_squared(q)));

@@ -135,7 +135,7 @@ pub enum CgGoal {
 /// When to stop, and which formula gives the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CgSettings {
-    /// The iteration ends if this measure is at or below its value.
+    /// The measure of the error and its limit: the iteration ends when the measure is at or below the limit.
     pub goal: CgGoal,
     /// Largest number of steps.
     pub max_steps: usize,

@@ -66,7 +66,7 @@ impl DisjointSets {
         self.lowest(a) == self.lowest(b)
     }
 
-    /// The lowest member of its set for each item.
+    /// For each item, the lowest member of its set.
     pub fn names(mut self) -> Vec<u32> {
         (0..self.len()).for_each(|i| self.parent[i] = self.lowest(i) as u32);
         self.parent

@@ -68,7 +68,7 @@ impl FailurePicture {
             Shape::Line(points) => points.clone(),
             Shape::Point(p) => vec![*p],
         });
-        // Points with NaN are left out of the bounds: they are often the failure itself and would spoil the picture.
+        // Points that are not finite are often the failure itself; in the bounds they would make the picture unreadable.
         let finite = points.filter(|p| p.is_finite());
         let bounds = Bounds2::around_points(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         // The extent of a single point is zero, by which the scale below would divide.

@@ -71,7 +71,7 @@ impl Grid {
                         let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
                         a.x + t * (b.x - a.x)
                     };
-                    // With slack, the edge is evaluated above and below the row's centre line too, where a
+                    // The edge is evaluated at the distance `slack` above and below the row's centre line, where a
                     // slanted edge reaches farther out.
                     for y in [row as f64 - slack, row as f64 + slack] {
                         from = from.min(at(y));
@@ -357,7 +357,8 @@ impl Mask {
         neighbours.and(self)
     }
 
-    /// The mask grown by `n` cells on all sides: a cell grows into an octagon, by four and eight neighbours in turn.
+    /// The mask grown by `n` cells on all sides. Growth adds the four neighbours and all eight neighbours in turn,
+    /// so a single cell becomes an octagon.
     pub fn grown(&self, n: usize) -> Self {
         let mut grown = self.clone();
         let mut sideways = Self::empty(self.grid);

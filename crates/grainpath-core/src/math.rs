@@ -1,6 +1,6 @@
 //! Elementary functions that give the same bits on every platform.
 //!
-//! `f64::sin` and its kind call the system's libm, and the last bit of its results differs between
+//! `f64::sin` and similar functions call the system's libm, whose results differ in the last bit between
 //! platforms. One differing bit can reverse the direction of a path. The functions here are pure
 //! Rust; `clippy.toml` bans those of the standard library.
 

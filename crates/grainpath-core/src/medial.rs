@@ -240,8 +240,8 @@ impl Graph {
             }
             let node = self.nodes[fork as usize];
             let toward = node.next.map(|n| {
-                // The direction is taken over four nodes: the step to the next node shows the
-                // zigzag of the triangles instead.
+                // The direction is taken over four nodes: over a single chord it would follow the
+                // zigzag of the triangles.
                 let way = self.branch(fork, n);
                 (self.nodes[way[way.len().min(4) - 1] as usize].at - node.at).normalize_or_zero()
             });

@@ -65,8 +65,8 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// The vertices of an open polyline that Douglas and Peucker's method keeps. It keeps the ends, and
-/// of the vertices between two kept ones the one with the largest `off`, until no `off` is above 1.
+/// The vertices of an open polyline that Douglas and Peucker's method keeps. It keeps the ends. Between
+/// two kept vertices it keeps the one with the largest `off`, and repeats this until no `off` is above 1.
 ///
 /// `off(i, a, b)` is the distance of vertex `i` from the line between vertices `a` and `b`, as a
 /// share of the tolerance; it may include differences of other data of the vertices. The line is

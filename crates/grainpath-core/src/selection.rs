@@ -149,9 +149,9 @@ impl PartialEq for Facets {
 /// Meshing and rounding move a point by less, and the next surface is farther away.
 const ON_TRIANGLE_MM: f64 = 0.02;
 
-/// Every shape is taken this much larger, mm. Nodes of a section lie up to this far from its true outline, and coordinates
-/// typed in a job still have to select the faces that lie on them. Source: derived. Ten times the grid that outlines are
-/// rounded to ([`GRID_MM`](crate::poly::GRID_MM)), and a micrometre, the last digit of G-code.
+/// Every box, plane, cylinder and sphere is taken this much larger, mm. Nodes of a section lie up to this far from its true
+/// outline, and coordinates typed in a job still have to select the faces that lie on them. Source: derived. Ten times the
+/// grid that outlines are rounded to ([`GRID_MM`](crate::poly::GRID_MM)), and a micrometre, the last digit of G-code.
 const ROUNDED_MM: f64 = 1e-3;
 
 impl Selection {

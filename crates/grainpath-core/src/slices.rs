@@ -75,7 +75,7 @@ pub struct VolumeInfo {
     pub world: Option<WorldFrame>,
     /// How the file stores the voxels, for people: pairs of a property and its value.
     pub stored: Vec<(&'static str, String)>,
-    /// Irregularities of the file in spite of which it could be read.
+    /// Irregularities of the file that were found while it was read, for example uneven spacing.
     pub warnings: Vec<crate::Warning>,
 }
 
@@ -222,7 +222,7 @@ pub trait SliceSource: Send {
     }
 
     /// Number of pieces of the volume (chunks) that were read since the last restart, but are not stored in the
-    /// files. Their voxels have the fill value that the format defines for missing pieces.
+    /// files. Their voxels have the fill value that the file states for missing pieces.
     fn n_absent(&self) -> u64 {
         0
     }

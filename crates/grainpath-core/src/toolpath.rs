@@ -316,7 +316,7 @@ pub struct Plan {
     /// Lowest first.
     pub layers: Vec<LayerPlan>,
     /// Position of the part: plate coordinates are part coordinates plus this. It is added once,
-    /// when G-code is written. Heights of layers are counted from the plate already, so z only
-    /// appears in the header.
+    /// when G-code is written. Heights of layers are counted from the plate already, so G-code
+    /// uses its z only in the header.
     pub plate_from_part_mm: DVec3,
 }

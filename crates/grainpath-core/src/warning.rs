@@ -63,7 +63,7 @@ warning_ids! {
         "unset the setting that should not count, as in --set fill.mass_g=none";
     RegionsOverlap = "regions-overlap",
         "Two regions of the job cover the same place; the settings of the later one apply there.",
-        "cut the regions to size, or put the one whose settings should apply last";
+        "cut the regions to size, or order them so that the one whose settings should apply comes last";
     RegionsSeam = "regions-seam",
         "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
         "lay borders of regions where little load passes, or where infill is sparse on one side at least";
@@ -158,7 +158,7 @@ warning_ids! {
         "The image or the scan shows hardly any preferred direction.",
         "look at the picture of the directions; a larger guide.integration_mm may help";
     FieldAssumed = "field-assumed",
-        "A file of directions does not state units, axes or order, so one interpretation was chosen.",
+        "The directions of a file are uncertain: the unit of its angles or the order of its axes was assumed, or JPEG changed its grey values.",
         "state it: guide.field.angle_unit, guide.field.axes or a header such as angle_deg";
     FieldLeftOut = "field-left-out",
         "Samples of a file of directions have no direction and were left out.",
@@ -254,7 +254,7 @@ warning_ids! {
         "The peak stress is more than twice the strength of the material.",
         "check the loads and their units; at a sharp inner corner the peak grows with every finer mesh";
     StressMeshError = "stress-mesh-error",
-        "The estimated error of the stress due to the size of the elements is more than a tenth.",
+        "The estimated error due to the size of the elements is more than a tenth of the stress.",
         "lower guide.element_mm";
     StressUnbalanced = "stress-unbalanced",
         "The loads of a solved case are not in equilibrium with its reactions.",

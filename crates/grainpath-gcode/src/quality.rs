@@ -79,7 +79,7 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
         q.gap += (a.part - a.inside) / part;
         q.spill += (a.union - a.inside) / part;
         q.overlap += (a.beads - a.union) / part;
-        // In a tip of at most 1 mm2 the width of a single bead dominates the share, so the worst gap leaves it out.
+        // A section of at most 1 mm2 is left out of the worst gap, because a single bead's width dominates its share.
         if a.part > 1.0 {
             q.worst_layer_gap = q.worst_layer_gap.max(1.0 - a.inside / a.part);
         }

@@ -360,7 +360,7 @@ sections! {
         interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of the dense layers below a contact.";
         load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "Load of one contact on its branch, safety factor included. Branches are thick enough not to buckle under it (Euler).";
         stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the checks with load_per_contact_n and side_load_n.";
-        side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm. A warning names tips that still move by more.";
+        side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm. A warning states how many tips still move by more.";
         max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Largest length over diameter of a branch.";
         brace: bool = true, "", Any, "Brace slender trunks against a neighbour with struts.";
         brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks with a larger length over diameter than this are braced, with struts this number of diameters apart.";

@@ -32,8 +32,8 @@ impl<'a> Source<'a> {
         Ok(Self { name, text, spans, table })
     }
 
-    /// The line of the value that the path of `keys` and then `steps` leads to. If the file lacks the end of
-    /// this path, the line of the last part of the path that it has.
+    /// The line of the value at the end of the path `keys` followed by `steps`. If the file lacks the end of
+    /// this path, it is the line of the last part that the file has.
     pub(crate) fn location(&self, keys: &[&str], steps: &[Step]) -> Location {
         let keys = keys.iter().map(|k| Step::Key((*k).to_owned()));
         let mut steps = keys.chain(steps.iter().cloned());

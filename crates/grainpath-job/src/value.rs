@@ -220,7 +220,7 @@ impl SettingValue for Density {
 impl SettingValue for usize {
     const KIND: &'static str = "integer";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        // Every setting of this type is a count, so a negative number is refused.
+        // Settings of this type are counts or indices, so a negative number is refused.
         let whole = value.as_integer().and_then(|i| Self::try_from(i).ok());
         whole.ok_or_else(|| wrong_kind("a whole number from 0", value))
     }

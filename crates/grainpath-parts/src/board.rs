@@ -77,8 +77,8 @@ impl Board {
         for knot in &self.knots {
             let d = p - knot.centre_mm;
             let (r2, radius2) = (d.length_squared(), knot.radius_mm * knot.radius_mm);
-            // Rings of a knot are spaced a little wider than growth lines of the board: the function rises by
-            // 0.9 mm for each mm.
+            // Rings of a knot are spaced a little wider than growth lines of the board: from the knot's centre
+            // outwards the function falls by 0.9 mm for each mm.
             if r2 < radius2 {
                 return knot.centre_mm.y + 0.9 * (knot.radius_mm - r2.sqrt());
             }
@@ -191,8 +191,8 @@ pub fn wood_rgb(grey: &Grey) -> Vec<u8> {
 }
 
 // Source: the finaliser of MurmurHash3, whose multipliers these are; the start value is 2^32 divided by
-// the golden ratio. A hash of the position gives each pixel the same value in whatever order the
-// rows are computed; a random generator would not.
+// the golden ratio. The value of a pixel is a hash of its position, so it is the same in any order of the
+// rows. The values of a running generator would depend on that order.
 fn hash(x: i64, y: i64, seed: u32) -> u32 {
     let mut h = seed ^ 0x9e37_79b9;
     for v in [x as u32, y as u32] {

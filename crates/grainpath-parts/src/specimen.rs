@@ -17,7 +17,7 @@ pub struct Specimen {
 pub const SPECIMENS: [Specimen; 4] = [
     Specimen {
         name: "critical-angle",
-        about: "numbered branches that lean by 0 to 90 degrees, every degree from 30 to 49: shows which print without support",
+        about: "numbered branches that lean by 0, 10, ... 90 and 30, 31, ... 49 degrees: shows which print without support",
         mesh: critical_angle,
     },
     Specimen {

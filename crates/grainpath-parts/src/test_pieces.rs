@@ -10,9 +10,9 @@ use crate::shapes::{arc, prism};
 /// How a piece is held and loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Loading {
-    /// Grips hold the length `grip_mm` at each end and pull.
+    /// Grips hold the length `grip_mm`, mm, at each end and pull.
     Tension { grip_mm: f64 },
-    /// Two rollers carry the bar at the distance `span_mm`; a nose presses on its middle.
+    /// Two rollers, `span_mm` apart, mm, carry the bar; a nose presses on its middle.
     Bending { span_mm: f64 },
 }
 

@@ -204,7 +204,7 @@ impl PlanData {
 /// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
 /// reads slices.
 pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
-/// Stress at points: the positions, mm, and the stresses, MPa, both as flat arrays of shape `(n, 3)` and `(n, 6)`.
+/// Stress at points: positions in mm, `(n, 3)`, and stresses in MPa, `(n, 6)`, both flattened row by row.
 pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
 /// Makes a finite-element result from stress at points. It is a copy that another thread can use without the interpreter.
@@ -351,8 +351,8 @@ impl ScanData {
     }
 }
 
-/// Plans the layers of a scan whose parts were joined; `filled` holds the paths of all layers, as bytes of windows.
-/// A shape in `handover` is not used.
+/// Plans the layers of a scan whose parts were joined. `filled` holds the bytes of windows that together make up all
+/// layers, in order; `None` if the layers were not filled before. A shape in `handover` is not used.
 #[pyfunction]
 pub(crate) fn plan_parted<'py>(
     py: Python<'py>,

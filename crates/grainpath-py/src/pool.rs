@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Stack of a thread. Source: the stack of a main thread on Linux, on which the command line plans.
 const STACK_BYTES: usize = 8 << 20;
-/// The greatest number of threads that is accepted; a larger one is a mistake. Source: the limit of the command line.
+/// The greatest number of threads that is accepted; a larger one is an error. Source: the limit of the command line.
 const MAX_THREADS: usize = 1024;
 
 /// The pool for plans that set no number of threads, with the id of the process that made it.

@@ -60,8 +60,8 @@ pub(crate) fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Stack
 }
 
 /// Makes a stack from rings. `heights` alternates the top and the thickness of each layer. `points` holds the points of all
-/// rings, and `counts` the number of points of each ring, layer by layer. Rings may cross and overlap: `even_odd` chooses
-/// the rule for which points are inside.
+/// rings, and `counts` the number of points of each ring, layer by layer. Rings may cross and overlap. Which points are
+/// inside follows the even-odd rule if `even_odd` is true, otherwise the non-zero rule.
 #[pyfunction]
 pub(crate) fn stack_from_rings(
     py: Python<'_>,

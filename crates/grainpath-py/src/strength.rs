@@ -50,7 +50,7 @@ pub(crate) fn strength<'py>(
     Ok(StrengthData { done: Arc::new(done) })
 }
 
-/// Compares several tests side by side, as `grainpath compare --json` has them.
+/// Compares several tests. Returns the JSON that `grainpath compare --json` prints.
 #[pyfunction]
 pub(crate) fn compare(all: Vec<Bound<'_, StrengthData>>) -> String {
     let all: Vec<&Done> = all.iter().map(|s| &*s.get().done).collect();

@@ -26,7 +26,7 @@ impl std::fmt::Display for NotRead {
 
 impl std::error::Error for NotRead {}
 
-/// The facts of a caller's array that another thread may use: columns, rows and slices, the type of a voxel, its spacing.
+/// Properties of a caller's array that another thread may use: columns, rows and slices; voxel type; voxel spacing, mm.
 pub(crate) type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
 
 /// The scan header that describes a caller's array.

@@ -4,8 +4,9 @@
 //! Ctrl-C, asks the caller's cancel token, reports progress, and reads the slices that the work asks for. An exception
 //! of any of these ends the work and comes back as it was raised.
 //!
-//! Stopped work sees a flag. Code that does not read the flag for long (a factorization) gets [`GRACE`]; then the exception
-//! is raised, and the thread ends when it next reads the flag. The command line ends the process; a module may not.
+//! Work is stopped by a flag, which it reads often. Code that reads the flag late (a factorization) is waited for at most
+//! [`GRACE`]; then the exception is raised, and the thread ends when it next reads the flag. In this case the command line
+//! ends the process, which a module may not do.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -25,7 +26,7 @@ use crate::pool;
 /// Time between two checks of signals and tokens. Source: derived: Ctrl-C must raise within 0.3 s, and [`GRACE`] takes half
 /// of that; a hundred checks a second would make short plans noticeably slower.
 const STEP: Duration = Duration::from_millis(25);
-/// Time that is left to stopped work to end by itself. Source: derived: as [`STEP`].
+/// Time that the caller waits for stopped work to end by itself. Source: derived: as [`STEP`].
 const GRACE: Duration = Duration::from_millis(150);
 
 /// A message from the work to the caller's thread.
@@ -92,7 +93,7 @@ where
     let (shared, done) = (Arc::clone(&diagnostics), requests.clone());
     let thread = thread::Builder::new().name("grainpath".to_owned()).spawn(move || {
         let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&shared, requests))));
-        // Sending fails if the caller has left after an interruption, which is fine.
+        // Sending fails if the caller has left after an interruption; nobody needs the message then.
         let _ = done.send(Request::Done);
         result
     })?;

@@ -21,7 +21,7 @@ impl Problem {
     }
 
     pub(crate) fn missing() -> Self {
-        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps only its last jobs until it ends")
+        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps its latest jobs until it is closed")
     }
 }
 

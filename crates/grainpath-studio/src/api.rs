@@ -39,7 +39,7 @@ use crate::{assets, history, runs, section, surface, uploads};
 const FILAMENT_MM: f64 = 1.75;
 /// Largest program that is read, bytes. Source: the limit of the command line, a third of 24 GiB of memory.
 const MAX_PROGRAM_BYTES: u64 = 8 << 30;
-/// Time between two events with the progress of a run. Source: chosen; ten events a second look continuous.
+/// Time between two checks of the progress of a run. Source: chosen; ten events a second look continuous.
 const EVENT_INTERVAL: Duration = Duration::from_millis(100);
 /// The greatest number of layers in one answer. Source: chosen; the page asks for fewer at a time.
 const MOST_LAYERS: usize = 4096;
@@ -268,7 +268,7 @@ async fn text(
     Ok(Json(json!({ "ok": true, "text": job.text, "folder": job.folder.display().to_string() })))
 }
 
-/// The job that `grainpath slice` would make for a file, with its default settings.
+/// The job that `grainpath slice` would make for a file, with the settings that it assumes.
 async fn job_for(
     State(studio): Shared,
     query: Result<Query<PathQuery>, QueryRejection>,

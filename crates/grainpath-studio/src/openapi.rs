@@ -95,7 +95,7 @@ pub(crate) const EXAMPLE: Route = Route {
 };
 pub(crate) const UPLOAD: Route = Route {
     method: "post",
-    query: &[("name", "The name of the file; it may be changed to be safe and unused.")],
+    query: &[("name", "The file's name; unsafe characters are replaced, and a taken name gets a number.")],
     body: Takes::Bytes,
     ..Route::get("/v1/uploads", "upload", "Streams the body to a file.", Answers::Json("Upload"))
 };

@@ -92,7 +92,7 @@ fn class(role: Role) -> u8 {
     role as u8
 }
 
-/// A move of a layer that becomes a record.
+/// What a record of a layer stands for: the start of the layer, a travel or a bead.
 enum Step<'a> {
     Start([f32; 2]),
     Travel([f32; 2]),
@@ -110,7 +110,7 @@ fn walk<'a>(layer: &'a BeadLayer, mut step: impl FnMut(Step<'a>)) {
     let Some(mut at) = first else { return };
     step(Step::Start(at));
     for bead in &layer.beads {
-        // Travels are in the order of the program, and each begins where the last one ended.
+        // Travels are in the order of the program. Those before this bead come first; each begins where the last move ended.
         while far(at, bead.a) {
             let Some(travel) = travels.next_if(|t| !far(t[0], at)) else { break };
             at = travel[1];

@@ -1,7 +1,7 @@
 //! The queue of runs: one run is worked on, the others wait.
 //!
 //! Runs have a thread of their own, so that the server can answer meanwhile. The planner uses all cores by itself, so two
-//! runs at a time would not be faster. Progress is counted in atomics, since the planner counts often and from any thread.
+//! runs at a time would only be slower. Progress is counted in atomics, since the planner counts often and from any thread.
 //! Streams of events read them ten times a second, so that the number of events does not depend on how often the planner
 //! counts. Cancelling sets a flag that every loop of the planner reads.
 
@@ -22,7 +22,8 @@ use crate::refusal::Refusal;
 
 /// The greatest number of waiting runs. Source: chosen; a page that asks for more has a fault.
 const MOST_WAITING: usize = 64;
-/// The greatest number of runs that are kept; each holds its program. Source: chosen; 32 programs of 30 MB are 1 GB.
+/// If there are more runs than this, the oldest finished ones are dropped; a finished run holds its program.
+/// Source: chosen; 32 programs of 30 MB are 1 GB.
 const MOST_KEPT: usize = 32;
 /// The greatest number of finished runs that are kept of each kind that shows a surface (shape, stress, supports). Each
 /// change of a job makes a new one, and the page shows only the last.
@@ -189,7 +190,7 @@ impl Run {
         locked(&self.ended).as_ref().and_then(|e| e.outcome.as_ref().ok().map(Arc::clone))
     }
 
-    /// Its program, from the moment that the work hands it over.
+    /// Its program: once it is done, or, while it runs, as soon as the work hands it over. `None` if it failed.
     pub fn drawn(&self) -> Option<Arc<Drawn>> {
         match *self.phase.borrow() {
             // A program that was handed over early is shown while the run goes on.

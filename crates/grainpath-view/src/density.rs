@@ -5,8 +5,8 @@ use grainpath_core::{Bounds2, DVec2};
 
 use crate::layer::{Canvas, Ramp};
 
-/// Both maps in plan: the density that was asked for on the left, the density that was laid on the right. Each cell shows
-/// the mean over its height. Blue is the least density, red the greatest.
+/// Both maps in plan: the density that was asked for on the left, the density that was laid on the right. Each square shows
+/// the mean of the cells that lie above each other there. Blue is the least density, red the greatest.
 pub fn density_png(laid: &LaidDensity, size_px: u32) -> Vec<u8> {
     let corners = laid.each.iter().map(|c| c.low_mm.truncate());
     let bounds = Bounds2::around_points(corners.clone().chain(corners.map(|p| p + CELL_MM)));

@@ -1,7 +1,7 @@
 //! A picture of the numbered faces of a part, seen from two sides.
 //!
-//! There are two parallel projections, one from the front and above, one from behind and below. One or
-//! the other shows most faces that can be seen from outside. Triangles are drawn pixel by pixel with a depth
+//! There are two parallel projections, one from the front and above, one from behind and below. Together
+//! they show most faces that can be seen from outside. Triangles are drawn pixel by pixel with a depth
 //! for each pixel. Cost: linear in the pixels that the triangles cover.
 
 use grainpath_core::faces::Faces;
@@ -27,7 +27,7 @@ const DIGITS: [u16; 10] = [
 const BACKGROUND: [u8; 3] = [28, 30, 34];
 /// Share of a view left free on each side. Source: derived: a number at the edge of the part stays inside.
 const MARGIN: f64 = 0.04;
-/// The number of pixels from which on a face gets its number. Source: derived: a number of two digits covers 100.
+/// Least number of visible pixels of a face that is numbered. Source: derived: a number of two digits covers 100.
 const LEAST_PIXELS: usize = 120;
 
 /// A view: which face each pixel shows, and how bright it is.

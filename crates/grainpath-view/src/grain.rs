@@ -59,7 +59,7 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
         DVec2::new(q.x, image.grey.height as f64 - q.y)
     };
     let canvas = with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y)));
-    put("5_field", "Directions: yellow where the grain is clear, violet where unclear", canvas);
+    put("5_field", "Directions: yellow where the grain is clear, violet where it is unclear", canvas);
     if !curves.is_empty() {
         // At half its brightness the photograph lets the coloured curves stand out.
         let mut canvas = Canvas::new(&image.grey, 0.5, true);
@@ -85,7 +85,7 @@ fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let axis = |p: DVec2| guide.scan_axis((p * *pixel_mm).extend(*height_mm)).unwrap_or_default();
     let canvas = with_strokes(&Grey { data, ..*grey }, &axis);
     let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-    let title = format!("Directions at z = {height_mm:.2} mm: yellow where clear, violet where unclear");
+    let title = format!("Directions at height {height_mm:.2} mm in the scan: yellow clear, violet unclear");
     (format!("texture_{:04}.png", index + 1), Picture { title, png, ..Picture::default() })
 }
 

@@ -124,8 +124,8 @@ const ARROW: f64 = 0.22;
 const ARROW_COLOURS: [[u8; 3]; 3] = [[255, 90, 80], [90, 220, 120], [255, 200, 70]];
 
 /// The loads and reactions of the first load case as arrows over the edges of the mesh, seen from the front and above.
-/// A force ends where it acts, and its length is proportional to it: loads are red, reactions of fixtures green. A
-/// moment is a yellow arrow with two heads along its axis. `None` where nothing was solved.
+/// The arrow of a force ends where the force acts, and its length is proportional to the force. Loads are red, reactions
+/// of fixtures green. A moment is a yellow arrow with two heads along its axis. `None` where nothing was solved.
 pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
     let (result, balance) = (guide.results.first()?, guide.summary.balance.first()?);
     let towards = DVec3::new(0.5, -0.75, 0.43).normalize();

@@ -7,8 +7,8 @@ pub enum ErrorKind {
     Job,
     /// An input file cannot be used.
     Input,
-    /// The job cannot be fulfilled: the part lies outside the bed, no density gives the mass, or the equations
-    /// have no solution.
+    /// The job cannot be fulfilled: the part lies outside the bed, no density gives the mass, or an analysis
+    /// has no solution.
     Physics,
     /// The user stopped the run.
     Interrupted,

@@ -7,9 +7,9 @@
 //!
 //! The reserve of a pose is computed from one solved stress. At every node that does not lie at a fixture or load, the
 //! stress is turned with the pose and applied to parallel beads in the layers of that pose. If the infill follows the
-//! stress, these beads lie along the greater principal stress in the layer, otherwise at the raster angles
-//! ([`first_failure`](grainpath_fea::strength::first_failure)). The reserve serves to compare poses of a dense part; the
-//! reserve of the real beads is computed when the pose is planned.
+//! stress, these beads lie along the greater principal stress in the layer, otherwise at the raster angles.
+//! [`first_failure`](grainpath_fea::strength::first_failure) gives the factor at failure. The reserve serves to compare
+//! poses of a dense part; the reserve of the real beads is computed when the pose is planned.
 //!
 //! Units: mm, MPa, radians inside. Cost: [`DIRECTIONS`] times the vertices for the farthest ones, a hull quadratic in at
 //! most that number of vertices, and a reserve linear in the nodes. Limits: a part that touches the plate only in points,
@@ -36,10 +36,10 @@ const RESTS: f64 = 2e-4;
 /// Facets whose normals differ by less than this count as one flat, rad. Source: derived. Half a degree lifts the far end
 /// of a flat of 20 mm by 0.2 mm, which is one layer.
 const SAME_FLAT_RAD: f64 = 0.0087;
-/// Smallest tilt that a pose must withstand, rad; the next constant is the smallest distance of the projected centre of
-/// mass from the border of the flat, mm. Source: derived. Five degrees withstand a nozzle that drags over a part 10 mm
-/// above its centre of mass with a tenth of its weight; one millimetre is two beads.
+/// Smallest tilt that a pose must withstand, rad. Source: derived. A part that withstands a tilt of five degrees also
+/// withstands a nozzle that drags over it, 10 mm above its centre of mass, with a tenth of its weight.
 const LEAST_TILT_RAD: f64 = 0.0873;
+/// Smallest distance of the projected centre of mass from the border of the flat, mm. Source: derived. Two beads.
 const LEAST_REACH_MM: f64 = 1.0;
 /// Reserves that differ by less than this share count as equal; the mass of supports then decides. Source: derived. A
 /// tenth of the error of a reserve.
@@ -145,7 +145,8 @@ fn centre_of_mass(mesh: &TriMesh) -> Option<DVec3> {
     let (low, high) = mesh.bounds()?;
     let (mut volume, mut moment) = (0.0, DVec3::ZERO);
     for t in &mesh.triangles {
-        // Coordinates are taken relative to a corner of the part, so that a part far from the origin keeps its precision.
+        // Coordinates are taken relative to the lowest corner of the part's box, so that a part far from the
+        // origin keeps its precision.
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize] - low);
         let six = a.dot(b.cross(c));
         volume += six;
@@ -251,7 +252,7 @@ pub struct PoseReserve {
     pub mode: &'static str,
     /// Position of the first failure, in the coordinates in which the stress was solved.
     pub at_mm: [f64; 3],
-    /// The tension across layers that 99.5 % of the nodes stay below in the worst case, MPa; 0 if it is compression.
+    /// The tension across layers that 99.5 % of the nodes stay below in the worst load case, MPa; 0 if it is compression.
     pub across_layers_mpa: f64,
 }
 

@@ -40,7 +40,7 @@ pub(super) enum Shape {
     Cone,
 }
 
-/// Most steps of a fit. Source: derived: near the solution steps converge quadratically; a fit that has
+/// Greatest number of steps of a fit. Source: derived: near the solution steps converge quadratically; a fit that has
 /// not converged after 12 steps started too far away.
 const STEPS: usize = 12;
 

@@ -53,7 +53,7 @@ pub(super) const SHARP: f64 = 0.766;
 /// Numbers of pieces in the patches that are tried after strips. Source: derived: 6, 16 and 40 are one, two and three
 /// rings of triangles.
 const PATCHES: [usize; 3] = [6, 16, 40];
-/// Most neighbours of a piece from which strips are formed. Source: derived: a facet has four sides.
+/// Greatest number of neighbours of a piece from which strips are formed. Source: derived: a facet has four sides.
 const MAX_SIDES: usize = 4;
 /// Greatest ratio of the squared bends at both sides of a strip that counts as equal. Source: derived: the
 /// bends may differ by 25 %; the bend from a facet to a tangent plane is half of that between facets.
@@ -65,8 +65,8 @@ const MAX_OF_PIECE: usize = 256;
 /// takes about 0.1 microseconds per point and a fit has 12 steps, so that this is half a second; for a
 /// million triangles two seconds are allowed.
 const MAX_IN_VAIN: usize = 400_000;
-/// Most vertices that a fit uses. Source: derived: with 400 points the error of a fit is a twentieth of
-/// the rounding of one vertex.
+/// Greatest number of vertices that a fit uses. Source: derived: with 400 points the error of a fit is a
+/// twentieth of the rounding of one vertex.
 const FIT_POINTS: usize = 400;
 /// Vertices may lie off the model by this many times the rounding. Source: derived: for evenly distributed
 /// rounding this is more than three standard deviations.
@@ -214,7 +214,7 @@ impl Search<'_> {
             let patch = self.patch(seed, n_pieces, label)?;
             match self.best(&patch, label) {
                 (_, Some(found)) => return Some(found),
-                // If no model fits this patch, none fits a larger one either, since that contains it.
+                // If no model fits this patch, none fits a larger one either, since each larger patch contains this one.
                 (false, None) => return None,
                 (true, None) => {}
             }
@@ -353,7 +353,7 @@ impl Search<'_> {
             (model, chord) = (refit, widest(&refit));
             if complete {
                 rounds += 1;
-                // The better fit may reach further. After three rounds at most a last facet is missing.
+                // The better fit may reach further. Three rounds find all facets, except perhaps the last one.
                 if region.len() == before || rounds > 3 {
                     break;
                 }

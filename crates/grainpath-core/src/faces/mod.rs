@@ -6,8 +6,8 @@
 //! the vertices by Levenberg and Marquardt's least squares (`more1978`) and grown over neighbours as
 //! long as all vertices lie on it; a larger region gives a better fit, which lets it grow further.
 //! Growth from seeds with a test of the fit follows `besl1988`. Exporters place the vertices of a
-//! curved surface exactly on it for any chord error. Vertices therefore tell a fillet from the plane that
-//! it runs into; the angles between triangles do not. (4) Flat pieces that do not
+//! curved surface exactly on it for any chord error. The vertices therefore distinguish a fillet from the
+//! plane that it runs into; the angles between triangles cannot. (4) Flat pieces that do not
 //! continue as a chain of equal bends are planes. (5) The other pieces are joined across edges below 20
 //! degrees, and across edges below 40 degrees inside such a chain (hysteresis, as in `canny1986`).
 //!

@@ -108,8 +108,8 @@ impl Shells {
     pub fn find(mesh: &TriMesh, edges: &EdgeUses) -> Self {
         let mut shells = DisjointSets::new(mesh.triangles.len());
         for mut edge in edges.edges() {
-            // Bodies touch at edges of more than two faces, where no pair of faces belongs together; such
-            // an edge connects none.
+            // Where an edge has more than two faces, bodies touch. Which faces continue each other is undefined
+            // there, so such an edge connects none.
             if let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) {
                 shells.union(first, other);
             }

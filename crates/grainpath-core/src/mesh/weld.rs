@@ -35,7 +35,7 @@ impl VertexWelder {
     }
 
     /// The index of this position; a position that occurs for the first time gets a new index.
-    /// `None` when 2^32 - 1 positions have one.
+    /// `None` for a new position after 2^32 - 1 different ones.
     pub fn index(&mut self, p: DVec3) -> Option<u32> {
         // -0 and 0 are equal and have different hashes; adding 0 turns -0 into 0.
         let p = p + DVec3::ZERO;

@@ -15,14 +15,14 @@ use super::{Contour, FillRule, GRID_MM, Region};
 pub enum Join {
     /// Arcs, as polylines within 0.005 mm.
     Round,
-    /// Sharp corners. A tip that would lie farther from the corner than this multiple of the distance is cut off.
+    /// Sharp corners. A tip that would lie farther from the corner than this many offset distances is cut off.
     Miter(f64),
 }
 
 /// Largest error of a polyline that stands for an arc, mm. Source: derived. Below half a microstep: a belt drive of 40 mm
 /// a turn with 200 steps of 16 microsteps moves 0.0125 mm a microstep.
 const ARC_TOLERANCE_MM: f64 = 0.005;
-/// A vertex is dropped where the line without it passes within this distance, mm, so that repeated
+/// A vertex is dropped if the line without it passes within this distance of it, mm, so that repeated
 /// offsets do not collect vertices. Source: derived. Twice the last digit that G-code has, 0.001 mm.
 const SIMPLIFY_MM: f64 = 0.002;
 

@@ -1,4 +1,4 @@
-//! A test, before closed lines are united, of whether they cross too often for that.
+//! Tests whether closed lines cross each other too often to be united, before the union begins.
 //!
 //! A union makes a point of every crossing of edges, and its time grows with the number of points. Sections of sound
 //! parts have few crossings: about two for each pair of outlines that overlap. In sections of a damaged mesh every

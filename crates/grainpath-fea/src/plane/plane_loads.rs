@@ -3,8 +3,8 @@
 //! Selections are evaluated at the mid-height of the plate. A node of the mesh is selected when its
 //! point at that height lies in the selection. Loads act on the sides of the border whose midpoint is
 //! selected; a side that a box, a cylinder or a sphere cuts carries them up to the cut, so that the
-//! loaded length does not depend on the mesh. (Half an element more at one edge moves a pull by 0.05
-//! mm off the axis, under which a bar of 10 mm width bends visibly.)
+//! loaded length does not depend on the mesh. (Half an element more at one edge would move a pull
+//! 0.05 mm off the axis of a bar of 10 mm width, and the bar would bend visibly.)
 
 use std::collections::BTreeMap;
 

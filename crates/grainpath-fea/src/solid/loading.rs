@@ -90,8 +90,8 @@ impl<'a> LoadedSolid<'a> {
         self.mesh.nodes_of(&faces)
     }
 
-    /// The share of a patch's area that lies on this mesh, where the patch comes from another mesh of the part; `None` for
-    /// other selections.
+    /// The share of a patch's area that lies on the boundary of this mesh; the patch comes from another mesh of the part.
+    /// `None` for other selections.
     pub fn covered_share(&self, on: &Selection) -> Option<f64> {
         let Selection::Patch(patch) = on else { return None };
         let mut forces = vec![DVec3::ZERO; self.mesh.nodes.len()];
@@ -205,8 +205,8 @@ impl<'a> LoadedSolid<'a> {
         self.held_nodes(on, &self.faces_in(on))
     }
 
-    /// The boundary faces in a selection. For a patch, the point of the part's surface below a face must lie on it, and the
-    /// normal there must fit.
+    /// The boundary faces in a selection. For a patch, the point of the part's surface below a face must lie on the patch,
+    /// and the normal there must fit.
     fn faces_in(&self, on: &Selection) -> Vec<usize> {
         let mut faces = self.mesh.faces_in(on);
         if matches!(on, Selection::Patch(_)) {

@@ -34,8 +34,8 @@ pub struct Recovered {
 /// coefficients.
 const FOR_QUADRATIC: usize = 30;
 
-/// Recovers the stresses of a displacement field. `initial_strain` is the strain that exists without
-/// stress (thermal expansion), with engineering shears.
+/// Recovers the stresses of a displacement field. `initial_strain` is the strain that causes no stress,
+/// such as thermal expansion, with engineering shears.
 ///
 /// # Errors
 /// A material whose stiffness is not positive definite.

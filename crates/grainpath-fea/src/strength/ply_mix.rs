@@ -5,7 +5,7 @@
 //! plies of one material with the same strain, each with its share of the thickness. The stress of every case in the plane
 //! of the layer acts on them at every node; the ply nearest to failure counts, by the criterion of
 //! [`first_failure`](super::first_failure). The reserve of a case is one over its highest failure index at any node. The
-//! best mix has the largest least reserve over all cases. Of mixes within `TIE` of it the shortest is taken; of equally
+//! best mix has the largest minimum reserve over all cases. Of mixes within `TIE` of it the shortest is taken; of equally
 //! short ones that with the largest weighted mean of the cases' reserves.
 //!
 //! Limits: failure between layers is left out, because directions do not change it. At most `MOST_CASES` cases are served by

@@ -206,7 +206,7 @@ impl Shear {
         let (pixel_x, pixel_y, rise_mm) = (r.x_axis.x, r.y_axis.y, r.z_axis.z);
         let columns_per_row = r.y_axis.x / pixel_x;
         let per_slice = [r.z_axis.x / pixel_x, r.z_axis.y / pixel_y];
-        // A slice shifts in proportion to its height. If the spacing is uneven, its number is not a measure of the height.
+        // A slice shifts in proportion to its height. Its index gives the height only if the slices are evenly spaced.
         let steps = |k: usize| info.z_mm.get(k).map_or(k as f64, |z| z / rise_mm);
         let slice_shift_px: Vec<[f64; 2]> = (0..nz).map(|k| per_slice.map(|px| px * steps(k))).collect();
         let last = slice_shift_px[nz - 1];

@@ -1,4 +1,4 @@
-//! Built-in examples (presets): code makes their parts, jobs and other files.
+//! Built-in examples (presets): jobs are texts of this crate, parts and other input files are computed.
 
 mod continuous;
 mod field;

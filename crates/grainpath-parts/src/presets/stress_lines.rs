@@ -51,7 +51,7 @@ on = { box_mm = [[142.5, -10, 0], [170, 10, 4]] }
 force_n = [500, 0, 0]
 ";
 
-// Real rollers have a radius of 5 mm. The model holds the bar along a line: the axis of a thin cylinder at its edge.
+// Real rollers have a radius of 5 mm. In the model each roller is a line on the edge of the bar, the axis of a cylinder.
 const BENDING: &str = "
 [[guide.fixture]]             # the left roller, 5 mm in radius
 on = { cylinder = { point_mm = [20, 0, 0], axis = [0, 0, 1], radius_mm = 0.8 } }
@@ -152,7 +152,7 @@ pub(super) fn files() -> Vec<ExampleFile> {
     let aligned = |deg: &str| format!("pattern = \"aligned\"\ndensity = 1.0\nangles_deg = [{deg}]");
     let mut files = Vec::new();
     // Lines fan out from the neutral axis of a beam. Smoothing over a few bead widths lets fewer lines
-    // end at the edge under tension, where the stress is greatest.
+    // end at the edge in tension, where the stress is greatest.
     let even = format!("{stress}\nsmoothing_mm = 2           # fewer lines end in the border that is drawn");
     // Only the directions of the bending bar are smoothed.
     for (part, about, loads, guide) in [

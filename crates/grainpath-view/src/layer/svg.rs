@@ -8,7 +8,7 @@ use grainpath_core::DVec2;
 use super::{LayerPicture, PictureOptions, Scale};
 
 /// Draws a layer as SVG whose user unit is the millimetre. Beads are strokes of their true width, and
-/// their class is the role. y points up in the part and down in the SVG.
+/// their class names the role. y points up in the part and down in the SVG.
 pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
     let window = options.window.or(picture.bounds()).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
     let b = window.grown(0.02 * window.size().max_element() + 0.2);

@@ -1,12 +1,12 @@
 //! The report page: one file that needs no network.
 //!
 //! Order: the part and its numbers, warnings, a slider of layers, stress, strength, fibre, steps towards the guide,
-//! dimensions, settings that differ from their defaults. The other settings and the time taken are folded away.
+//! dimensions, and settings that differ from their defaults. The other settings and the time taken are folded away.
 //! Pictures and layers stand in the page as base64, so that it is a single file. `layers.rs` packs the layers and
 //! `page.js` draws them. Fonts and colours come from the reader's system, light or dark.
 //!
 //! Limits: very large prints show every second or third layer. Without scripts the page shows one layer as a
-//! picture, and everything else.
+//! picture in place of the slider; everything else is the same.
 
 mod layers;
 

@@ -216,8 +216,8 @@ impl FibreSettings {
         (fits(&with), without.polygons)
     }
 
-    /// Lays fibre rings along every contour of `regions`, which bound centrelines; rings are one bead spacing apart.
-    /// Returns the regions that are left for the centrelines of the pattern.
+    /// Lays fibre rings along every contour of `regions`, in which centrelines may lie. Neighbouring rings are
+    /// one bead spacing apart. Returns the regions that are left for the centrelines of the pattern.
     pub fn lay_rings(
         &self,
         regions: &[Polygon],
@@ -236,8 +236,8 @@ impl FibreSettings {
         rest.polygons
     }
 
-    /// Turns those paths in `infill_regions` into fibre that are long enough. `load` gives the load at a point,
-    /// from which the start of a closed path may be chosen. With `keep_closed` closed paths stay closed, and
+    /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` gives the load at a
+    /// point, from which the start of a closed path may be chosen. With `keep_closed` closed paths stay closed, and
     /// the print order chooses their start.
     pub fn lay(
         &self,
@@ -313,7 +313,8 @@ impl FibreSettings {
         vec![path]
     }
 
-    /// Moves the start of a closed path to where the settings say, and opens the path there.
+    /// Moves the start of a closed path to where the settings say, and opens the path there. With the setting
+    /// `Nearest` the path stays closed.
     fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, keep_closed: bool) {
         if !path.closed || keep_closed {
             return;
@@ -349,7 +350,7 @@ fn begin_straight(path: &mut Toolpath) {
 }
 
 /// Cuts a path at its sharp turns. Pieces shorter than a bead's width are left out. Each piece begins half
-/// a bead after the previous cut, so that its end and the previous piece are not taken for one path.
+/// a bead after the previous cut, so that it and the piece before are not taken for one path.
 fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     let mut pieces = Vec::new();
     let mut from = 0;

@@ -316,8 +316,8 @@ fn free(arc: &Arc, line: &[DVec2], out: &[DVec2], inside: &dyn Fn(DVec2, DVec2) 
         let near = Bounds2 { min: a.min(b), max: a.max(b) }.meets(around);
         near && points.windows(2).any(|w| crosses(a, b, w[0], w[1]))
     };
-    // The parts of the line that remain: up to the segment on which the arc begins, and from the segment on
-    // which it ends.
+    // The parts of the line that remain: the segments before the one on which the arc begins, and the
+    // segments after the one on which it ends.
     let kept = out.len() - arc.back;
     let before = out[..kept].windows(2);
     let after = line[arc.last + 1..].windows(2);

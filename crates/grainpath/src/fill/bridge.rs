@@ -1,10 +1,10 @@
 //! Chooses the direction of a bridge: along the short way between its supports.
 //!
 //! Twelve directions in steps of 15 degrees are tried, and the directions along and across the four longest
-//! edges, because most bridges span two parallel walls. The score of a direction is the share of line
-//! length on lines with both ends on the layer below. Among the directions within 1 % of the best share,
-//! the one with the shortest mean free span wins. If no direction is supported, the bridge takes the raster
-//! angle of the skins.
+//! edges, because most bridges span two parallel walls. The score of a direction is the share of the total
+//! line length that belongs to lines with both ends on the layer below. Among the directions within 1 % of
+//! the best share, the one with the shortest mean free span wins. If no direction is supported, the bridge
+//! takes the raster angle of the skins.
 //!
 //! Cost: at most 20 directions times the lines of the bridge, each clipped once.
 

@@ -125,14 +125,14 @@ impl Layout<'_> {
         !self.near.within(p, distance_mm).any(|(_, (line, index))| counts(line, index))
     }
 
-    /// Points fewer steps back along a line than this do not count as its neighbours. They make the
-    /// circumference of a circle whose diameter is 1.6 times the closest distance: the tightest loop that
+    /// Points fewer steps back along a line than this do not count as its neighbours. The number is that of
+    /// the steps around a circle whose diameter is 1.6 times the closest distance: the tightest loop that
     /// leaves space inside.
     fn lag(&self) -> usize {
         (1.6 * PI * self.closest_mm / self.step_mm).ceil() as usize
     }
 
-    /// Lays those parts of the curves that keep the distance to earlier curves.
+    /// Lays the curves in their order, and of each the parts that keep the distance to earlier curves.
     fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
         for curve in curves {
             for piece in self.clipper.clip(curve) {
@@ -367,8 +367,8 @@ impl Layout<'_> {
     }
 }
 
-/// Most points of one line, in case a field never ends it. Source: derived: 100 000 steps of 0.25 mm are 25
-/// m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
+/// Most points of one line, in case a field never ends it. Source: derived: 100 000 steps of 0.25 mm
+/// are 25 m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
 const MAX_STEPS: usize = 100_000;
 
 /// Distance to the border of an infill region, for points near it.

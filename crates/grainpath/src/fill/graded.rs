@@ -9,7 +9,8 @@
 //! - `gyroid` is traced as the zero line of one function, which changes from a period to half of it where
 //!   levels meet, so that the walls continue;
 //! - `honeycomb` is laid level by level, cut where levels meet;
-//! - `stripes` and `streamlines` are streamlines at the local distance, and stripes where the density is high.
+//! - `stripes` and `streamlines` are evenly spaced streamlines, whose distance follows the local density, and
+//!   stripes where the density is high.
 //!
 //! ```text
 //!    -------------------------   level 2, everywhere
@@ -21,8 +22,8 @@
 //!
 //! Where the density is above `DENSE_FROM`, straight parallel lines are laid instead of crossing ones. At
 //! last the widths are fitted: in a window around each point, with a side of `WINDOW_MM` or two distances
-//! between lines, the beads get the volume that the density asks for, within the widths that a nozzle can
-//! lay.
+//! between lines, whichever is larger, the beads get the volume that the density asks for, within the widths
+//! that a nozzle can lay.
 //!
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area.
 

@@ -1,7 +1,7 @@
 //! Gyroid infill: sections of the surface `sin x cos y + sin y cos z + sin z cos x = 0`.
 //!
 //! At a height `z` the section consists of waves along x or along y, depending on the phase of `z`. From
-//! layer to layer one kind turns into the other, so no straight plane of weakness runs through the part.
+//! layer to layer one kind turns into the other, so no straight line of weakness runs through the part.
 //! For a given `z` the equation is solved for the coordinate across the waves in closed form, with two
 //! solutions, at 24 points a period.
 //!

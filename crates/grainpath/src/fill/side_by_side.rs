@@ -4,7 +4,7 @@
 //! less within the layer, because its second moment of area grows with the cube of its width. Lines are `n`
 //! times as far apart as single lines, so that the volume still matches the density.
 //!
-//! Each straight line becomes `n` rows of a zigzag, one bead spacing `s` apart. Loops of `concentric` come
+//! Each straight line becomes `n` rows of one zigzag, one bead spacing `s` apart. Loops of `concentric` come
 //! in groups of `n`. Lines of the other patterns are surrounded by nested loops:
 //!
 //! ```text

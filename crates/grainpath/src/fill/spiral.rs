@@ -1,4 +1,4 @@
-//! Joins closed rings that lie inside each other to one spiral.
+//! Joins closed rings that lie inside each other into one spiral.
 //!
 //! Concentric infill, and beads along a field that turns around a point, consist of rings. Each ring starts
 //! and stops, and the nozzle travels from one to the next; a spiral is a single bead. A ring is printed up
@@ -34,8 +34,8 @@ const RAMP: f64 = 2.0;
 /// much of each ring lies along the guide as leaves it.
 const MOST_OF_RING: f64 = 0.5;
 /// Greatest distance of the next ring, in distances between rings. Source: derived. Beads along a field lie
-/// up to 1.6 times their usual distance apart (`WIDEST` of stripes); from twice that distance on another
-/// ring fits between.
+/// up to 1.6 times their usual distance apart (`WIDEST` of stripes); from twice the usual distance on
+/// another ring fits between.
 const REACH: f64 = 1.7;
 /// Number of points of a ramp. Source: derived. On the smallest ring, 1.3 steps across and with a ramp of
 /// half its length, the chord of an eighth of the ramp lies 0.01 steps off the arc.
@@ -115,7 +115,7 @@ fn append(path: &mut Toolpath, next: Toolpath) {
     path.points.extend(next.points.into_iter().skip(again));
 }
 
-/// Joins closed paths to spirals where they lie about `step_mm` apart.
+/// Joins closed paths into spirals where they lie about `step_mm` apart.
 pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
     let (closed, open): (Vec<_>, Vec<_>) = std::mem::take(paths).into_iter().partition(|p| p.closed);
     *paths = open;

@@ -64,7 +64,7 @@ pub(super) fn conditions(
     part.check_place(deck, mesh)?;
     let mut fixtures = Vec::with_capacity(deck.supports.len());
     for (k, support) in deck.supports.iter().enumerate() {
-        // Numbering continues after the job's own fixtures, so that a message means one fixture only.
+        // Numbering continues after the job's own fixtures, so that a message names one fixture only.
         let name = format!("fixture {}", first + k);
         let on = match &support.on {
             DeckPlace::Faces(triangles) => Selection::Patch(part.patch(triangles)),

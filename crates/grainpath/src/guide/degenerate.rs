@@ -1,6 +1,6 @@
 //! Finds degenerate points, where both principal stresses are equal.
 //!
-//! At such a point all directions are equal. On a walk around it the principal lines make half a turn: in
+//! At such a point all directions are equally good. On a walk around it the principal lines make half a turn: in
 //! the sense of the walk at a *wedge* (index +1/2), against it at a *trisector* (index -1/2)
 //! (`Delmarcelle1994`). On a free border the stress across it is zero, so a point where the stress along it
 //! changes sign is degenerate too.

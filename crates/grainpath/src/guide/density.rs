@@ -3,8 +3,9 @@
 //! With `by = "stress"` the part is *fully stressed*: within a range the density is proportional to the
 //! share of the material's strength that the stress takes, so every place has the same reserve. This share
 //! is the larger of two failure indices: that of beads along the larger principal stress
-//! ([`StrengthCard::index`]), and that between layers. The largest of all load cases counts; places near
-//! fixtures and loads do not. With `by = "file"` the densities come from another program.
+//! ([`StrengthCard::index`]), and that between layers. The largest of all load cases counts. Places where
+//! fixtures and loads act are left out when the stress that gets the greatest density is determined. With
+//! `by = "file"` the densities come from another program.
 //!
 //! Densities are stored on a grid of nodes and interpolated linearly. The distance between lines, spacing
 //! over density, grows by at most `STEEPEST` for each millimetre, so that the patterns can follow; where it
@@ -40,8 +41,8 @@ const MOST_NODES: f64 = 300_000.0;
 /// The greatest density belongs to a stress that this share of the part does not exceed. Source: derived.
 /// Stress peaks at corners and contacts grow with a finer mesh, and 2 % of the part contain them.
 const FULL_SHARE: f64 = 0.98;
-/// Reach of the mean that smooths the stress, in nodes. Source: derived: two beads to either side, with
-/// nodes of 1 mm.
+/// Reach of the mean that smooths the stress, in nodes. Source: derived: about two beads to either
+/// side, with nodes of 1 mm.
 const SMOOTHED: usize = 1;
 
 /// Why a graded density cannot be laid.
@@ -273,8 +274,8 @@ impl GradedDensity {
         if let Some((_, map)) = made.iter().find(|m| m.0 == mean) {
             return map.clone();
         }
-        // The mean grows with the scale. At the ends of the bisection every node has the least or the
-        // greatest density.
+        // The mean grows with the scale. At the lower end of the bisection all nodes have the least density,
+        // at the upper end the greatest.
         let least = self.wanted.values.iter().fold(f32::INFINITY, |a, b| a.min(*b));
         let most = self.wanted.values.iter().fold(0.0f32, |a, b| a.max(*b));
         let (mut low, mut high) =

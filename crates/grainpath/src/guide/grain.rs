@@ -184,7 +184,7 @@ pub struct PhotoSteps {
     pub curves: Vec<Vec<DVec2>>,
 }
 
-/// A photograph with less coherence over a wide neighbourhood gives the warning that there is hardly any grain.
+/// Least coherence over a wide neighbourhood; a photograph below it gives the warning that there is hardly any grain.
 const LEAST_COHERENCE: f64 = 0.2;
 /// Spread of brightness, as a share of white, below which a picture is blank. Source:
 /// derived. One step of an image of 8 bits is 0.0039.
@@ -489,7 +489,7 @@ impl GrainGuide {
     }
 
     /// Factor on the mean line spacing at a point, for lines that are denser where the picture is dark;
-    /// 1 where darkness has no effect.
+    /// 1 if darkness has no effect.
     pub fn sparseness(&self, p: DVec3) -> f64 {
         if self.darkness <= 0.0 {
             return 1.0;

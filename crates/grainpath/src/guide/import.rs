@@ -37,7 +37,7 @@ const SAME_PLACE: f64 = 0.05;
 /// the same pressures. Displacements are scaled with the part.
 fn moved(result: &FeResult, standing: &Standing) -> Result<FeResult, GuideError> {
     let (r, scale) = (standing.rotation, standing.scale);
-    // A plane result has no stress components out of its plane, so it can turn about z only.
+    // A plane result does not contain the stress out of its plane, so it can turn about z only.
     if result.plane && (r.z_axis - DVec3::Z).length() > 1e-9 {
         return Err(GuideError::ImportTurned);
     }

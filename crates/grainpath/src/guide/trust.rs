@@ -11,9 +11,9 @@ use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
 /// A peak above this multiple of the strength along the beads points to a mistake in the loads or
 /// in a unit, or to a singular corner. Source: issue 22, item 12.
 const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
-/// Largest estimated share of the stress that the mesh misses without a warning. Source: issue 22, item 12.
+/// A warning is given if the mesh misses more than this estimated share of the stress. Source: issue 22, item 12.
 const MAX_MESH_ERROR: f64 = 0.1;
-/// Largest relative imbalance of loads and reactions without a warning. Source: issue 22, item 12.
+/// A warning is given if the relative imbalance of loads and reactions is above this. Source: issue 22, item 12.
 const MAX_IMBALANCE: f64 = 1e-3;
 /// The report states no reserve if the peak stress is above this multiple of the strength. Source: issue 22, item
 /// 12.

@@ -4,9 +4,9 @@
 //! The angle between each segment of infill and the direction of the guide is weighted by the length
 //! of the segment and by the guide's weight there, as in the report. At most `MAX_LAYERS` layers are
 //! examined, evenly distributed over the height, so the cost does not grow with the height. The
-//! worst layer is divided into cells, each a fifth of the part wide, and the warning names the cell
-//! with the largest weighted angle. Degenerate cases: no guide, no infill and a guide without weight
-//! give no warning.
+//! worst layer is divided into cells, each a fifth of the layer's infill wide. The warning names a
+//! place in the cell with the largest sum of weighted angles. Degenerate cases: no guide, no infill
+//! and a guide without weight give no warning.
 
 use grainpath_core::{Bounds2, DVec2, Diagnostics, LayerPlan, Warning, WarningId};
 use grainpath_job::choices::{Choice, Pattern};
@@ -32,7 +32,8 @@ struct LayerSums {
     weighted_deg: f64,
     undecided: f64,
     stress_weight: f64,
-    /// For each cell, the sum of the weighted angles, and the sum of the segments' midpoints with the same weights.
+    /// For each cell, the sum of the weighted angles, and the sum of the segments' midpoints, each multiplied
+    /// by its weighted angle.
     cells: [(f64, DVec2); CELLS * CELLS],
 }
 

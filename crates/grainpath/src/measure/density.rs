@@ -1,7 +1,7 @@
-//! Compares the printed density of graded infill with the required density.
+//! Compares the density of the planned beads of graded infill with the required density.
 //!
-//! The sparse infill of the part is divided into cubic cells with a side of [`CELL_MM`]. In each cell the printed density,
-//! which is the volume of the beads over the volume of the infill region, is compared with the mean required density. A
+//! The sparse infill of the part is divided into cubic cells with a side of [`CELL_MM`]. In each cell the density of the
+//! beads, which is their volume over the volume of the infill region, is compared with the mean required density. A
 //! cell counts if at least half of it is sparse infill, because smaller pieces hold less than one line. Cost: linear in
 //! the area and in the beads.
 
@@ -17,10 +17,10 @@ use crate::order::LayerPaths;
 
 /// Side of a cell, mm. Source: issue 20.
 pub const CELL_MM: f64 = 5.0;
-/// Largest mean error and largest error of a cell without a warning. Source: issue 20.
+/// Largest mean error, and largest error of a single cell, for which no warning is given. Source: issue 20.
 const WARNED: [f64; 2] = [0.03, 0.1];
-/// Side of the grid squares over which volumes are summed, mm. Source: derived: a tenth of a cell, so that a square that a
-/// border cuts is an error of at most a hundredth of the cell's area.
+/// Side of the grid squares over which volumes are summed, mm. Source: derived: a tenth of a cell. Each square that a
+/// border cuts causes an error of at most a hundredth of the cell's area.
 const SQUARE_MM: f64 = 0.5;
 
 /// The required density, and the regions to which it applies.
@@ -77,7 +77,7 @@ impl LaidDensity {
         let filled: Vec<usize> = (0..all.len()).filter(|&i| !asked.areas[i].is_empty()).collect();
         let bottom = filled.first().map_or(0.0, |&i| all[i].z_top_mm() - all[i].height_mm());
         let tall = filled.last().map_or(0.0, |&i| all[i].z_top_mm()) - bottom;
-        // If the infill is lower than a cell, the cells get its height.
+        // If the infill is less high than a cell, the cells are as high as the infill.
         let high_mm = if tall > CELL_MM { CELL_MM } else { tall.max(1e-6) };
         let count = |mm: f64, cell: f64| (mm / cell - 1e-6).ceil().max(1.0) as usize;
         let size = bounds.size();

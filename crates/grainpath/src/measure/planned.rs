@@ -28,7 +28,7 @@ pub struct Planned {
     pub supported_mesh: Option<TriMesh>,
     /// Density of sparse infill: as set in the job, or computed for a required mass.
     pub density: Density,
-    /// Comparison of printed and required density, for jobs with graded density.
+    /// Comparison of the density of the beads with the required density, for jobs with graded density.
     pub laid: Option<LaidDensity>,
     /// The grain that infill follows, for jobs with such a guide.
     pub grain: Option<GrainGuide>,

@@ -50,7 +50,7 @@ pub struct Report {
     pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
-    /// Comparison of printed and required density, for jobs with graded density.
+    /// Comparison of the density of the beads with the required density, for jobs with graded density.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graded: Option<LaidDensity>,
     /// The factor on the loads at which the part first fails, for jobs whose stress was solved.
@@ -106,7 +106,7 @@ pub struct StressReport {
     /// Reaction of each fixture in each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reactions: Vec<ResultantReport>,
-    /// The layers that serve each load case; empty unless layers serve the cases alternately.
+    /// The layers that serve each load case; empty if every layer follows the weighted sum of all cases.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub served: Vec<ServedReport>,
     /// Largest relative imbalance between loads and reactions of any case.
@@ -249,7 +249,8 @@ impl StressReport {
 /// Describes a list of layers in words, as runs with a constant step, for example "layers 1, 3, ... 39" or
 /// "layers 1 to 12, 20, 22". A long list is cut off after the first few runs.
 fn in_words(layers: &[usize]) -> String {
-    /// Largest number of listed runs. Source: chosen: about as many fit into a line of a terminal.
+    /// Largest number of listed runs. Source: chosen: about as many fit into a line of a terminal; only the text depends
+    /// on it.
     const MOST: usize = 6;
     let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
     for &layer in layers {
@@ -314,7 +315,7 @@ impl QualityReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SupportReport {
-    /// Volume of the printed beads; `None` if only the solid is made, for supports of columns or a box.
+    /// Volume of the printed beads. `None` for supports of columns or a box if only the solid was made.
     pub volume_mm3: Option<f64>,
     /// Mass of the printed beads.
     pub mass_g: Option<f64>,
@@ -324,7 +325,7 @@ pub struct SupportReport {
     pub solid_mass_g: f64,
     pub contacts: usize,
     pub trees: usize,
-    /// Number of printed beads with nothing below them; for columns or a box, the number of pieces of layers.
+    /// Number of printed beads with nothing below them; for columns or a box, the number of such pieces of layers.
     pub floating: usize,
     /// Length of the beads that has nothing below it.
     pub floating_mm: f64,

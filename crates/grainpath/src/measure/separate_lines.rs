@@ -1,7 +1,7 @@
 //! Warns of sparse lines that touch no other line, neither a neighbour in their layer nor a crossing line above or below.
 //!
 //! Lines that have the same direction in every layer and are more than a bead width apart are printed as separate thin
-//! walls, which only the part's walls hold together. In the published grain specimens this does not occur: curves are
+//! sheets, held together only by the outline of the part. In the published grain specimens this does not occur: curves are
 //! inserted until neighbours touch. A plan with such layers can be printed, but the part bends and splits between the
 //! lines, so the run gives a warning.
 //!
@@ -31,7 +31,7 @@ const CROSSING_COS: f64 = 0.94;
 /// example touch along 0.6 % of their length; crossing lines at a density of 0.1 touch along a fifth of their length.
 const LEAST_SHARE: f64 = 0.05;
 
-/// Returns a warning with the first layer whose sparse lines touch nothing, and the number of such layers.
+/// Returns a warning with the first examined layer whose sparse lines touch nothing, and the number of such layers.
 #[must_use]
 pub fn check(layers: &[LayerPlan]) -> Option<Warning> {
     let with_lines: Vec<usize> = (0..layers.len()).filter(|&k| has_sparse_lines(&layers[k])).collect();
@@ -91,7 +91,7 @@ impl Samples {
         (beside(sample + 1) - beside(sample.wrapping_sub(1))).normalize_or_zero()
     }
 
-    /// The samples within a distance of `place`.
+    /// The samples within `distance_mm` of `place`.
     fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = usize> {
         let cells = &self.near.cells;
         let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));

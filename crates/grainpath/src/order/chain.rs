@@ -40,7 +40,7 @@ pub(super) fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: 
     let mut rest: Vec<Toolpath> = paths.into_iter().filter(|p| p.n_segments() > 0).collect();
     let mut chains = Vec::new();
     while !rest.is_empty() {
-        // A chain starts from the longest path, because most other paths can join it.
+        // A chain starts from the longest path, because it has the most places where others can join it.
         let length = |p: &Toolpath| p.length_mm();
         let longest = (0..rest.len())
             // Of equally long paths the first one wins; `max_by` alone would take the last.

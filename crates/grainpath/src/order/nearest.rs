@@ -51,8 +51,8 @@ impl NearestEnds {
         self.taken[path]
     }
 
-    /// The path whose end is nearest to `place`, and whether that end is the path's second one. Of equally near ends, the
-    /// one with the lowest number is taken.
+    /// Of the paths that are not removed, the one whose end is nearest to `place`, and whether that end is its second one.
+    /// Of equally near ends, the one with the lowest number is taken.
     pub(crate) fn nearest(&self, place: DVec2) -> Option<(usize, bool)> {
         let cells = &self.buckets.cells;
         let middle = cells.cell_of(place);

@@ -416,7 +416,7 @@ fn card_of_infill(s: &Settings) -> Option<StrengthCard> {
 /// Warns if layers should serve several load cases alternately, but the material's strengths are unknown.
 pub(crate) fn warn_of_mix(s: &Settings, diagnostics: &Diagnostics) {
     if mixes_cases(s) && card_of_infill(s).is_none() {
-        let text = "the material has no strengths, by which load cases are compared: all layers follow the weighted sum of the cases";
+        let text = "the material has no strengths, so load cases cannot be compared: all layers follow the weighted sum of the cases";
         diagnostics.warn(WarningId::CasesByWeight, text);
     }
 }
@@ -448,7 +448,8 @@ pub fn loads<'a>(s: &'a Settings, deck: Option<&'a DeckConditions>) -> TypedLoad
 /// The supports and loads in the file of `guide.deck`, with the deck's material only if the job asks for it.
 ///
 /// # Errors
-/// [`FeError`] for loads and supports that are not supported, and for a required material that the deck lacks.
+/// [`FeError`] as for [`FeFile::deck_conditions`], and if the job asks for the material of a deck that has no single
+/// isotropic material.
 pub fn deck(s: &Settings, file: &FeFile) -> Result<DeckConditions, FeError> {
     let options = FeOptions { step: s.guide.deck_step, ..import(s) };
     let mut found = file.deck_conditions(&options)?;

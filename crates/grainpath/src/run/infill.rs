@@ -38,8 +38,8 @@ struct RegionFill<'a> {
 
 impl Steps<'_> {
     /// Distance between the region of centrelines and the border of the area to be filled, mm. The
-    /// area ends at the strips of the walls, or slightly beyond: the round edge of the outer wall
-    /// leaves some area unfilled, and the infill makes up for it, so that the layer has the part's volume.
+    /// area reaches to the strips of the walls and slightly beyond: the round edge of the outer wall leaves
+    /// some area unfilled, and the infill makes up for it, so that the layer has the part's volume.
     pub(super) fn border_mm(&self, layer: &Layer) -> f64 {
         let walls = &self.settings.walls;
         let w = walls.bead_width_mm;
@@ -304,7 +304,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Fills a bridge. If no direction lets the lines rest on both ends, they get the direction of skins.
+    /// Fills a bridge. If there is no direction in which both ends of the lines are held, they get that of skins.
     fn bridge(&self, i: usize, polygon: &Polygon, skin_rad: Option<f64>, out: &mut Vec<Toolpath>) {
         let mut context = self.context(i, Density::Dense, Role::Bridge);
         // The first layer has no bridges, so a layer below always exists.

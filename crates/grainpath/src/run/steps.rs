@@ -398,7 +398,7 @@ impl<'a> Steps<'a> {
         let Some(share) = self.stress_share.filter(|_| most > least) else { return Vec::new() };
         let Some(bounds) = self.stack.layers()[layer_idx].region().bounds() else { return Vec::new() };
         let n = (most - least) as f64;
-        // In an area narrower than a bead, an extra wall would be too short to be worth starting.
+        // Areas narrower than two beads are removed: an extra wall there would be too short to be worth starting.
         let narrowest = self.settings.walls.bead_width_mm;
         let area = |k: usize| {
             let there = share.at_least((k as f64 + 0.5) / n, bounds, self.z_mid_mm(layer_idx));
@@ -664,7 +664,7 @@ impl<'a> Steps<'a> {
                 all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
             let more = match layers.len() - 1 {
                 0 => String::new(),
-                n => format!(" (the same in {n} more layers)"),
+                n => format!(" (further layers with the same: {n})"),
             };
             let z_mm = self.stack.layers()[layer_idx].z_top_mm();
             let warning = note.warning().in_layer(layer_idx, z_mm);

@@ -1,8 +1,8 @@
 //! Cuts strips across into cells of about equal length, and finds which cells share an edge.
 //!
 //! A strip is a closed outline with one bead on each of its long sides. Cuts across the strip divide it
-//! into cells, whose length is [`Continuous::aspect`](super::Continuous) times the strip's width. Two cells
-//! of one strip share an edge at the cut between them. Cells of two strips share an edge where the strips
+//! into cells, whose length is about [`Continuous::aspect`](super::Continuous) times the strip's width. Two
+//! cells of one strip share an edge at the cut between them. Cells of two strips share an edge where the strips
 //! face each other a bead apart.
 //!
 //! ```text

@@ -81,8 +81,8 @@ impl Infill for Continuous {
     }
 }
 
-/// Gives the field's axis and its weight at a point. Weight 1 stands for places where the direction matters
-/// most in this region.
+/// Gives the field's axis and its weight at a point. Weight 1 is that of places where the direction matters
+/// much in this region.
 struct Pull<'a> {
     context: &'a FillContext<'a>,
     /// The strength of the field that counts as weight 1.

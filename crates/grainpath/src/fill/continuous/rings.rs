@@ -26,8 +26,8 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
-/// Between two beads nearer than this nothing else can lie, in beads, so the neighbour of the
-/// previous step is kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
+/// Two beads nearer than this have no other bead between them, in beads. The neighbour of the previous
+/// step is then kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
 /// constants`.
 pub(super) static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
 /// Side of the squares of the grid that segments are sorted into, in beads.

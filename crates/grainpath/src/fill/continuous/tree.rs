@@ -88,9 +88,9 @@ impl Ranked {
 }
 
 /// Joins all cells into a tree of least weight, under two rules of the published method: follow the field
-/// where possible, and avoid an edge that is the shortest edge of both its cells. The second rule excepts
-/// cuts across a strip, because cells are long and the field passes through their short edges. It also
-/// gives way where nothing else joins two cells.
+/// where possible, and avoid an edge that is the shortest edge of both its cells. The second rule
+/// does not apply to cuts across a strip, because cells are long and the field passes through their short
+/// edges. It also gives way where nothing else joins two cells.
 pub(super) fn join(
     rings: &Rings,
     cells: &Cells,

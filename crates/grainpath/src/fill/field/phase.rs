@@ -7,9 +7,9 @@
 //! Method: stripe patterns (`Knoppel2015`). The sign of the axis is free at every node, so the number is
 //! conjugated along an edge whose ends have opposite signs. The paper minimises the energy by an eigenvalue
 //! problem. Here an implicit step of diffusion alternates with scaling every number to unit length
-//! (Merriman, Bence and Osher's scheme for Ginzburg-Landau energies (`Viertel2019`)). By the scaling all
-//! places count alike. The eigenvector fades where the field is hard to follow, so that rounding would
-//! decide on the beads there.
+//! (Merriman, Bence and Osher's scheme for Ginzburg-Landau energies (`Viertel2019`)). The scaling keeps
+//! all places equal. The eigenvector of the paper fades where the field is hard to follow, so that rounding
+//! would decide on the beads there.
 //!
 //! ```text
 //!    axis ->  ================   level 2   phase 4 pi
@@ -146,7 +146,7 @@ pub(crate) fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
 
 /// How numbers are carried along the sides of grid squares, with one entry for each side.
 struct Carried {
-    /// Cosine of the phase grown along the side, times the weight; `sin` likewise.
+    /// Cosine of the phase grown along the side, seen from its second end, times the weight; `sin` likewise.
     cos: Vec<f32>,
     sin: Vec<f32>,
     /// Weight of the side.

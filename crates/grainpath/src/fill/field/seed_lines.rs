@@ -12,11 +12,11 @@
 //! ```
 //!
 //! In the paper each area is filled with offsets of the seed at its lower left. So the fill changes if the
-//! part is turned on the plate, and where seeds diverge the offsets leave the field by the same angle. This
+//! part is turned on the plate, and where seeds diverge the offsets deviate from the field by as much. This
 //! project changes three things:
 //!
-//! 1. the first seed passes through the middle of the widest place, which does not depend on the part's
-//!    orientation ([`widest_place`]);
+//! 1. the first seed passes through the middle of the widest place, which turns with the part
+//!    ([`widest_place`]);
 //! 2. offsets grow from all seeds at once, one bead in each round, and an offset ends where it deviates
 //!    from the field by more than [`FARTHEST_RAD`];
 //! 3. areas that are still open get seeds and offsets again, and finally streamlines one bead apart
@@ -236,8 +236,8 @@ impl FreeArea<'_> {
     }
 }
 
-/// The middle of the widest place of a region, which is the last part to remain when the region is shrunk,
-/// to a tenth of a step. If the region is turned, the place turns with it.
+/// The middle of the widest place of a region, which is the last part to remain when the region is shrunk.
+/// The amount of shrinking is found to a tenth of a step. If the region is turned, the place turns with it.
 fn widest_place(region: &Region, step: f64) -> DVec2 {
     let Some(bounds) = region.bounds() else { return DVec2::ZERO };
     let (mut low, mut high) = (0.0, 0.5 * bounds.size().min_element());

@@ -16,7 +16,7 @@
 //!
 //! Where the field runs along the border, a phase is prescribed that puts the outermost bead half a bead
 //! from the border, so that it touches the walls. Method: stripe patterns (`Knoppel2015`); ends are joined
-//! as in hatching. Cost: linear in the length of all beads, without the phase. Degenerate cases: a region
+//! as in hatching. Cost: linear in the length of all beads, plus the phase. Degenerate cases: a region
 //! narrower than a bead gets no line, only the beads of step 4; where the field meets the border at a right
 //! angle, beads end there and are joined by short turns, which deviate from the field.
 //!

@@ -159,7 +159,7 @@ impl TestSetup {
     /// Prepares the bricks, the held points and the forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] if a fixture or load catches no material that is connected to a fixture.
+    /// [`StrengthError`] if a fixture or load selects no material that is connected to a fixture.
     pub(super) fn prepared_solid(
         &self,
         sheets: &[BeadSheet],

@@ -1,8 +1,8 @@
 //! Aligns the grid of a strength test with the part, so that a part turned on the plate gets the same cells.
 //!
 //! Cells resolve a wall along the grid better than an oblique one, so a grid along the axes of the plate would give a
-//! turned part another peak load. The grid is aligned with the longest straight side of the convex hull of all beads,
-//! and centred on the beads; sides whose directions differ by less than half a degree count together. Turning or moving
+//! turned part another peak load. The grid is aligned with the longest straight sides of the convex hull of all beads,
+//! and centred on the beads. Sides whose directions differ by less than half a degree count together. Turning or moving
 //! all beads turns and moves the grid with them, apart from rounding. Cost: sorting the end points of all beads. A round
 //! part has no longest side; the first side of its hull then decides.
 
@@ -42,7 +42,7 @@ impl Frame {
                 .sum::<DVec2>()
         };
         let longest = sides.iter().map(parallel).fold(DVec2::ZERO, |best, sum| {
-            // The margin keeps rounding from deciding between sides of the same length.
+            // The margin keeps rounding from deciding between equal sums, such as those of two parallel sides.
             if sum.length_squared() > (1.0 + 1e-9) * best.length_squared() { sum } else { best }
         });
         if longest == DVec2::ZERO {

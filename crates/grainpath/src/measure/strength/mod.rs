@@ -463,8 +463,9 @@ impl LoadedPart {
     }
 }
 
-/// Largest number of cells in a plate, if the job does not state their size. The next constant is that of a solid.
+/// Largest number of cells in a plate, if the job does not state their size.
 const CELLS: f64 = 150_000.0;
+/// Largest number of cells in a solid, if the job does not state their size.
 const CELLS_SOLID: f64 = 500_000.0;
 /// The usual and the smallest size of the cells of a test, mm. The usual size is a bead in a solid, and half a bead in a
 /// plate, which resolves single beads. `area_mm2` is the area of the section, `size` the size of the part.
@@ -485,8 +486,8 @@ fn cell_sizes_mm(
     }
 }
 
-/// Largest share of the failure index from bending of thin walls that the cells may miss without a warning. Measured: walls
-/// four cells thick miss up to a third; their peak is within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
+/// If thin walls bend, cells miss a share of the failure index. No warning is given up to this share. Measured: walls four
+/// cells thick miss up to a third; their peak is within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
 const RESOLVED: f64 = 0.35;
 /// A test is refused if the cells miss more than this share. Source: derived. Two cells across a wall, or one cell on the
 /// border of two, miss as much bending as they represent, which is a share of 1.
@@ -564,7 +565,7 @@ fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
 /// Largest plausible ratio of extruded volume to the part's volume. A larger ratio means that the program's
 /// E words have another unit.
 const MAX_VOLUME_RATIO: f64 = 1.6;
-/// Largest relative change of the peak load on halving the cells without a warning.
+/// If the cells are halved, no warning is given up to this relative change of the peak load.
 const CONVERGED: f64 = 0.03;
 
 /// Tests a program. `plate_from_part` is the position of the part in the program, if known.

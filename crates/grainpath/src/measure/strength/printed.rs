@@ -100,7 +100,7 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
 
 /// A point inside a contour, close to the middle of its longest side.
 fn point_inside(contour: &[DVec2]) -> DVec2 {
-    // Source: a quarter of SEAM_MM, the width below which gaps were closed.
+    // Source: a quarter of SEAM_MM; gaps narrower than twice SEAM_MM were closed.
     const BESIDE_MM: f64 = 0.01;
     let sides = grainpath_core::poly::edges(contour);
     let longest = sides.max_by(|(a, b), (c, d)| a.distance_squared(*b).total_cmp(&c.distance_squared(*d)));

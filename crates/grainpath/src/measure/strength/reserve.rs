@@ -5,8 +5,9 @@
 //! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The stress of a cell is the stress at its
 //! centre, divided by the filled share of the part around the cell;
 //! [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells near fixtures and
-//! loads do not count, as in the test. The report states three factors, for the low, nominal and high strengths of the
-//! material's card. The low and the high factor are moved apart by the mesh error of the stress and by `METHOD`.
+//! loads (closer than 1.5 mm plus 1.75 cells) do not count, because the test does not let them fail. The report states
+//! three factors, for the low, nominal and high strengths of the material's card. The low and the high factor are moved
+//! apart by the mesh error of the stress and by `METHOD`.
 //!
 //! `crates/grainpath-cli/tests/reserve.rs` compares the reserve with the first failure in the test; `docs/validation.md`
 //! has the table. Cost: linear in cells and beads, a fraction of the solve. Limits: in sparse infill the stress is

@@ -22,11 +22,12 @@ use crate::guide::constant_section;
 
 /// Smallest share of a cell's height that must be filled; emptier cells are left out.
 const LEAST_FILLED: f64 = 0.02;
-/// Beads of another slicer's program belong to the part up to this distance outside it, mm. The next
-/// constants are the largest share of the program's bead length beyond that distance (more means
-/// another or a rotated part), and the number of sampled layers.
+/// Beads of another slicer's program belong to the part up to this distance outside it, mm.
 const OUTSIDE_MM: f64 = 1.0;
+/// Largest share of the program's bead length beyond that distance. If the share is larger, the program
+/// prints another part, or the part is rotated.
 const MOST_OUTSIDE: f64 = 0.05;
+/// Number of sections of the part that are sampled.
 const SECTIONS: usize = 9;
 
 /// The model of a part.
@@ -327,7 +328,7 @@ impl TestSetup {
     /// Prepares the cells, the held nodes and the forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] if a fixture or load catches no material, or if a piece can move freely.
+    /// [`StrengthError`] if a fixture or load selects no material, or if a piece can move freely.
     pub(super) fn prepared(
         &self,
         sheets: &[BeadSheet],
@@ -413,7 +414,7 @@ impl TestSetup {
             let own = match f.held {
                 Held::Normal => [normal.try_normalize(), None],
                 Held::Axes([x, y, _]) => [x.then_some(DVec2::X), y.then_some(DVec2::Y)],
-                // Parts with turned axes are tested as solids only.
+                // Parts that are held along turned axes are tested as solids.
                 Held::Turned { .. } => [None; 2],
             };
             for along in own.into_iter().flatten() {
