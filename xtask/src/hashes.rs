@@ -248,7 +248,7 @@ pub fn programs(binary: &Path, left_out: &[&str]) -> Result<Vec<Made>, String> {
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
-        write!(text, "{byte:02x}").expect("a string takes all that is written");
+        write!(text, "{byte:02x}").expect("writing to a string cannot fail");
         text
     })
 }
@@ -281,7 +281,7 @@ fn compare(committed: &Table, made: &Table) -> Result<(), String> {
 
 fn text(table: &Table) -> String {
     table.iter().fold(String::new(), |mut text, (name, [whole, bare])| {
-        writeln!(text, "{name}  {whole}  {bare}").expect("a string takes all that is written");
+        writeln!(text, "{name}  {whole}  {bare}").expect("writing to a string cannot fail");
         text
     })
 }
