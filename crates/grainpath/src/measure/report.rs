@@ -339,7 +339,7 @@ pub struct SupportReport {
     pub farthest_mm: f64,
     /// Largest displacement of a branch tip under the drag of the nozzle.
     pub tip_moves_mm: f64,
-    /// Contacts so near to the plate that they need no support.
+    /// Number of contacts too near the plate for a support to fit below them.
     pub near_plate: usize,
     /// Overhangs that no branch could reach: x, y and z in mm, and the area projected onto the plate in mm2.
     pub unreached: Vec<[f64; 4]>,
