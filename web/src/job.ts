@@ -6,7 +6,11 @@ import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
 import { get, set, value } from "./toml";
 
-interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void }
+interface Parts {
+  run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
+  /** The job that is open has another file from now on. */
+  renamed: (path: string) => void;
+}
 
 /** Whether a path begins at the root of a disk. */
 const isWhole = (path: string) => /^([/\\]|[A-Za-z]:)/.test(path);
@@ -62,7 +66,29 @@ export class JobPanel {
     if (!this.editor || !this.opened) return null;
     const isUnchanged = this.opened.kind === "job" && this.editor.value === this.saved;
     if (isUnchanged) return { file: this.opened.path };
-    return { text: this.opened.kind === "job" ? absolute(this.editor.value, this.folder) : this.editor.value, name: this.opened.name.replace(/\.[^.]*$/, "") };
+    return { text: this.textElsewhere(), name: this.opened.name.replace(/\.[^.]*$/, "") };
+  }
+
+  /** The text as it reads in another folder. */
+  private textElsewhere(): string {
+    const text = this.editor?.value ?? "";
+    return this.opened?.kind === "job" ? absolute(text, this.folder) : text;
+  }
+
+  /** Saves the text under a new name below the working folder; that file is the open one from then on. */
+  private async saveAs(name: string): Promise<void> {
+    if (!this.editor || !name.trim()) return;
+    const text = this.textElsewhere();
+    try {
+      const { path } = await api.save(/\.toml$/i.test(name) ? name.trim() : `${name.trim()}.toml`, text);
+      this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
+      [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
+      this.put(text);
+      this.parts.renamed(path);
+      this.parts.say(`Saved as ${path}`);
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
   }
 
   /** Puts another text in place of the present one, which can be undone. */
@@ -144,6 +170,8 @@ export class JobPanel {
       return el("label", {}, kind[0]!.toUpperCase() + kind.slice(1), select);
     };
     const plan = el("button", { type: "button", class: "main", onclick: () => void this.plan() }, "Plan the paths");
+    const name = el("input", { id: "save-name", "aria-label": "Name of the job file", placeholder: "name.toml", onkeydown: (event) => { if ((event as KeyboardEvent).key === "Enter") void this.saveAs(name.value); } });
+    const save = el("button", { type: "button", id: "save-as", onclick: () => void this.saveAs(name.value) }, "Save as");
     const board = this.board();
     if (board) selects.push(board.fill);
     this.panel.replaceChildren(
@@ -152,6 +180,7 @@ export class JobPanel {
       el("h2", {}, "Settings"), form.element,
       el("h2", {}, "Job file"), editor,
       el("p", { class: "note" }, "What runs is this text, saved as a job file: the command line gives the same bytes from it."),
+      el("div", { class: "row" }, el("label", {}, "name, below the folder of results", name), save),
       el("div", { class: "row" }, plan),
     );
     changed();

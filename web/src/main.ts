@@ -38,7 +38,7 @@ const low = byId<HTMLInputElement>("low");
 const from = byId<HTMLInputElement>("from");
 const to = byId<HTMLInputElement>("to");
 
-const job = new JobPanel(byId("panel-job"), { run, say });
+const job = new JobPanel(byId("panel-job"), { run, say, renamed: (path) => entitle(path, "job") });
 const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
 const shape: ShapePanel = new ShapePanel(byId("panel-shape"), { run, say, viewer: () => viewer, job, openLoads: () => tab("loads"), turning: () => loads.turning() });
 const loads: LoadsPanel = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
@@ -112,12 +112,18 @@ function ensureViewer(): Viewer | null {
   return viewer;
 }
 
-async function open(path: string, kind: api.FileKind): Promise<void> {
+/** Names the file that is open from now on. */
+function entitle(path: string, kind: api.FileKind): Open {
   opened = { path, kind, name: path.split(/[/\\]/).pop() ?? path };
   const root = roots.find((r) => path.startsWith(`${r}/`) || path.startsWith(`${r}\\`));
   byId("title").textContent = root ? path.slice(root.length + 1) : path;
   byId("title").title = path;
   document.title = `${opened.name} – grainpath studio`;
+  return opened;
+}
+
+async function open(path: string, kind: api.FileKind): Promise<void> {
+  const named = entitle(path, kind);
   welcome.hidden = true;
   if (kind === "program") {
     job.close();
@@ -129,7 +135,7 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     ensureViewer();
     viewer?.clear();
     shape.close();
-    await job.open(opened);
+    await job.open(named);
     strength.forJob();
     const text = job.text();
     const hasShape = text !== null && ShapePanel.has(text);

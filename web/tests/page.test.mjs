@@ -72,6 +72,37 @@ test("an error is the sentence of the command line", async () => {
   await close();
 });
 
+test("a job is saved under a new name, which never replaces a file", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "box.stl");
+  await shaped(page);
+  await page.click("#tab-job");
+  const written = (name) => readFileSync(files.at(`grainpath-studio/${name}`), "utf8");
+  const text = `${await page.inputValue("#panel-job textarea")}# first\n`;
+  await page.fill("#panel-job textarea", text);
+  await page.fill("#save-name", "beam");
+  await page.click("#save-as");
+  await page.waitForSelector("#progress:has-text('Saved as')");
+  assert.equal(written("beam.toml"), text);
+  assert.match(await page.textContent("#title"), /grainpath-studio\/beam\.toml$/);
+  // What runs now is the file that was saved.
+  const posted = [];
+  page.on("request", (r) => { if (r.method() === "POST" && r.url().endsWith("/v1/jobs")) posted.push(r.postDataJSON()); });
+  await page.click("#panel-job button.main");
+  await shown(page);
+  assert.deepEqual(posted.map((p) => [p.kind, p.file?.split("/").pop(), p.text]), [["plan", "beam.toml", undefined]]);
+  // A name that is taken is an error, and its file stays.
+  await page.click("#tab-job");
+  await page.fill("#panel-job textarea", `${text}# second\n`);
+  await page.fill("#save-name", "beam.toml");
+  await page.press("#save-name", "Enter");
+  await page.waitForSelector("#progress .error");
+  assert.match(await page.textContent("#progress .error"), /beam\.toml is there already; choose another name$/);
+  assert.equal(written("beam.toml"), text);
+  await close();
+});
+
 for (const [width, height] of [[360, 740], [768, 1024], [1280, 720], [3840, 2160]]) {
   test(`nothing is cut off at ${width} x ${height}`, async () => {
     const { page, close } = await visit(browser, server.address, { viewport: { width, height } });

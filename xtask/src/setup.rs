@@ -58,6 +58,10 @@ pub fn tests(install: bool) -> Result<Found, String> {
     if let Err(problem) = apt(&[("gmsh", "gmsh")], install) {
         missing.push(("gmsh", problem));
     }
+    // A test runs lines of docs/studio.md, and fails where curl is missing.
+    if let Err(problem) = apt(&[("curl", "curl")], install) {
+        missing.push(("curl", problem));
+    }
     for (need, how) in &missing {
         println!("missing: {need}: {how}");
     }

@@ -58,6 +58,23 @@ impl Studio {
         serde_json::from_slice(&bytes).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&bytes)))
     }
 
+    /// Runs a line of the documentation in a folder: status, type and body of the answer.
+    #[cfg(unix)]
+    fn curl(&self, line: &str, folder: &Path) -> (u16, String, Vec<u8>) {
+        let told = "--fail --silent --show-error --write-out '%{stderr}\\n%{http_code} %{content_type}'";
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{line} {told}")]).current_dir(folder);
+        let out = command.env("TOKEN", &self.token).env("PORT", &self.port).output().expect("a shell");
+        let words = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.success(), "{line}: {words}");
+        let (status, kind) = words.lines().last().and_then(|l| l.split_once(' ')).expect("a status");
+        let mut body = out.stdout;
+        if let Some((_, rest)) = line.split_once("--output ") {
+            body = fs::read(folder.join(rest.split(' ').next().expect("a name"))).expect("the file is there");
+        }
+        (status.parse().expect("a number"), kind.to_owned(), body)
+    }
+
     /// Runs a job to its end.
     fn run(&self, wanted: &Value) -> Value {
         let (_, begun) = self.ask("POST", "/v1/jobs", &wanted.to_string(), &self.token);
@@ -466,6 +483,55 @@ fn jobs_reach_no_file_outside_the_studio() {
     for file in ["out.gcode", "report.html", "own/out.gcode"] {
         assert!(!dir.join(file).exists(), "{file}");
     }
+}
+
+/// The lines of the page of documentation, as a reader copies them.
+#[cfg(unix)]
+#[test]
+fn the_curl_lines_of_the_documentation_are_answered() {
+    let has_curl = Command::new("curl").arg("--version").output().is_ok_and(|o| o.status.success());
+    assert!(has_curl, "curl is not installed; `cargo xtask setup` installs it");
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/studio.md"));
+    let page = page.expect("the page");
+    let lines: Vec<&str> = page.lines().filter(|l| l.starts_with("curl ")).collect();
+    assert!(lines.len() >= 3, "{lines:?}");
+    // What a program needs to know is shown by a line.
+    for route in
+        ["/v1/state", "/v1/jobs", "/events", "/layers", "/layers/0-0", "/result", "/v1/schema", "-X DELETE"]
+    {
+        assert!(lines.iter().any(|l| l.contains(route)), "no line shows {route}");
+    }
+    let dir = folder("studio curl");
+    fs::write(dir.join("part.gcode"), bar()).expect("written");
+    fs::write(dir.join("block.stl"), box_stl([20.0, 12.0, 3.0])).expect("written");
+    fs::write(dir.join("part.toml"), "[shape]\nmesh = \"block.stl\"\n").expect("written");
+    let studio = Studio::start(&dir, &[]);
+    let mut faces = 0;
+    for line in lines {
+        let (status, kind, body) = studio.curl(line, &dir);
+        assert!((200..300).contains(&status), "{line}: {status}");
+        let text = String::from_utf8_lossy(&body);
+        match kind.as_str() {
+            "application/json" => {
+                let answer: Value =
+                    serde_json::from_slice(&body).unwrap_or_else(|e| panic!("{line}: {e}: {text}"));
+                faces += answer["report"]["faces"].as_array().map_or(0, Vec::len);
+            }
+            "text/event-stream" => {
+                let states: Vec<Value> = text
+                    .lines()
+                    .filter_map(|l| l.strip_prefix("data: "))
+                    .map(|l| serde_json::from_str(l).unwrap_or_else(|e| panic!("{line}: {e}: {l}")))
+                    .collect();
+                assert_eq!(states.last().map(|s| &s["phase"]), Some(&object!("done")), "{line}: {text}");
+            }
+            "application/octet-stream" => {
+                assert!(!body.is_empty() && body.len() % 8 == 0, "{line}: {}", body.len())
+            }
+            _ => assert!(status == 204 && body.is_empty(), "{line}: {kind}: {text}"),
+        }
+    }
+    assert_eq!(faces, 6, "the faces of the block");
 }
 
 #[cfg(unix)]

@@ -11,8 +11,8 @@ use std::time::Duration;
 use axum::Json;
 use axum::Router;
 use axum::body::Body;
-use axum::extract::rejection::{JsonRejection, QueryRejection};
-use axum::extract::{Path, Query, State};
+use axum::extract::rejection::{JsonRejection, QueryRejection, StringRejection};
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware;
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -53,6 +53,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::STATE, get(state)),
         (openapi::FILES, get(files)),
         (openapi::TEXT, get(text)),
+        (openapi::SAVE, post(save).layer(DefaultBodyLimit::max(MAX_JOB_BYTES as usize))),
         (openapi::JOB_FOR, get(job_for)),
         (openapi::EXAMPLES, get(examples)),
         (openapi::EXAMPLE, post(example)),
@@ -266,6 +267,45 @@ async fn text(
     }
     let job = job_text(&studio.roots, &path)?;
     Ok(Json(json!({ "ok": true, "text": job.text, "folder": job.folder.display().to_string() })))
+}
+
+/// Writes a job under a new name below the working folder; a file that is there is left as it is.
+fn save_text(roots: &Roots, name: &FilePath, text: &str) -> Result<PathBuf, Problem> {
+    if FileKind::from_path(name) != FileKind::Job {
+        let message = format!("{}: a job file ends in .toml", name.display());
+        return Err(Refusal::usage(message).into());
+    }
+    let path = roots.writable(&roots.work().join(name))?;
+    let shown = path.display().to_string();
+    let wrong =
+        |e: std::io::Error| Problem::from(Refusal::usage(format!("cannot write {shown}: {}", plain(&e))));
+    let folder = path.parent().unwrap_or(roots.work());
+    std::fs::create_dir_all(folder).map_err(wrong)?;
+    // Under a temporary name first, so that a full disk leaves no half of a job.
+    let mut file = tempfile::Builder::new().prefix(".save-").tempfile_in(folder).map_err(wrong)?;
+    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(wrong)?;
+    match file.persist_noclobber(&path) {
+        Ok(_) => Ok(path),
+        Err(e) if e.error.kind() == std::io::ErrorKind::AlreadyExists => {
+            let message = format!("{shown} is there already; choose another name");
+            Err(Problem::new(StatusCode::CONFLICT, message))
+        }
+        Err(e) => Err(wrong(e.error)),
+    }
+}
+
+async fn save(
+    State(studio): Shared,
+    query: Result<Query<PathQuery>, QueryRejection>,
+    text: Result<String, StringRejection>,
+) -> Answer<(StatusCode, Json<serde_json::Value>)> {
+    let (Query(query), text) = (query?, text?);
+    let bytes = text.len();
+    let roots = Arc::clone(&studio.roots);
+    let written = move || save_text(&roots, FilePath::new(&query.path), &text);
+    let path = tokio::task::spawn_blocking(written).await.map_err(fault)??;
+    let answer = json!({ "ok": true, "path": path.display().to_string(), "bytes": bytes });
+    Ok((StatusCode::CREATED, Json(answer)))
 }
 
 /// The job that `grainpath slice` would make for a file, with the settings that it assumes.

@@ -26,6 +26,8 @@ enum Takes {
     Json(&'static str),
     /// Bytes.
     Bytes,
+    /// The text of a job.
+    Text,
 }
 
 /// Variable parts of addresses, with their types.
@@ -67,6 +69,18 @@ pub(crate) const FILES: Route = Route {
 pub(crate) const TEXT: Route = Route {
     query: &[("path", "A job file (.toml).")],
     ..Route::get("/v1/text", "text", "The text of a job file.", Answers::Json("JobText"))
+};
+pub(crate) const SAVE: Route = Route {
+    method: "post",
+    query: &[("path", "A new job file (.toml); a relative one is below the working folder.")],
+    body: Takes::Text,
+    status: "201",
+    ..Route::get(
+        "/v1/text",
+        "save",
+        "Writes the text of a job under a new name below the working folder; 409 where the name is taken.",
+        Answers::Json("Upload"),
+    )
 };
 pub(crate) const JOB_FOR: Route = Route {
     query: &[("path", "A mesh, a drawing, a photograph, a scan, or the folder of one.")],
@@ -251,6 +265,7 @@ fn operation(route: &Route) -> Value {
         Takes::Nothing => return operation,
         Takes::Json(schema) => content("application/json", &reference(schema)),
         Takes::Bytes => content("application/octet-stream", &bytes),
+        Takes::Text => content("text/plain", &json!({ "type": "string" })),
     };
     operation["requestBody"] = json!({ "required": true, "content": body });
     operation

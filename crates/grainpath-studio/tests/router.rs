@@ -335,6 +335,50 @@ fn an_example_is_written_to_a_folder_of_its_own_each_time() {
 }
 
 #[test]
+fn a_job_is_saved_under_a_new_name_below_the_working_folder_alone() {
+    let bench = Bench::new();
+    let save =
+        |name: &str, text: &str| bench.post_bytes(&format!("/v1/text?path={name}"), text.as_bytes().to_vec());
+    let saved = save("beam.toml", "# one\n");
+    assert_eq!(saved.status, StatusCode::CREATED);
+    let path = saved.json()["path"].as_str().expect("a path").to_owned();
+    assert_eq!(
+        fs::canonicalize(&path).expect("written"),
+        bench.path("files/studio/beam.toml").canonicalize().expect("there")
+    );
+    assert_eq!(bench.get(&format!("/v1/text?path={path}")).json()["text"], "# one\n");
+    // A name that is taken keeps its file, by the relative name and by the whole one.
+    for name in ["beam.toml", path.as_str()] {
+        let taken = save(name, "# two\n");
+        assert_eq!(taken.status, StatusCode::CONFLICT, "{name}");
+        assert!(taken.error().contains("is there already; choose another name"), "{}", taken.error());
+    }
+    assert_eq!(fs::read_to_string(&path).expect("there"), "# one\n");
+    // Folders below are made; what is no job, or lies elsewhere, is refused.
+    assert_eq!(save("set/beam.toml", "# three\n").status, StatusCode::CREATED);
+    let input = fs::read_to_string(bench.path("files/job.toml")).expect("an input");
+    for name in [
+        "beam.gcode",
+        "beam",
+        "../job.toml",
+        "../new.toml",
+        "set/../../new.toml",
+        &bench.shown("files/job.toml"),
+        &bench.shown("secret/new.toml"),
+    ] {
+        assert_eq!(save(name, "# four\n").status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
+    }
+    assert_eq!(fs::read_to_string(bench.path("files/job.toml")).expect("an input"), input);
+    assert!(!bench.path("files/new.toml").exists() && !bench.path("secret/new.toml").exists());
+    // What is too large or no text leaves nothing behind.
+    assert_eq!(save("large.toml", &"#".repeat((4 << 20) + 1)).status, StatusCode::PAYLOAD_TOO_LARGE);
+    assert_eq!(bench.post_bytes("/v1/text?path=raw.toml", vec![0xff, 0xfe]).status, StatusCode::BAD_REQUEST);
+    let left: Vec<_> =
+        fs::read_dir(bench.path("files/studio")).expect("there").flatten().map(|f| f.file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[test]
 fn folders_below_have_a_way_up() {
     let bench = Bench::new();
     let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files/deep"))).json();
