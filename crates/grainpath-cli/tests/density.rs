@@ -59,14 +59,15 @@ fn a_mass_between_two_numbers_of_lines_warns() {
         let all = report["warnings"].as_array().expect("warnings").iter();
         all.map(|w| w["id"].as_str().expect("an id").to_owned()).collect::<Vec<_>>()
     };
-    let missed = (1..20).map(|i| mass(&light) + 0.05 * f64::from(i) * (mass(&heavy) - mass(&light))).map(|asked_g| {
-        let report = run(&dir, &[&format!("fill.mass_g={asked_g}")]);
-        let off = (mass(&report) / asked_g - 1.0).abs();
-        let is_told = ids(&report).contains(&"mass-missed".to_owned());
-        // The report's mass is rounded, so that the limit itself is left out.
-        assert!(is_told == (off > 5e-3) || (off - 5e-3).abs() < 1e-3, "{asked_g}: {off} {report}");
-        is_told
-    });
+    let missed =
+        (1..20).map(|i| mass(&light) + 0.05 * f64::from(i) * (mass(&heavy) - mass(&light))).map(|asked_g| {
+            let report = run(&dir, &[&format!("fill.mass_g={asked_g}")]);
+            let off = (mass(&report) / asked_g - 1.0).abs();
+            let is_told = ids(&report).contains(&"mass-missed".to_owned());
+            // The report's mass is rounded, so that the limit itself is left out.
+            assert!(is_told == (off > 5e-3) || (off - 5e-3).abs() < 1e-3, "{asked_g}: {off} {report}");
+            is_told
+        });
     let n_missed = missed.filter(|m| *m).count();
     assert!((1..20).contains(&n_missed), "{n_missed}");
 }

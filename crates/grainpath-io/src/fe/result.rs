@@ -435,7 +435,14 @@ impl FeFile {
                 if from[0].is_some() && from[1].is_some() && from[3].is_some() {
                     let label = from.iter().flatten().map(|&(i, _)| self.arrays[i].name.as_str());
                     let label = label.collect::<Vec<_>>().join(", ");
-                    return Some(Choice { label, on, from, mirror: [None; 6], by_name: true, in_order: false });
+                    return Some(Choice {
+                        label,
+                        on,
+                        from,
+                        mirror: [None; 6],
+                        by_name: true,
+                        in_order: false,
+                    });
                 }
             }
         }

@@ -364,7 +364,12 @@ impl<'a> Steps<'a> {
                 }
             }
             for island in &mut islands {
-                island.walls.iter_mut().map(|w| &mut w.path).chain(&mut island.fills).for_each(Toolpath::shrink_to_fit);
+                island
+                    .walls
+                    .iter_mut()
+                    .map(|w| &mut w.path)
+                    .chain(&mut island.fills)
+                    .for_each(Toolpath::shrink_to_fit);
                 island.walls.shrink_to_fit();
             }
             fill.shrink_to_fit();
