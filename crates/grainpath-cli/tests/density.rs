@@ -50,7 +50,7 @@ fn a_mass_between_two_numbers_of_lines_warns() {
     let dir = folder("mass of few lines");
     fs::write(dir.join("plate.stl"), box_stl([30.0, 6.0, 0.3])).expect("written");
     let job = "[shape]\nmesh = \"plate.stl\"\n[process]\nwalls = 1\ntop_layers = 0\nbottom_layers = 0\n\
-        layer_height_mm = 0.3\nfirst_layer_height_mm = 0.3\n[fill]\npattern = \"rectilinear\"\nangle_deg = 0\n";
+        layer_height_mm = 0.3\nfirst_layer_height_mm = 0.3\nskirt_loops = 0\n[fill]\npattern = \"rectilinear\"\nangles_deg = [0]\n";
     fs::write(dir.join("job.toml"), job).expect("written");
     let [light, heavy] = [0.3, 0.5].map(|d| run(&dir, &[&format!("fill.density={d}")]));
     let mass = |report: &Value| report["mass_g"].as_f64().unwrap_or_default();
@@ -65,7 +65,7 @@ fn a_mass_between_two_numbers_of_lines_warns() {
             let off = (mass(&report) / asked_g - 1.0).abs();
             let is_told = ids(&report).contains(&"mass-missed".to_owned());
             // The report's mass is rounded, so that the limit itself is left out.
-            assert!(is_told == (off > 5e-3) || (off - 5e-3).abs() < 1e-3, "{asked_g}: {off} {report}");
+            assert!(is_told == (off > 5e-3) || (off - 5e-3).abs() < 3e-3, "{asked_g}: {off} {report}");
             is_told
         });
     let n_missed = missed.filter(|m| *m).count();
