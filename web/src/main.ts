@@ -82,7 +82,8 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
       // The paths come on screen while they are measured and drawn.
       if (now.kind === "plan" && now.phase === "running" && now.layers && current !== now.id && active !== "strength") show(now.id, false).catch((e: Error) => say(e.message, true));
     }).finally(() => clearInterval(since));
-    box.hidden = true;
+    // A message that came while the run went on stays until the user closes it.
+    if (words.isConnected) box.hidden = true;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
     return end.phase === "done" ? end : null;
