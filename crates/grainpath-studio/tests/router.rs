@@ -897,8 +897,7 @@ fn events_do_not_grow_with_the_steps_of_the_planner() {
         });
         let begun = Instant::now();
         let text = String::from_utf8(bench.get(&format!("/v1/jobs/{id}/events")).bytes).expect("text");
-        // A state is also sent when the stage changes, which happens up to about twenty times in a run.
-        let most = 10.0 * begun.elapsed().as_secs_f64() + 20.0;
+        let most = 10.0 * begun.elapsed().as_secs_f64() + 12.0;
         let n = text.matches("data: ").count();
         assert!(n > 1 && (n as f64) < most, "{n} events");
     });
