@@ -43,7 +43,7 @@ impl Drop for Bar {
 pub(crate) fn diagnostics() -> Arc<Diagnostics> {
     // The line is drawn on terminals only: a log file would get a line for each redraw.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
-        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers {eta}");
+        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos} of {len} {eta}");
         let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         Diagnostics::with_progress(Box::new(Bar(bar)))
     } else {

@@ -20,8 +20,7 @@ pub struct Principal {
 pub fn von_mises(s: &[f64; 6]) -> f64 {
     let [xx, yy, zz, xy, yz, zx] = *s;
     let (a, b, c) = (xx - yy, yy - zz, zz - xx);
-    // A sum of squares is never negative; `max` only turns a NaN into 0.
-    (0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx)).max(0.0).sqrt()
+    (0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
 }
 
 /// Principal values and axes by Jacobi sweeps, which keep the axes at right angles where values are equal.
@@ -75,6 +74,7 @@ mod tests {
         assert!((von_mises(&[100.0, 0.0, 0.0, 0.0, 0.0, 0.0]) - 100.0).abs() < 1e-12);
         assert!((von_mises(&[0.0, 0.0, 0.0, 10.0, 0.0, 0.0]) - 300f64.sqrt()).abs() < 1e-12);
         assert!(von_mises(&[7.0, 7.0, 7.0, 0.0, 0.0, 0.0]) < 1e-12);
+        assert!(von_mises(&[f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]).is_nan());
         let p = principal(&[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
         assert!((p.values_mpa[0] - 5.0).abs() < 1e-14 && (p.values_mpa[2] + 5.0).abs() < 1e-14);
         assert!((p.axes[0].x.abs() - 0.5f64.sqrt()).abs() < 1e-14 && p.axes[0].x * p.axes[0].y > 0.0);

@@ -43,8 +43,8 @@ pub enum TriangulationError {
     /// Contours cross each other.
     #[error("the region's contours cross each other")]
     Crossing,
-    /// Triangles of good shape and this size would be too many.
-    #[error("more than {0} triangles are needed; allow longer sides")]
+    /// Triangles of good shape and this size would need too many points.
+    #[error("more than {0} points are needed; allow longer sides")]
     TooMany(usize),
 }
 
@@ -102,9 +102,9 @@ impl Triangulation {
         if region.is_empty() {
             return Err(TriangulationError::Empty);
         }
-        // An estimate of the number of triangles: the area of one is about 0.4 times the square of
-        // its side. The test is made before any memory is allocated.
-        let estimate = region.area_mm2() / (0.4 * size.longest_mm * size.longest_mm);
+        // An estimate of the number of points: the area of a triangle is about 0.4 times the square of
+        // its side, and each point has two triangles. The test is made before any memory is allocated.
+        let estimate = region.area_mm2() / (0.8 * size.longest_mm * size.longest_mm);
         if estimate > MAX_POINTS as f64 {
             return Err(TriangulationError::TooMany(MAX_POINTS));
         }

@@ -70,7 +70,7 @@ struct Ribbon {
 /// The largest width of a bead, mm. A piece with more volume for its length is a blob, laid while the nozzle hardly moved;
 /// it is treated as higher instead of wider. Source: derived. A nozzle of 2 mm lays beads of up to 4 mm, which leaves a
 /// margin of 2.5.
-const MAX_BEAD_WIDTH_MM: f64 = 10.0;
+pub const MAX_BEAD_WIDTH_MM: f64 = 10.0;
 /// A piece of a path that is too short for the turns at its ends is merged with a neighbour only if the point between them
 /// lies at most this far, in bead widths, from the line that joins their ends. Measured: row
 /// `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.

@@ -13,6 +13,7 @@
 use grainpath_core::poly::{Contour, FillRule, Join};
 use grainpath_core::{Bounds2, DVec2, DVec3, Layer, LayerStack, Polygon, Region, Role, TriMesh};
 use grainpath_fea::load_case::BoundaryConditions;
+use grainpath_fea::strength::laminate::MAX_BEAD_WIDTH_MM;
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::loads::{Place, Push};
 use rayon::prelude::*;
@@ -22,8 +23,6 @@ use super::setup::layers_of_part;
 use crate::guide::{TypedLoads, boundary_conditions};
 use crate::shape::Standing;
 
-/// Largest width of the strip of a bead, mm. Source: `WIDEST` of grainpath-fea's laminate: wider beads are blobs.
-const WIDEST_MM: f64 = 10.0;
 /// Gaps between strips are closed up to twice this width, mm. Source: a tenth of the narrowest common bead; neighbouring
 /// strips touch, apart from the rounding of the program.
 const SEAM_MM: f64 = 0.04;
@@ -48,7 +47,7 @@ pub struct PrintedPart {
 fn strip(bead: &Bead, height_mm: f64) -> Option<Vec<DVec2>> {
     let (a, b) = (bead.start(), bead.end());
     let along = (b - a).normalize_or_zero();
-    let r = 0.5 * bead.width_mm(height_mm).min(WIDEST_MM);
+    let r = 0.5 * bead.width_mm(height_mm).min(MAX_BEAD_WIDTH_MM);
     // A strip extends beyond each end of the bead by a quarter of its width, which stands for the round ends of beads.
     let (over, side) = (0.5 * r * along, r * along.perp());
     let corners = vec![a - over - side, b + over - side, b + over + side, a - over + side];

@@ -11,7 +11,7 @@ use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Held, LoadCase};
 use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
-use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, MAX_BEAD_WIDTH_MM};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::choices;
 
@@ -561,8 +561,7 @@ fn contact(on: &Selection, elements: &PlateElements, frame: Frame, reach: f64) -
 /// Width of the strip that a bead fills in its layer, mm.
 fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
     let length = bead.start().distance(bead.end()).max(1e-9);
-    // The upper limit applies to blobs, which are extruded almost without motion.
-    (f64::from(bead.volume_mm3) / (length * bead.height_mm(height_mm).max(1e-3))).min(5.0)
+    (f64::from(bead.volume_mm3) / (length * bead.height_mm(height_mm).max(1e-3))).min(MAX_BEAD_WIDTH_MM)
 }
 
 /// Material at each node: the sum of a quarter of the thickness of every element around it.
