@@ -6,9 +6,9 @@ export type FileKind = "job" | "mesh" | "outline" | "photo" | "scan" | "program"
 export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
 export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
 export interface JobState { id: number; kind: "view" | "shape" | "stress" | "orient" | "supports" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; layers: boolean; elapsed_s: number; error: string | null; code: number | null }
-export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number }
+export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number; time_s: number; seams: number }
 export interface Index {
-  origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number];
+  origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number]; flow_mm3_s: number;
   shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; records: number; generator: string | null; time_s: number; filament_mm: number;
 }
 export interface Warning { id: string; text: string; place?: string; remedy?: string }
@@ -17,7 +17,7 @@ export interface StrengthReport {
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
   card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; grid_share: number; seconds: number;
 }
-export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; angles: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
 export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
 export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
 export interface ShapeReport {

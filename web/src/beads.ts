@@ -1,7 +1,7 @@
 // The records of a program in the page: what the server sent, twelve bytes a segment.
 //
 // The server sends eight bytes a record (x, y, width, class and speed). Two more hold the layer, so that layers share a
-// buffer; two are padding to a multiple of four, which graphics cards want.
+// buffer; two hold the angle to the load, where the paths follow a guide.
 
 import type { Index } from "./api";
 
@@ -9,9 +9,14 @@ import type { Index } from "./api";
 export const WORDS = 6;
 /** 16-bit numbers of a record on the wire. */
 const WIRE_WORDS = 4;
+/** Added to the class of the first bead of a closed wall. */
+const SEAM = 128;
+/** The angle of a record that has none. */
+export const NO_ANGLE = 255;
 
 export interface Bead {
   record: number; layer: number; kind: number; a: [number, number]; b: [number, number]; width_mm: number; speed_mm_s: number; length_mm: number; angle_deg: number; flow_mm3_s: number;
+  isSeam: boolean; off_deg: number | null;
 }
 
 export class Beads {
@@ -24,7 +29,7 @@ export class Beads {
     index.layers.forEach((layer, k) => (this.first[k + 1] = this.first[k]! + layer.records));
     this.words = new Uint16Array(WORDS * this.first[index.layers.length]!);
     // What has not come yet draws nothing.
-    for (let at = 3; at < this.words.length; at += WORDS) this.words[at] = this.start;
+    for (let at = 0; at < this.words.length; at += WORDS) { this.words[at + 3] = this.start; this.words[at + 5] = NO_ANGLE; }
   }
 
   get travel(): number { return this.index.classes.length - 2; }
@@ -47,6 +52,14 @@ export class Beads {
     }
   }
 
+  /** Takes the angles to the load of layers `from` to `to`: a byte a record. */
+  takeAngles(from: number, to: number, bytes: ArrayBuffer): void {
+    const angles = new Uint8Array(bytes);
+    const [first, end] = [this.first[from]!, this.first[to + 1]!];
+    if (angles.length !== end - first) throw new Error(`angles of layers ${from} to ${to} have another length than the index says`);
+    for (let record = first; record < end; record++) this.words[WORDS * record + 5] = angles[record - first]!;
+  }
+
   point(record: number): [number, number] {
     const at = WORDS * record;
     const { origin_mm: o, step_mm: s } = this.index;
@@ -60,7 +73,9 @@ export class Beads {
     const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     const layer = this.words[at + 4]!;
     const width_mm = this.words[at + 2]! * 1e-3;
-    const kind = this.words[at + 3]! & 255;
+    const kind = this.words[at + 3]! & (SEAM - 1);
+    const isSeam = (this.words[at + 3]! & SEAM) !== 0;
+    const halves = this.words[at + 5]!;
     const speed_mm_s = this.index.speeds_mm_s[this.words[at + 3]! >> 8] ?? 0;
     const h = this.index.layers[layer]!.height_mm;
     let angle_deg = (Math.atan2(dy, dx) * 180) / Math.PI;
@@ -68,7 +83,7 @@ export class Beads {
     if (angle_deg >= 179.95) angle_deg = 0;
     // The section of a stadium.
     const area = h * (width_mm - h * (1 - Math.PI / 4));
-    return { record, layer, kind, a, b, width_mm, speed_mm_s, length_mm: Math.hypot(dx, dy), angle_deg, flow_mm3_s: Math.max(area, 0) * speed_mm_s };
+    return { record, layer, kind, a, b, width_mm, speed_mm_s, length_mm: Math.hypot(dx, dy), angle_deg, flow_mm3_s: Math.max(area, 0) * speed_mm_s, isSeam, off_deg: halves === NO_ANGLE ? null : halves / 2 };
   }
 
   /** The bead of a layer under a point, among records `from` to `to`; the last one printed lies on top. */
@@ -78,7 +93,7 @@ export class Beads {
     const low = Math.max(this.first[layer]! + 1, from);
     for (let record = Math.min(this.first[layer + 1]! - 1, to); record >= low; record--) {
       const at = WORDS * record;
-      const kind = this.words[at + 3]! & 255;
+      const kind = this.words[at + 3]! & (SEAM - 1);
       if (kind >= this.travel || !shown(kind)) continue;
       const r = (this.words[at + 2]! * 5e-4) / s;
       const [ax, ay, bx, by] = [this.words[at - WORDS]!, this.words[at - WORDS + 1]!, this.words[at]!, this.words[at + 1]!];

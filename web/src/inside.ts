@@ -5,7 +5,7 @@ import type { Vector3 } from "three";
 import * as api from "./api";
 import { css } from "./colours";
 import { el } from "./dom";
-import { COMPRESSION, TENSION, type StressView } from "./part";
+import { COMPRESSION, TENSION, TRISECTOR, WEDGE, type StressView } from "./part";
 import type { Viewer } from "./viewer";
 
 interface Parts { say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null }
@@ -17,6 +17,8 @@ export class Inside {
   private at = 0;
   private isLowKept = true;
   private ofCase = 0;
+  private hasPoints = false;
+  private readonly pointWords = el("output", { id: "degenerate-count" });
   private isBusy = false;
   private isStale = false;
 
@@ -50,11 +52,14 @@ export class Inside {
       place(0.5 * (low + high));
     } }, el("option", { value: -1 }, "none"), ...AXES.map((name, k) => el("option", { value: k }, `across ${name}`)));
     const lines = el("input", { type: "checkbox", id: "lines", onchange: () => void this.lines(lines.checked) });
+    const points = el("input", { type: "checkbox", id: "degenerate", onchange: () => { this.hasPoints = points.checked; this.points(); } });
     const swatch = (colour: [number, number, number]) => { const box = el("span", { class: "swatch" }); box.style.background = css(colour); return box; };
     return [
       el("div", { class: "row" }, el("label", {}, "Section", axis)), rows,
       el("label", { for: "lines", class: "check" }, lines, " principal stress lines"),
       el("p", { class: "note" }, swatch(TENSION), "tension ", swatch(COMPRESSION), "compression along the line"),
+      el("label", { for: "degenerate", class: "check" }, points, " degenerate points of the surface ", this.pointWords),
+      el("p", { class: "note" }, "where both principal stresses in the surface are equal: ", swatch(WEDGE), "wedge ", swatch(TRISECTOR), "trisector"),
     ];
   }
 
@@ -63,6 +68,14 @@ export class Inside {
     this.ofCase = k;
     this.section();
     if (this.view.hasLines) void this.lines(true);
+    this.points();
+  }
+
+  /** Draws the degenerate points of the case, where they are wanted. */
+  private points(): void {
+    const found = this.view.setDegenerate(this.hasPoints ? this.view.misesEnd : null);
+    this.pointWords.textContent = this.hasPoints ? `(${found.length})` : "";
+    this.parts.viewer()?.draw();
   }
 
   /** Asks for the section as it is chosen; while one is on its way, the last wish is remembered. */

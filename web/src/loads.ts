@@ -9,7 +9,7 @@ import { gradient, ramp, type Rgb } from "./colours";
 import { el, fixed } from "./dom";
 import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
-import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity } from "./part";
+import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity, type Side } from "./part";
 import { plainNumber, type ShapePanel } from "./shape";
 import { blocks, change, get, insert, remove, set, value, type Block, type Value } from "./toml";
 import type { Gesture, Viewer } from "./viewer";
@@ -26,7 +26,7 @@ const FIXES: [string, string][] = [["xyz", "in all directions"], ["normal", "acr
 const GRAVITY = -9806.65;
 
 /** A fixture or a load of the text. */
-interface Item { name: string; isFixture: boolean; block: Block | null; case: string | null; keys: { [key: string]: Value }; face: number; place: string }
+interface Item { name: string; isFixture: boolean; block: Block | null; case: string | null; keys: { [key: string]: Value }; face: number; side: Side | null; place: string }
 
 const numbers = (v: Value | undefined): number[] | null => (Array.isArray(v) && v.length === 3 && v.every((n) => typeof n === "number") ? (v as number[]) : null);
 
@@ -87,13 +87,60 @@ export class LoadsPanel {
     const grow = (id: string, isSmooth: boolean, label: string, title: string) => el("button", { type: "button", id, disabled: true, title, onclick: () => this.parts.shape.grow(isSmooth) }, label);
     return el("div", { class: "row", id: "tools" },
       drag("box", "Box", "Drag a box around faces (or hold R and drag)"), drag("brush", "Brush", "Drag over faces (or hold B and drag)"),
+      el("button", { type: "button", id: "split", "aria-pressed": "false", disabled: true, title: "Cut the chosen face along a line: click two points of it", onclick: () => this.beginSplit() }, "Split"),
       grow("grow", true, "Grow", "Add the neighbours over smooth edges (G)"), grow("grow-all", false, "All neighbours", "Add all neighbours (Shift+G)"));
   }
 
   /** Sets what a drag over the part does. */
   setGesture(gesture: Gesture): void {
     this.parts.viewer()?.setGesture(gesture);
-    for (const id of ["box", "brush"]) document.getElementById(id)?.setAttribute("aria-pressed", String(gesture === id));
+    if (gesture !== "split") this.splitFrom = null;
+    for (const id of ["box", "brush", "split"]) document.getElementById(id)?.setAttribute("aria-pressed", String(gesture === id));
+  }
+
+  // ---- parts of faces ----------------------------------------------------------------------------------------------
+
+  /** The first point of the line along which the chosen face is split. */
+  private splitFrom: Vector3 | null = null;
+
+  private beginSplit(): void {
+    if (this.parts.viewer()?.dragging === "split") { this.setGesture("turn"); return; }
+    this.setGesture("split");
+    this.parts.say("Click two points of the chosen face: it is cut along the line through them.");
+  }
+
+  /** A click while a face is split. The cut stands upright on the face; what lies to the left of the line, seen from outside, is chosen. */
+  split(at: { clientX: number; clientY: number }): void {
+    const { shape } = this.parts;
+    const hit = this.parts.viewer() && shape.view?.pointAt(this.parts.viewer()!.rayAt(at.clientX, at.clientY));
+    if (!hit || hit.face !== shape.chosen[0]) { this.parts.say("That point lies on another face; click the chosen one.", true); return; }
+    if (!this.splitFrom) { this.splitFrom = hit.point; this.parts.say("Now the second point."); return; }
+    const normal = hit.normal.clone().cross(hit.point.clone().sub(this.splitFrom));
+    if (normal.length() < 1e-6) { this.parts.say("The two points are one; click another place.", true); return; }
+    shape.side = { point: this.splitFrom, normal: normal.normalize() };
+    this.setGesture("turn");
+    document.getElementById("progress")!.hidden = true;
+    this.chosenChanged();
+  }
+
+  /** The side of a plane as the text has it, on the part as it stands. */
+  private sideOf(of: Value | undefined): Side | null {
+    const side = of && typeof of === "object" && !Array.isArray(of) ? of : null;
+    const [point, normal] = [numbers(side?.point_mm), numbers(side?.normal)];
+    return point && normal ? { point: this.pointToPart(new Vector3().fromArray(point)), normal: this.toPart(new Vector3().fromArray(normal)).normalize() } : null;
+  }
+
+  /** A place on a face for the text; `back` gives points and directions in the coordinates of the text. */
+  private onFace(name: string, side: Side | null, isOfPart = this.parts.shape.report!.frame_is_part): string {
+    if (!side) return `{ face = ${quoted(name)} }`;
+    const [point, normal] = [side.point.clone(), side.normal.clone()];
+    if (isOfPart) {
+      const { report } = this.parts.shape;
+      const back = this.rotation.transpose();
+      point.sub(new Vector3().fromArray(report!.shift_mm)).applyMatrix4(back).divideScalar(report!.scale);
+      normal.applyMatrix4(back);
+    }
+    return `{ face = ${quoted(name)}, side = { point_mm = ${vectorText(point.toArray())}, normal = ${vectorText(normal.toArray())} } }`;
   }
 
   private followBox(): HTMLElement {
@@ -166,8 +213,9 @@ export class LoadsPanel {
       const on = keys.on as { [key: string]: Value } | undefined;
       const name = on && typeof on === "object" && !Array.isArray(on) ? on.face : undefined;
       const face = typeof name === "string" ? faces.get(name) ?? -1 : -1;
-      const place = face >= 0 ? this.parts.shape.words(face) : on ? JSON.stringify(on).replaceAll('"', "") : "the whole part";
-      found.push({ name: `${isFixture ? "fixture" : "load"} ${n}${ofCase === null ? "" : ` of case ${ofCase}`}`, isFixture, block, case: ofCase, keys, face, place });
+      const side = face >= 0 ? this.sideOf(on!.side) : null;
+      const place = face >= 0 ? `${this.parts.shape.words(face)}${side ? ` · the part beyond ${planeWords(on!.side)}` : ""}` : on ? JSON.stringify(on).replaceAll('"', "") : "the whole part";
+      found.push({ name: `${isFixture ? "fixture" : "load"} ${n}${ofCase === null ? "" : ` of case ${ofCase}`}`, isFixture, block, case: ofCase, keys, face, side, place });
     };
     for (const block of blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load")) {
       const keys: { [key: string]: Value } = {};
@@ -332,12 +380,17 @@ export class LoadsPanel {
       for (const key of vectors) {
         const v = numbers(item.keys[key]);
         // Changes before it have moved the block, which keeps its place among the blocks.
-        const own = v && blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load").filter((b) => b.table !== "guide.case")[k];
+        const own = v && this.blockAt(text, k);
         if (own) text = change(text, own, key, vectorText(new Vector3().fromArray(v).applyMatrix4(back).toArray()));
       }
+      const own = item.side && this.blockAt(text, k);
+      if (own) text = change(text, own, "on", this.onFace(this.parts.shape.report!.faces[item.face]!.name, item.side, true));
     }
     return { text: set(text, "guide", "frame", quoted("part")) };
   }
+
+  /** The block of the k-th fixture or load in a text. */
+  private blockAt(text: string, k: number): Block | undefined { return blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load").filter((b) => b.table !== "guide.case")[k]; }
 
   // ---- adding -----------------------------------------------------------------------------------------------------
 
@@ -347,20 +400,28 @@ export class LoadsPanel {
     for (const button of this.panel.querySelectorAll<HTMLElement>("button.face")) button.setAttribute("aria-pressed", String(chosen.includes(Number(button.dataset.face))));
     const known = chosen.filter((f) => report?.faces[f]);
     const nothing = known.length === 0;
+    const split = document.getElementById("split") as HTMLButtonElement | null;
+    if (split) split.disabled = !(chosen.length === 1 && known.length === 1);
+    if (split?.disabled && this.parts.viewer()?.dragging === "split") this.setGesture("turn");
     for (const id of ["grow", "grow-all"]) { const button = document.getElementById(id) as HTMLButtonElement | null; if (button) button.disabled = chosen.length === 0; }
     const [hold, load] = [el("button", { type: "button", id: "hold-here", disabled: nothing, onclick: () => this.add("fixture") }, "Hold here"), el("button", { type: "button", id: "load-here", disabled: nothing, onclick: () => this.add("load") }, "Load here")];
     const undo = el("button", { type: "button", id: "undo", disabled: !this.parts.job.canUndo, "aria-label": "Undo", title: "Undo (Ctrl+Z)", onclick: () => this.parts.job.undo() }, "↶");
     const redo = el("button", { type: "button", id: "redo", disabled: !this.parts.job.canRedo, "aria-label": "Redo", title: "Redo (Ctrl+Shift+Z)", onclick: () => this.parts.job.redo() }, "↷");
     const gravity = el("button", { type: "button", id: "gravity", onclick: () => this.add("gravity") }, "Gravity");
+    const { side, view } = this.parts.shape;
+    const part = side && view && chosen.length === 1 ? view.patch(chosen[0]!, side).area : null;
+    const turnSide = el("button", { type: "button", id: "other-side", onclick: () => { side?.normal.negate(); this.chosenChanged(); } }, "The other part");
+    const wholeFace = el("button", { type: "button", id: "whole-face", onclick: () => { this.parts.shape.side = null; this.chosenChanged(); } }, "The whole face");
     this.picked.replaceChildren(
       chosen.length === 0 ? el("p", { class: "note" }, "Click a face on the part; with shift further ones. Or take them from the list.") : el("ul", { class: "plain" }, ...chosen.map((f) => el("li", {}, this.parts.shape.words(f)))),
+      ...(part === null ? [] : [el("div", { class: "row", id: "part-of-face" }, el("span", {}, `A part of it: ${fixed(part, 1)} mm²`), turnSide, wholeFace)]),
       el("div", { class: "row" }, hold, load, gravity, undo, redo),
     );
     this.draw();
   }
 
   private add(what: "fixture" | "load" | "gravity"): void {
-    const { chosen, report, view } = this.parts.shape;
+    const { chosen, report, view, side } = this.parts.shape;
     let text = this.text;
     const end = () => {
       const all = blocks(text, "guide.fixture", "guide.load");
@@ -372,18 +433,19 @@ export class LoadsPanel {
       this.parts.say("Another face is so alike that the name would not tell them apart. Select it by its place: on = { box_mm = [[x, y, z], [x, y, z]] } in the text of the job.", true);
       return;
     }
-    const whole = named.reduce((sum, f) => sum + (view?.patch(f).area ?? 0), 0);
+    const whole = named.reduce((sum, f) => sum + (view?.patch(f, side).area ?? 0), 0);
     for (const face of what === "gravity" ? [] : named) {
-      const on = `on = { face = ${quoted(report!.faces[face]!.name)} }`;
+      const on = `on = ${this.onFace(report!.faces[face]!.name, side)}`;
       if (what === "fixture") { text = insert(text, end(), `[[guide.fixture]]\n${on}\nfix = "xyz"\n`); continue; }
       // Several faces share the force by their areas, along the normal of the first one.
-      const patch = view!.patch(face);
+      const patch = view!.patch(face, side);
       const first = view!.patch(named[0]!).normal;
       const normal = first.length() > 0.5 ? first : new Vector3(0, 0, 1);
       const force = this.toJob(normal.clone().multiplyScalar((-100 * patch.area) / Math.max(whole, 1e-12)));
       text = insert(text, end(), `[[guide.load]]\n${on}\nforce_n = ${vectorText(force.toArray())}\n`);
     }
     this.parts.shape.chosen = [];
+    this.parts.shape.side = null;
     this.put(text);
     this.parts.shape.onChosen();
   }
@@ -398,19 +460,31 @@ export class LoadsPanel {
     let p = box?.[0] && box[1] ? box[0].map((v, k) => 0.5 * (v + box[1]![k]!)) : null;
     p ??= numbers(table("plane")?.point_mm) ?? numbers(table("cylinder")?.point_mm) ?? numbers(table("sphere")?.centre_mm) ?? numbers(table("turned_box")?.centre_mm);
     if (!p) return null;
+    return this.pointToPart(new Vector3().fromArray(p));
+  }
+
+  /** A point of the text on the part as it stands. */
+  private pointToPart(at: Vector3): Vector3 {
     const { report } = this.parts.shape;
-    const at = new Vector3().fromArray(p);
     return report!.frame_is_part ? at.multiplyScalar(report!.scale).applyMatrix4(this.rotation).add(new Vector3().fromArray(report!.shift_mm)) : at;
   }
 
   private draw(): void {
-    const { view, chosen } = this.parts.shape;
+    const { view, chosen, side } = this.parts.shape;
     const viewer = this.parts.viewer();
     if (!view) return;
     const colours = new Map<number, Rgb>();
-    for (const item of this.items) if (item.face >= 0) colours.set(item.face, item.isFixture ? HELD : LOADED);
-    for (const face of chosen) colours.set(face, CHOSEN);
+    const parts: { face: number; side: Side; colour: Rgb }[] = [];
+    for (const { face, side, isFixture } of this.items) {
+      const colour = isFixture ? HELD : LOADED;
+      if (face >= 0 && side) parts.push({ face, side, colour });
+      else if (face >= 0) colours.set(face, colour);
+    }
+    // What is chosen lies over what is held and loaded there.
+    if (side && chosen.length === 1) parts.push({ face: chosen[0]!, side, colour: CHOSEN });
+    else for (const face of chosen) colours.set(face, CHOSEN);
     view.paint(colours);
+    view.paintParts(parts.filter((p) => side !== null || !chosen.includes(p.face)));
     const reach = 0.2 * view.high.distanceTo(view.low);
     const arrows: Arrow[] = [];
     for (const item of this.items) arrows.push(...this.arrows(item, reach));
@@ -421,7 +495,7 @@ export class LoadsPanel {
   /** The arrows of a fixture or a load. An arrow that pulls begins where it acts, one that pushes ends there. */
   private arrows(item: Item, reach: number): Arrow[] {
     const { view } = this.parts.shape;
-    const patch = item.face >= 0 ? view!.patch(item.face) : null;
+    const patch = item.face >= 0 ? view!.patch(item.face, item.side) : null;
     const middle = patch ? patch.middle.clone() : this.pointOf(item.keys.on) ?? view!.low.clone().add(view!.high).multiplyScalar(0.5);
     if (item.isFixture) {
       const cone = (at: Vector3, along: Vector3): Arrow => ({ at, along, length: 0.16 * reach, colour: HELD, heads: 1, isCone: true });
@@ -584,5 +658,8 @@ export class LoadsPanel {
     return face >= 0 ? this.parts.shape.words(face) : null;
   }
 }
+
+/** A plane of the text in words. */
+const planeWords = (side: Value | undefined) => JSON.stringify(side).replaceAll('"', "").replace("point_mm", "point").replaceAll(",", ", ");
 
 const vectorText = (v: number[]) => `[${v.map(plainNumber).join(", ")}]`;

@@ -3,7 +3,7 @@
 import * as api from "./api";
 import { Beads, type Bead } from "./beads";
 import { chooser } from "./chooser";
-import { COLOUR_BY, CLASS_COLOURS, circle, css, gradient, ramp, type ColourBy } from "./colours";
+import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
 import { history } from "./history";
 import { JobPanel, absolute } from "./job";
@@ -107,6 +107,7 @@ function ensureViewer(): Viewer | null {
   viewer.onPick = (side) => strength.pick(side);
   viewer.onFace = (face, at) => tellFace(face, at);
   viewer.onPaint = (triangles) => shape.supports.stroke(triangles);
+  viewer.onSplit = (at) => loads.split(at);
   viewer.onPaintEnd = () => shape.supports.strokeEnd();
   viewer.onPickFaces = (faces) => shape.add(faces);
   viewer.onPickFace = (face, isAdded) => shape.choose(face, isAdded);
@@ -215,6 +216,7 @@ async function show(id: number, isDone = true): Promise<void> {
     moveRange();
     performance.mark("all-layers");
     document.documentElement.dataset.shown = String(id);
+    if (result?.angles) await loadAngles(id, beads, own.signal);
   } catch (error) {
     if (!own.signal.aborted) say((error as Error).message, true);
   }
@@ -224,7 +226,24 @@ async function show(id: number, isDone = true): Promise<void> {
 async function tellResult(id: number): Promise<void> {
   const beads = viewer?.beads;
   const result = await api.result(id);
-  if (beads && current === id) tellPaths(beads.index, result);
+  if (!beads || current !== id) return;
+  tellPaths(beads.index, result);
+  if (result.angles && loading) await loadAngles(id, beads, loading.signal).catch((e: Error) => say(e.message, true));
+}
+
+/** Asks for the angles of all layers to the load. */
+async function loadAngles(id: number, beads: Beads, signal: AbortSignal): Promise<void> {
+  const last = beads.index.layers.length - 1;
+  for (let layer = 0; layer <= last; ) {
+    let end = layer;
+    while (end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
+    const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}/angles`, signal);
+    if (signal.aborted || viewer?.beads !== beads) return;
+    beads.takeAngles(layer, end, bytes);
+    viewer.refresh(layer, end);
+    layer = end + 1;
+  }
+  document.documentElement.dataset.angles = String(id);
 }
 
 function layerWords(k: number): string {
@@ -273,12 +292,11 @@ function scaleOf(index: api.Index, by: ColourBy): [number, number] {
   switch (by) {
     case "speed": return [speeds[0] ?? 0, speeds[speeds.length - 1] ?? 1];
     case "width": return index.widths_mm;
-    case "flow": {
-      const h = index.layers[Math.floor(index.layers.length / 2)]!.height_mm;
-      return [0, h * index.widths_mm[1] * (speeds[speeds.length - 1] ?? 1)];
-    }
+    case "flow": return [0, index.flow_mm3_s];
     case "height": return [0, top.z_mm];
-    case "role": case "angle": return [0, 180];
+    case "time": return [Math.min(...index.layers.map((l) => l.time_s)), Math.max(...index.layers.map((l) => l.time_s))];
+    case "load": return [0, 90];
+    case "role": case "angle": case "seam": return [0, 180];
   }
 }
 
@@ -293,12 +311,16 @@ function setColour(by: ColourBy): void {
   if (by === "role") {
     const rows = index.shares.map((share, k) => (share.beads > 0 ? el("div", {}, swatch(CLASS_COLOURS[k]!), index.classes[k]!) : null));
     legend.replaceChildren(...rows.filter((r): r is HTMLDivElement => r !== null));
+  } else if (by === "seam") {
+    const n = index.layers.reduce((sum, layer) => sum + layer.seams, 0);
+    legend.replaceChildren(el("div", {}, swatch(SEAM), `where a closed wall begins (${n})`), el("div", {}, swatch(PLAIN), "other beads"));
   } else {
     const bar = el("div", { class: "ramp" });
     bar.style.background = gradient(by === "angle" ? circle : ramp);
-    const digits = by === "width" ? 2 : by === "angle" ? 0 : 1;
-    const unit = by === "angle" ? "°" : "";
-    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, el("span", {}, fixed(scale[0], digits) + unit), el("span", {}, fixed(scale[1], digits) + unit)));
+    const isAngle = by === "angle" || by === "load";
+    const digits = by === "width" ? 2 : isAngle ? 0 : 1;
+    const unit = isAngle ? "°" : "";
+    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, el("span", {}, fixed(scale[0], digits) + unit), el("span", {}, fixed(scale[1], digits) + unit)), ...(by === "load" ? [el("div", {}, swatch(PLAIN), "no direction asked for")] : []));
   }
 }
 
@@ -333,13 +355,20 @@ function tellBead(bead: Bead | null): void {
   if (!bead || !index) return;
   const parts = [
     index.classes[bead.kind]!, `layer ${bead.layer + 1}`, `${fixed(bead.width_mm, 2)} mm wide`, `${fixed(index.layers[bead.layer]!.height_mm, 2)} mm high`,
+    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]),
     `${fixed(bead.speed_mm_s, 1)} mm/s`, `${fixed(bead.flow_mm3_s, 1)} mm³/s`, `${fixed(bead.length_mm, 2)} mm long`, `${fixed(bead.angle_deg, 0)}°`, `at (${fixed(bead.b[0], 1)}, ${fixed(bead.b[1], 1)})`,
   ];
   box.textContent = parts.join(" · ");
 }
 
+/** Ways of colouring that the program on screen has: angles to the load come with the result of a plan that follows a guide. */
+let hasAngles = false;
+const colourings = () => COLOUR_BY.filter(([by]) => by !== "load" || hasAngles);
+
 function tellPaths(index: api.Index, result: api.Result | null): void {
-  const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...COLOUR_BY.map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
+  hasAngles = result?.angles ?? false;
+  if (colourBy === "load" && !hasAngles) colourBy = "role";
+  const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...colourings().map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
   const rows = index.shares.map((share, k) => {
     const isTravel = k === index.classes.length - 2;
     if (share.beads === 0 && !isTravel) return null;
@@ -435,7 +464,7 @@ document.addEventListener("keydown", (event) => {
   else if (event.key === "ArrowRight" && target.getAttribute("role") !== "tab") shift(to, pace, movesChanged);
   else if (event.key === "ArrowLeft" && target.getAttribute("role") !== "tab") shift(to, -pace, movesChanged);
   else if (event.key === "l") { low.value = low.value === high.value ? "0" : high.value; rangeChanged(); }
-  else if (event.key === "c") { const k = COLOUR_BY.findIndex(([by]) => by === colourBy); setColour(COLOUR_BY[(k + 1) % COLOUR_BY.length]![0]); const select = document.getElementById("colour-by") as HTMLSelectElement | null; if (select) select.value = colourBy; }
+  else if (event.key === "c") { const all = colourings(); const k = all.findIndex(([by]) => by === colourBy); setColour(all[(k + 1) % all.length]![0]); const select = document.getElementById("colour-by") as HTMLSelectElement | null; if (select) select.value = colourBy; }
   else if (event.key === "t") { const box = document.getElementById(`class-${CLASS_COLOURS.length - 1}`); box?.click(); }
   else if (event.key === "o") void choose();
   else if (event.key === "?") help();

@@ -4,8 +4,9 @@
 // Each triangle carries the number of its face; a texture holds the colour of each face, so that choosing one uploads four
 // bytes and not the mesh.
 
-import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, Group, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4, type Ray } from "three";
+import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, Group, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Points, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4, type Ray } from "three";
 import { ramp, table, type Rgb } from "./colours";
+import { degenerate, type Degenerate } from "./degenerate";
 import { Search, type Hit } from "./search";
 
 /** Colours of faces: plain, chosen, held, loaded. Told apart by brightness too. */
@@ -20,20 +21,24 @@ export const BLOCKED: Rgb = [190, 60, 120];
 const SMOOTH_COS = Math.cos((20 * Math.PI) / 180);
 /** Numbers of a branch of a support. */
 const BRANCH = 10;
+/** Parts of faces that are drawn in a colour of their own. Source: chosen; a job with more shows the first ones. */
+const CUTS = 16;
 /** Faces in a row of the texture. */
 const ROW = 1024;
 
 const [ENFORCED_TEXT, BLOCKED_TEXT] = [ENFORCED, BLOCKED].map((colour) => `${colour.join(".0, ")}.0`);
 /** Faces are lit from the eye, a little from above; `out` the world's place for the normal. */
 const VERTEX = `
-in float face; in float paint; out vec3 at; flat out int number; flat out int painted;
-void main() { number = int(face + 0.5); painted = int(paint + 0.5); vec4 eye = modelViewMatrix * vec4(position, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
+in float face; in float paint; out vec3 at; out vec3 rest; flat out int number; flat out int painted;
+void main() { number = int(face + 0.5); painted = int(paint + 0.5); rest = position; vec4 eye = modelViewMatrix * vec4(position, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`;
 const LIGHT = `vec3 n = normalize(cross(dFdx(at), dFdy(at))); if (dot(n, at) > 0.0) n = -n; float lit = max(dot(n, normalize(vec3(0.25, 0.45, 0.86))), 0.0);`;
 const FRAGMENT = `
-in vec3 at; flat in int number; flat in int painted; out vec4 result; uniform sampler2D faces; uniform int hovered;
+in vec3 at; in vec3 rest; flat in int number; flat in int painted; out vec4 result; uniform sampler2D faces; uniform int hovered;
+uniform int cuts; uniform int cutFace[${CUTS}]; uniform vec4 cutPlane[${CUTS}]; uniform vec3 cutColour[${CUTS}];
 void main() {
   ${LIGHT}
   vec3 colour = texelFetch(faces, ivec2(number % ${ROW}, number / ${ROW}), 0).rgb;
+  for (int k = 0; k < cuts; k++) if (number == cutFace[k] && dot(cutPlane[k].xyz, rest) >= cutPlane[k].w) colour = cutColour[k] / 255.0;
   if (painted == 1) colour = vec3(${ENFORCED_TEXT}) / 255.0;
   if (painted == 2) colour = vec3(${BLOCKED_TEXT}) / 255.0;
   if (number == hovered) colour = mix(colour, vec3(1.0, 0.97, 0.62), 0.55);
@@ -73,6 +78,10 @@ void main() {
 const LINES_FRAGMENT = `
 in vec3 rest; in float v; out vec4 result; uniform vec4 clip;
 void main() { if (dot(clip.xyz, rest) > clip.w) discard; result = vec4(v > 0.0 ? vec3(${TENSION.join(".0, ")}.0) / 255.0 : vec3(${COMPRESSION.join(".0, ")}.0) / 255.0, 1.0); }`;
+/** Degenerate points: wedges and trisectors, and their width in pixels. */
+export const WEDGE: Rgb = [20, 20, 20];
+export const TRISECTOR: Rgb = [255, 255, 255];
+const POINT_PX = 11;
 /** How much of the surface is left over the lines in it. */
 const GHOST = 0.16;
 
@@ -84,6 +93,21 @@ export function surfaceOf(bytes: ArrayBuffer): Surface {
   let at = 20;
   const take = <T>(make: new (buffer: ArrayBuffer, at: number, n: number) => T, count: number): T => { const made = new make(bytes, at, count); at += 4 * count; return made; };
   return { points: take(Float32Array, 3 * n), corners: take(Uint32Array, 3 * m), face: take(Uint32Array, m), faulty: take(Float32Array, 6 * f), borders: take(Uint32Array, 2 * b), faults: take(Float32Array, 6 * g) };
+}
+
+/** The side of a plane to which its normal points: the part of a face there. */
+export interface Side { point: Vector3; normal: Vector3 }
+
+/** What lies of a triangle on the side of a plane, as triangles. */
+function clipped(corners: Vector3[], { point, normal }: Side): Vector3[][] {
+  const above = corners.map((p) => p.clone().sub(point).dot(normal));
+  const kept: Vector3[] = [];
+  corners.forEach((p, k) => {
+    const next = (k + 1) % 3;
+    if (above[k]! >= 0) kept.push(p);
+    if (above[k]! * above[next]! < 0) kept.push(p.clone().lerp(corners[next]!, above[k]! / (above[k]! - above[next]!)));
+  });
+  return kept.slice(2).map((p, k) => [kept[0]!, kept[k + 1]!, p]);
 }
 
 /** What a face of the mesh is made of: its area, the middle of it, its mean normal, and points spread over it. */
@@ -131,6 +155,7 @@ export class StressView {
   private readonly mesh: Mesh;
   private section: { mesh: Mesh; nine: Float32Array; corners: Uint32Array; search: Search } | null = null;
   private lines: Mesh<InstancedBufferGeometry, ShaderMaterial> | null = null;
+  private degeneratePoints: Points<BufferGeometry, ShaderMaterial> | null = null;
   private what: Quantity = "mises";
   private readonly material: ShaderMaterial;
   readonly search: Search;
@@ -203,6 +228,28 @@ export class StressView {
     this.group.add(this.lines);
   }
 
+  /** Shows the degenerate points of the case that is shown, whose stress reaches `end`; null takes them away. */
+  setDegenerate(end: number | null): Degenerate[] {
+    if (this.degeneratePoints) { this.group.remove(this.degeneratePoints); this.degeneratePoints.geometry.dispose(); this.degeneratePoints.material.dispose(); this.degeneratePoints = null; }
+    if (end === null) return [];
+    const found = degenerate(this.points, this.corners, this.nine, end);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(found.flatMap((d) => d.at)), 3));
+    geometry.setAttribute("wedge", new BufferAttribute(Float32Array.from(found, (d) => Number(d.isWedge)), 1));
+    const colour = (c: Rgb) => `vec3(${c.join(".0, ")}.0) / 255.0`;
+    const material = new ShaderMaterial({
+      glslVersion: GLSL3, uniforms: { clip: this.material.uniforms.clip!, size: { value: POINT_PX } },
+      // A little nearer to the eye than the surface on which they lie.
+      vertexShader: `in float wedge; uniform float size; out float kind; out vec3 rest; void main() { kind = wedge; rest = position; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); gl_Position.z -= 1e-4 * gl_Position.w; gl_PointSize = size; }`,
+      fragmentShader: `in float kind; in vec3 rest; uniform vec4 clip; out vec4 result; void main() { float r = length(gl_PointCoord - 0.5); if (r > 0.5 || dot(clip.xyz, rest) > clip.w) discard; vec3 inner = kind > 0.5 ? ${colour(WEDGE)} : ${colour(TRISECTOR)}; result = vec4(r > 0.36 ? 1.0 - inner : inner, 1.0); }`,
+    });
+    this.degeneratePoints = new Points(geometry, material);
+    this.degeneratePoints.frustumCulled = false;
+    this.degeneratePoints.renderOrder = 3;
+    this.group.add(this.degeneratePoints);
+    return found;
+  }
+
   /** Gives the points of a mesh the values of the quantity that is shown. */
   private values(mesh: Mesh, nine: Float32Array): Float32Array {
     const value = mesh.geometry.getAttribute("value") as BufferAttribute;
@@ -231,6 +278,12 @@ export class StressView {
     const proposed: [number, number] = what === "moved" ? [0, at(1)] : [isSigned ? Math.min(at(1 - COVERED), 0) : 0, at(COVERED)];
     if (what === "third") proposed[1] = Math.max(at(COVERED), 0);
     return { low: sorted[0] ?? 0, high: at(1), proposed };
+  }
+
+  /** The von Mises stress that the scale ends at. */
+  get misesEnd(): number {
+    const all = Float32Array.from({ length: this.nine.length / 9 }, (_, k) => mises(this.nine, 9 * k)).sort();
+    return all[Math.min(Math.floor(COVERED * all.length), all.length - 1)] ?? 0;
   }
 
   setScale(low: number, high: number): void { (this.material.uniforms.scale!.value as Vector2).set(low, high); }
@@ -266,7 +319,7 @@ export class StressView {
     return { at: hit.point, nine: Array.from({ length: 9 }, (_, c) => shares.reduce((sum, share, k) => sum + share * nine[9 * corners[3 * triangle + k]! + c]!, 0)) };
   }
 
-  dispose(): void { this.setSection(null, 0, 0, true); this.setLines(null); (this.material.uniforms.colours!.value as DataTexture).dispose(); this.material.dispose(); this.mesh.geometry.dispose(); }
+  dispose(): void { this.setSection(null, 0, 0, true); this.setLines(null); this.setDegenerate(null); (this.material.uniforms.colours!.value as DataTexture).dispose(); this.material.dispose(); this.mesh.geometry.dispose(); }
 }
 
 export class PartView {
@@ -321,7 +374,10 @@ export class PartView {
     const rows = Math.ceil((this.faces + 1) / ROW);
     this.colours = new DataTexture(new Uint8Array(4 * ROW * rows), ROW, rows, RGBAFormat);
     this.colours.minFilter = this.colours.magFilter = NearestFilter;
-    this.material = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, uniforms: { faces: { value: this.colours }, hovered: { value: -1 } } });
+    this.material = new ShaderMaterial({ glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, uniforms: {
+      faces: { value: this.colours }, hovered: { value: -1 },
+      cuts: { value: 0 }, cutFace: { value: new Array(CUTS).fill(-1) }, cutPlane: { value: Array.from({ length: CUTS }, () => new Vector4()) }, cutColour: { value: Array.from({ length: CUTS }, () => new Vector3()) },
+    } });
     this.mesh = new Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
     this.borders = lines(Float32Array.from({ length: 3 * borders.length }, (_, k) => points[3 * borders[Math.floor(k / 3)]! + (k % 3)]!), 0x3c464d, 0.75);
@@ -336,6 +392,25 @@ export class PartView {
     const bytes = this.colours.image.data as Uint8Array;
     for (let f = 0; f <= this.faces; f++) bytes.set([...(colours.get(f) ?? FACE), 255], 4 * f);
     this.colours.needsUpdate = true;
+  }
+
+  /** Colours parts of faces. */
+  paintParts(parts: { face: number; side: Side; colour: Rgb }[]): void {
+    const u = this.material.uniforms;
+    u.cuts!.value = Math.min(parts.length, CUTS);
+    parts.slice(0, CUTS).forEach(({ face, side, colour }, k) => {
+      (u.cutFace!.value as number[])[k] = face;
+      (u.cutPlane!.value as Vector4[])[k]!.set(side.normal.x, side.normal.y, side.normal.z, side.normal.dot(side.point));
+      (u.cutColour!.value as Vector3[])[k]!.fromArray(colour);
+    });
+  }
+
+  /** The point at which a ray meets the part, the face there, and its outward normal; null beside the part. */
+  pointAt(ray: Ray): { face: number; point: Vector3; normal: Vector3 } | null {
+    const hit = this.search.first(ray);
+    if (!hit) return null;
+    const [a, b, c] = [0, 1, 2].map((k) => new Vector3().fromArray(this.surface.points, 3 * this.surface.corners[3 * hit.triangle + k]!)) as [Vector3, Vector3, Vector3];
+    return { face: this.surface.face[hit.triangle]!, point: hit.point.clone(), normal: b.sub(a).cross(c.sub(a)).normalize() };
   }
 
   set hovered(face: number) { this.material.uniforms.hovered!.value = face; }
@@ -476,13 +551,15 @@ void main() {
     return [...left, ...all.filter((p) => left.every((q) => q.distanceTo(p) > near))];
   }
 
-  /** The measures of a face, and points spread evenly over its area. */
-  patch(face: number): Patch {
-    const known = this.patches.get(face);
+  /** The measures of a face or of a part of it, and points spread evenly over its area. */
+  patch(face: number, side: Side | null = null): Patch {
+    const known = side ? undefined : this.patches.get(face);
     if (known) return known;
     const { points, corners } = this.surface;
-    const corner = (t: number, k: number) => new Vector3().fromArray(points, 3 * corners[3 * t + k]!);
-    const all = this.triangles(face);
+    const whole = (t: number, k: number) => new Vector3().fromArray(points, 3 * corners[3 * t + k]!);
+    const pieces = side ? Array.from(this.triangles(face), (t) => clipped([0, 1, 2].map((k) => whole(t, k)), side)).flat() : null;
+    const corner = pieces ? (t: number, k: number) => pieces[t]![k]!.clone() : whole;
+    const all = pieces ? Uint32Array.from(pieces.keys()) : this.triangles(face);
     const [middle, normal] = [new Vector3(), new Vector3()];
     const sums = new Float64Array(all.length);
     let area = 0;
@@ -511,7 +588,7 @@ void main() {
     }
     // A closed face, such as the wall of a hole, has no mean normal.
     const made = { area, middle, normal: normal.length() > 1e-3 * area ? normal.normalize() : new Vector3(), spread, normals };
-    this.patches.set(face, made);
+    if (!side) this.patches.set(face, made);
     return made;
   }
 

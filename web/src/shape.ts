@@ -5,7 +5,7 @@ import * as api from "./api";
 import { css, type Rgb } from "./colours";
 import { el, fixed } from "./dom";
 import { quoted, type JobPanel } from "./job";
-import { FAULT, LEFT, PartView, surfaceOf } from "./part";
+import { FAULT, LEFT, PartView, surfaceOf, type Side } from "./part";
 import { Poses } from "./poses";
 import { Supports } from "./supports";
 import { entries, get, set, value } from "./toml";
@@ -29,6 +29,8 @@ export class ShapePanel {
   view: PartView | null = null;
   /** Numbers of the faces that are chosen, in the order of choosing. */
   chosen: number[] = [];
+  /** The part of the chosen face that is meant, where it was split. */
+  side: Side | null = null;
   /** Called when another part is there, and when other faces are chosen. */
   onPart: () => void = () => {};
   onChosen: () => void = () => {};
@@ -46,7 +48,7 @@ export class ShapePanel {
   }
 
   close(): void {
-    [this.report, this.view, this.chosen, this.key] = [null, null, [], ""];
+    [this.report, this.view, this.chosen, this.side, this.key] = [null, null, [], null, ""];
     clearTimeout(this.timer);
     this.wanted++;
     this.parts.viewer()?.setPart(null);
@@ -86,6 +88,7 @@ export class ShapePanel {
     this.report = result.report as unknown as api.ShapeReport;
     this.warnings = result.warnings;
     this.chosen = this.chosen.filter((f) => f < this.report!.faces_in_all);
+    this.side = null;
     const view = new PartView(surfaceOf(bytes), () => { document.documentElement.dataset.search = String(end.id); });
     this.view = view;
     const viewer = this.parts.viewer();
@@ -97,6 +100,7 @@ export class ShapePanel {
 
   /** A face was clicked, or its button pressed; -1 is beside the part. */
   choose(face: number, isAdded: boolean): void {
+    this.side = null;
     if (face < 0) { if (!isAdded) this.chosen = []; }
     else if (!isAdded) this.chosen = this.chosen.length === 1 && this.chosen[0] === face ? [] : [face];
     else this.chosen = this.chosen.includes(face) ? this.chosen.filter((f) => f !== face) : [...this.chosen, face];
@@ -107,6 +111,7 @@ export class ShapePanel {
   add(faces: number[]): void {
     const more = faces.filter((f) => !this.chosen.includes(f));
     if (more.length === 0) return;
+    this.side = null;
     this.chosen = [...this.chosen, ...more];
     this.onChosen();
   }

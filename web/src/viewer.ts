@@ -12,7 +12,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Beads, WORDS, type Bead } from "./beads";
 import type { PartView } from "./part";
-import { CLASS_COLOURS, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
+import { CLASS_COLOURS, COLOUR_BY, PLAIN, SEAM, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
 
 /** Records up to which a window gets a chunk of its own. */
 const WINDOW_RECORDS = 60_000;
@@ -21,17 +21,32 @@ const CHUNKS = 12;
 /** Records whose beads are looked through for the one under the pointer. */
 const HOVER_RECORDS = 3_000_000;
 
-const VERTEX = `
+/** The number of a way of colouring in the shaders. */
+const number = (by: ColourBy) => COLOUR_BY.findIndex(([key]) => key === by);
+/** That of the order of breaking, which is chosen elsewhere. */
+const BY_BREAK = COLOUR_BY.length;
+/** How much of a bead is drawn as its seam, in widths of the bead. Source: chosen; a dot beside the next bead's. */
+const SEAM_WIDTHS = 2;
+const vec3 = (c: readonly number[]) => `vec3(${c.map((v) => (v / 255).toFixed(4)).join(", ")})`;
+const NUMBERS = `
+#define BY_TIME ${number("time")}
+#define BY_SEAM ${number("seam")}
+#define BY_LOAD ${number("load")}
+#define BY_BREAK ${BY_BREAK}
+`;
+
+const VERTEX = `${NUMBERS}
 in vec2 a; in vec2 b; in vec4 meta;
 uniform vec2 origin; uniform float unit; uniform sampler2D heights; uniform float firstRecord; uniform vec2 range; uniform int by; uniform vec2 scale;
 uniform vec3 classColours[16]; uniform float classShown[16]; uniform sampler2D speeds; uniform sampler2D colours; uniform sampler2D circleColours; uniform float hovered; uniform float ghost;
-out vec3 colour; out vec3 side; out float lit; out vec3 at;
+out vec3 colour; out vec3 side; out float lit; out vec3 at; out float fromSeam;
 void main() {
-  at = vec3(0.0);
+  at = vec3(0.0); fromSeam = 1e6;
   float record = firstRecord + float(gl_InstanceID) + 1.0;
-  float kind = mod(meta.y, 256.0); float speedAt = floor(meta.y / 256.0);
+  float kind = mod(meta.y, 128.0); bool isSeam = mod(meta.y, 256.0) > 127.5; float speedAt = floor(meta.y / 256.0);
   int k = int(kind + 0.5);
-  vec2 h = texelFetch(heights, ivec2(int(meta.z) % 256, int(meta.z) / 256), 0).rg;
+  vec4 layer = texelFetch(heights, ivec2(int(meta.z) % 256, int(meta.z) / 256), 0);
+  vec2 h = layer.rg;
   bool shown = record >= range.x && record <= range.y && k < 15 && classShown[k] > 0.5;
   vec2 p = origin + unit * a; vec2 q = origin + unit * b; vec2 d = q - p; float len = length(d);
   if (!shown || len < 1e-6) { gl_Position = vec4(2.0, 2.0, 2.0, 0.0); colour = vec3(0.0); side = vec3(0.0, 0.0, 1.0); lit = 0.0; return; }
@@ -47,23 +62,28 @@ void main() {
   else if (by == 2) value = width;
   else if (by == 4) value = max(h.g * (width - h.g * 0.2146), 0.0) * speed;
   else if (by == 5) value = h.r;
+  else if (by == BY_TIME) value = layer.b;
+  else if (by == BY_LOAD) value = 0.5 * meta.w;
   if (by == 0 || travel) colour = classColours[k];
   else if (by == 3) { float turn = atan(along.y, along.x) / 3.14159265; colour = texture(circleColours, vec2(turn - floor(turn), 0.5)).rgb; }
+  else if (by == BY_SEAM || (by == BY_LOAD && meta.w > 254.5)) colour = ${vec3(PLAIN)};
   else colour = texture(colours, vec2(clamp((value - scale.x) / max(scale.y - scale.x, 1e-6), 0.002, 0.998), 0.5)).rgb;
   colour = mix(colour, vec3(0.72, 0.75, 0.77), ghost);
   if (abs(record - hovered) < 0.5) colour = vec3(1.0, 0.95, 0.35);
+  // Along the bead, in its widths.
+  if (by == BY_SEAM && isSeam) fromSeam = position.x * (len + 2.0 * over) / width;
   side = vec3(across * position.y, position.z);
   lit = travel ? 0.0 : 1.0;
   at = vec3(xy, h.r - 0.5 * h.g);
   gl_Position = projectionMatrix * viewMatrix * vec4(xy, z, 1.0);
 }`;
 
-const FRAGMENT = `
-in vec3 colour; in vec3 side; in float lit; in vec3 at; out vec4 result;
+const FRAGMENT = `${NUMBERS}
+in vec3 colour; in vec3 side; in float lit; in vec3 at; in float fromSeam; out vec4 result;
 uniform int by; uniform sampler3D breaks; uniform mat4 breaksFrom; uniform float state; uniform sampler2D colours;
 void main() {
-  vec3 tone = colour;
-  if (by == 6) {
+  vec3 tone = fromSeam < ${SEAM_WIDTHS.toFixed(1)} ? ${vec3(SEAM)} : colour;
+  if (by == BY_BREAK) {
     vec3 g = (breaksFrom * vec4(at, 1.0)).xyz;
     vec2 found = texture(breaks, g).rg;
     bool isIn = all(greaterThan(g, vec3(0.0))) && all(lessThan(g, vec3(1.0)));
@@ -86,7 +106,7 @@ export interface Crack { cells: Float32Array<ArrayBuffer>; order: Float32Array; 
 export interface Shown { low: number; high: number; from: number; to: number }
 
 /** What a drag over the part does. */
-export type Gesture = "turn" | "box" | "brush" | "paint";
+export type Gesture = "turn" | "box" | "brush" | "paint" | "split";
 /** Places between which a stroke of the brush looks for faces, pixels. */
 const BRUSH_STEP = 4;
 /** Radius of the brush that paints facets, pixels. Source: chosen; a finger is wider and a pointer narrower. */
@@ -115,6 +135,8 @@ export class Viewer {
   /** Triangles that the paint brush went over, and the end of its stroke. */
   onPaint: (triangles: number[]) => void = () => {};
   onPaintEnd: () => void = () => {};
+  /** A click at a place of the page while faces are split. */
+  onSplit: (at: { clientX: number; clientY: number }) => void = () => {};
   private gesture: Gesture = "turn";
   private mode: "part" | "paths" = "paths";
   private material: ShaderMaterial;
@@ -232,9 +254,9 @@ export class Viewer {
     (u.origin!.value as Vector2).set(...index.origin_mm);
     u.unit!.value = index.step_mm;
     const rows = Math.max(1, Math.ceil(index.layers.length / 256));
-    const heights = new Float32Array(256 * rows * 2);
-    index.layers.forEach((layer, k) => heights.set([layer.z_mm, layer.height_mm], 2 * k));
-    u.heights!.value = texture(heights, 256, rows, RGFormat);
+    const heights = new Float32Array(256 * rows * 4);
+    index.layers.forEach((layer, k) => heights.set([layer.z_mm, layer.height_mm, layer.time_s, 0], 4 * k));
+    u.heights!.value = texture(heights, 256, rows, RGBAFormat);
     const speeds = new Float32Array(256);
     speeds.set(index.speeds_mm_s.slice(0, 256));
     u.speeds!.value = texture(speeds, 256, 1, RedFormat);
@@ -307,7 +329,7 @@ export class Viewer {
   }
 
   setColour(by: ColourBy, scale: [number, number]): void {
-    this.material.uniforms.by!.value = ["role", "speed", "width", "angle", "flow", "height"].indexOf(by);
+    this.material.uniforms.by!.value = number(by);
     (this.material.uniforms.scale!.value as Vector2).set(...scale);
     this.draw();
   }
@@ -439,7 +461,8 @@ export class Viewer {
 
   setGesture(gesture: Gesture): void {
     this.gesture = gesture;
-    this.controls.enabled = gesture === "turn";
+    // A split takes clicks, and the view may be turned between them.
+    this.controls.enabled = gesture === "turn" || gesture === "split";
     this.canvas.style.cursor = gesture === "turn" ? "" : "crosshair";
   }
   get dragging(): Gesture { return this.gesture; }
@@ -453,7 +476,7 @@ export class Viewer {
     let [from, last]: [PointerEvent | null, PointerEvent | null] = [null, null];
     const box = (event: PointerEvent) => ({ left: Math.min(from!.clientX, event.clientX), top: Math.min(from!.clientY, event.clientY), right: Math.max(from!.clientX, event.clientX), bottom: Math.max(from!.clientY, event.clientY) });
     this.canvas.addEventListener("pointerdown", (event) => {
-      if (this.gesture === "turn" || !this.isPartShown || event.button !== 0) return;
+      if (this.gesture === "turn" || this.gesture === "split" || !this.isPartShown || event.button !== 0) return;
       from = last = event;
       this.canvas.setPointerCapture(event.pointerId);
       if (this.gesture === "paint") this.onPaint(this.trianglesAt(event.clientX, event.clientY));
@@ -527,6 +550,7 @@ export class Viewer {
   private pick(event: PointerEvent): void {
     if (this.part && this.isPartShown) {
       if (this.gesture === "paint") return;
+      if (this.gesture === "split") { this.onSplit(event); return; }
       this.onPickFace(this.part.faceAt(this.ray(event).ray), event.shiftKey || this.gesture !== "turn");
       return;
     }
@@ -640,7 +664,7 @@ void main() { result = byOrder ? vec4(texture(colours, vec2(clamp(rank, 0.002, 0
     const mesh = this.broken.children[0] as Mesh<BufferGeometry, ShaderMaterial> | undefined;
     if (mesh) { mesh.visible = by === "lost" || by === "order"; mesh.material.uniforms.byOrder!.value = by === "order"; }
     u.ghost!.value = by === "lost" || by === "order" ? 0.82 : 0;
-    if (by === "beads" && u.breaks!.value) u.by!.value = 6;
+    if (by === "beads" && u.breaks!.value) u.by!.value = BY_BREAK;
     this.draw();
   }
 }
@@ -670,7 +694,7 @@ function empty(group: Group): void {
   group.clear();
 }
 
-function texture(data: Float32Array<ArrayBuffer>, width: number, height: number, format: typeof RGFormat | typeof RedFormat): DataTexture {
+function texture(data: Float32Array<ArrayBuffer>, width: number, height: number, format: typeof RGBAFormat | typeof RedFormat): DataTexture {
   const made = new DataTexture(data, width, height, format, FloatType);
   made.minFilter = made.magFilter = NearestFilter;
   made.needsUpdate = true;

@@ -1,11 +1,13 @@
 // Choosing several faces at once: by a box, by a brush, and by growing; the colours of faces say what is chosen.
 
 import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { boxStl, choose, colours, faceAt, folder, launch, places, settle, shaped, stl, studio, view, visit } from "./bench.mjs";
+import { boxStl, choose, colours, command, faceAt, folder, hold, launch, places, settle, shaped, stl, studio, view, visit } from "./bench.mjs";
 
 const CHOSEN = [245, 196, 66];
 const PLAIN = [178, 188, 196];
+const LOADED = [226, 120, 58];
 const SHOTS = process.env.SHOTS;
 const shot = async (page, name) => { if (SHOTS) { await settle(page); await page.screenshot({ path: `${SHOTS}/${name}.png` }); } };
 
@@ -41,6 +43,12 @@ function hue(a, b) {
   return Math.sqrt(Math.max(1 - (dot / (Math.hypot(...a) * Math.hypot(...b))) ** 2, 0));
 }
 const is = (found, wanted, what) => assert.ok(hue(found, wanted) < 0.09, `${what}: ${found} is not ${wanted}`);
+/** What the command line finds in the job of the page. */
+async function saved(page) {
+  const text = await page.$eval("#panel-job textarea", (t) => t.value);
+  writeFileSync(files.at("split.toml"), text);
+  return command(files.dir, "run", "split.toml", "--check", "--json", "--set", 'guide.analysis="solid"', "--set", "guide.element_mm=1.5");
+}
 const chosen = (page) => page.evaluate(() => window.studio.chosen.length);
 async function drag(page, from, to, key) {
   await page.mouse.move(...from);
@@ -86,6 +94,56 @@ test("a box chooses the faces that lie wholly in it", async () => {
   // Without it a drag turns the part and chooses nothing.
   await drag(page, corners[0], corners[1]);
   assert.equal(await chosen(page), 0);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a face is split along a line, and its part is loaded as the command line loads it", async () => {
+  const { page, wrong, close } = await opened("bar.stl");
+  await view(page, "top");
+  const top = await faceAt(page, [30, 4, 4]);
+  const [left, right, beside] = [[15, 4, 4], [45, 4, 4], [30, 0, 2]];
+  assert.ok(await page.isDisabled("#split"), "nothing is chosen");
+  const click = async (p) => { const [[x, y]] = await places(page, [p]); await page.mouse.click(x, y); await page.mouse.move(5, 5); await settle(page); };
+  await click(left);
+  for (const p of [left, right]) is((await colours(page, [p]))[0], CHOSEN, "the whole face");
+  await page.click("#split");
+  // Through (24, 1) and (24, 7): towards +y, so the part with the smaller x lies to the left.
+  await click([24, 1, 4]);
+  await click([24, 7, 4]);
+  const [a, b] = await colours(page, [left, right]);
+  is(a, CHOSEN, "to the left of the line");
+  is(b, PLAIN, "to its right");
+  await shot(page, "split");
+  const area = async () => Number((await page.textContent("#part-of-face span")).match(/([\d.]+) mm²/)[1]);
+  assert.ok(Math.abs((await area()) - 24 * 8) < 2, `${await area()}`);
+  await page.click("#other-side");
+  const [c, d] = await colours(page, [left, right]);
+  is(c, PLAIN, "the other part");
+  is(d, CHOSEN, "the other part");
+  assert.ok(Math.abs((await area()) - 36 * 8) < 2, `${await area()}`);
+  await page.click("#load-here");
+  const text = await page.$eval("#panel-job textarea", (t) => t.value);
+  assert.match(text, /on = \{ face = "f:[0-9a-f]+", side = \{ point_mm = \[[\d., -]+\], normal = \[(1|0\.99\d*), [\d., e-]+\] \} \}/);
+  const [e, f] = await colours(page, [left, right]);
+  is(e, PLAIN, "not loaded");
+  is(f, LOADED, "loaded");
+  // The view from above looks at the arrow's end, so it covers little.
+  assert.match(await page.textContent("#items"), /the part beyond/);
+  // Held at its end, and solved: the area and its middle are those of the part.
+  await hold(page, [0, 4, 2]);
+  const seen = JSON.parse(await saved(page));
+  const [{ area_mm2, at_mm }] = seen.stress.loads;
+  assert.ok(Math.abs(area_mm2 / (36 * 8) - 1) < 0.05 && Math.abs(at_mm[0] - 42) < 0.6, `${area_mm2} ${at_mm}`);
+  // A face that is chosen anew is chosen as a whole.
+  await click(right);
+  assert.equal(await page.isVisible("#part-of-face"), false);
+  assert.deepEqual(await page.evaluate(() => window.studio.chosen), [top]);
+  // Points beside the face are refused.
+  await page.click("#split");
+  await view(page, "front");
+  await click(beside);
+  assert.match(await page.textContent("#progress .error"), /lies on another face/);
   assert.deepEqual(wrong, []);
   await close();
 });

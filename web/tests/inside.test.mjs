@@ -31,6 +31,44 @@ async function bar(force, options) {
 const cut = async (page, wanted) => { await page.waitForFunction((w) => document.documentElement.dataset.section === w, wanted); await settle(page); };
 const bright = (c) => c[0] + c[1] + c[2];
 
+test("degenerate points are drawn where both principal stresses in the surface are equal", async () => {
+  const visited = await visit(browser, server.address);
+  const { page, wrong, close } = visited;
+  // A stress whose points are known, at the points that were solved: on the top a wedge at (20, 4) and nothing else.
+  await page.route("**/stress/0", async (route) => {
+    const bytes = await (await page.request.get(route.request().url().replace(/\/0$/, ""))).body();
+    const n = bytes.readUInt32LE(0);
+    const nine = new Float32Array(9 * n);
+    for (let k = 0; k < n; k++) {
+      const [x, y] = [bytes.readFloatLE(8 + 12 * k), bytes.readFloatLE(12 + 12 * k)];
+      nine.set([100 + (x - 20), 100 - (x - 20), 0, y - 4, 0, 0], 9 * k);
+    }
+    await route.fulfill({ body: Buffer.from(nine.buffer), contentType: "application/octet-stream" });
+  });
+  await choose(page, "bar.stl");
+  await shaped(page);
+  await hold(page, [0, 4, 2]);
+  await load(page, [60, 4, 2]);
+  await vector(page, "value-1", [100, 0, 0]);
+  await solve(page);
+  await view(page, "top");
+  await page.mouse.move(5, 5);
+  const at = [[20, 4, 4], [40, 4, 4]];
+  const [before, besideBefore] = await colours(page, at);
+  await page.click("#degenerate");
+  const [point, beside] = await colours(page, at);
+  await shot(page, "degenerate");
+  assert.ok(bright(point) < 120 && bright(before) > bright(point) + 60, `a wedge is dark: ${point}, before ${before}`);
+  assert.ok(far(beside, besideBefore) < 6, `${beside} ${besideBefore}`);
+  // One above, one below.
+  assert.equal(await page.textContent("#degenerate-count"), "(2)");
+  await page.click("#degenerate");
+  const [after] = await colours(page, at);
+  assert.ok(far(after, before) < 6, `${after} ${before}`);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
 test("a section shows the stress inside, at any place, and takes the half before it away", async () => {
   const { page, wrong, close } = await bar([0, 0, -20]);
   // Bent about y: 4 mm high, so the stress is greatest above and below and none at half height.

@@ -2,10 +2,12 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { colours, far, folder, launch, places, settle, shown, squares, studio, view, visit } from "./bench.mjs";
+import { boxStl, choose, colours, far, folder, launch, places, settle, shaped, shown, squares, studio, view, visit } from "./bench.mjs";
 
 const WALL = [214, 93, 32];
 const FILL = [86, 178, 171];
+const PLAIN = [184, 191, 196];
+const SEAM = [208, 31, 60];
 const NEAR = 30;
 /** Middles of beads of the highest layer (6: lines along y), and a place between them. */
 const wallAt = [50, 60, 1.2];
@@ -93,6 +95,89 @@ test("colour by flow and by height change the picture", async () => {
   unlike(wall, fill, "flow");
   await page.selectOption("#colour-by", "height");
   near((await colours(page, [wallAt]))[0], [253, 231, 37], "the top");
+});
+
+test("the scale of the flow ends at a flow that the program has", async () => {
+  await reset();
+  await page.selectOption("#colour-by", "flow");
+  // Fill: 0.6 mm wide, 0.2 mm high, 80 mm/s; walls are wider and four times slower.
+  const most = 0.2 * (0.6 - 0.2 * (1 - Math.PI / 4)) * 80;
+  const ends = await page.$$eval("#legend .ends span", (s) => s.map((x) => Number(x.textContent)));
+  assert.ok(ends[0] === 0 && Math.abs(ends[1] - most) < 0.1, `${ends} and ${most}`);
+  near((await colours(page, [fillAt]))[0], [253, 231, 37], "the fastest fill");
+});
+
+test("seams are drawn where closed walls begin, and nowhere else", async () => {
+  await reset();
+  // Each wall begins at (40, 40) and runs along x.
+  const [seam, along, fill] = [[40.8, 40, 1.2], [50, 40, 1.2], fillAt];
+  unlike((await colours(page, [seam]))[0], SEAM, "by role");
+  await page.selectOption("#colour-by", "seam");
+  const found = await colours(page, [seam, along, fill]);
+  near(found[0], SEAM, "the seam");
+  near(found[1], PLAIN, "the rest of the wall");
+  near(found[2], PLAIN, "fill");
+  assert.deepEqual(await page.$$eval("#legend div", (rows) => rows.map((r) => r.textContent)), ["where a closed wall begins (6)", "other beads"]);
+  const [[x, y]] = await places(page, [seam]);
+  await page.mouse.move(x, y);
+  await page.waitForFunction(() => document.getElementById("bead").textContent.includes("seam"));
+  await page.mouse.move(5, 5);
+});
+
+test("layers are coloured by the time that they take", async () => {
+  const own = folder({ "slow.gcode": squares(3).replace(";LAYER_CHANGE\nG1 Z0.60", "G4 S60\n;LAYER_CHANGE\nG1 Z0.60") });
+  const other = await studio(own.dir, "slow.gcode");
+  const visited = await visit(browser, other.address);
+  await shown(visited.page);
+  await view(visited.page, "top");
+  await visited.page.selectOption("#colour-by", "time");
+  // The pause is in the second layer: its wall is bright where the third one is not shown, and that of the third is dark.
+  const third = (await colours(visited.page, [[50, 60, 0.6]]))[0];
+  await visited.page.$eval("#high", (input) => { input.focus(); input.value = "1"; input.dispatchEvent(new Event("input", { bubbles: true })); });
+  const second = (await colours(visited.page, [[50, 60, 0.4]]))[0];
+  near(second, [253, 231, 37], "with the pause");
+  unlike(third, second, "without");
+  const ends = await visited.page.$$eval("#legend .ends span", (s) => s.map((x) => Number(x.textContent)));
+  assert.ok(ends[1] - ends[0] > 55 && ends[0] > 3, `${ends}`);
+  assert.match(await visited.page.textContent("#legend"), /Layer time, s/);
+  assert.deepEqual(visited.wrong, []);
+  await visited.close();
+  await other.end();
+  own.remove();
+});
+
+test("a program without a guide has no angle off a load", async () => {
+  assert.deepEqual(await page.$$eval("#colour-by option", (all) => all.map((o) => o.value)), ["role", "speed", "width", "angle", "flow", "height", "time", "seam"]);
+});
+
+test("a plan that follows its guide is coloured by the angle off the load", async () => {
+  const job = (angle) => `[shape]\nmesh = "bar.stl"\n[process]\nwalls = 1\n[fill]\npattern = "rectilinear"\ndensity = 1.0\nangles_deg = [${angle}]\n[guide]\nkind = "stress"\n` +
+    '[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [0, 8, 2]] }\nfix = "xyz"\n[[guide.load]]\non = { box_mm = [[40, 0, 0], [40, 8, 2]] }\nforce_n = [100, 0, 0]\n';
+  const own = folder({ "bar.stl": boxStl([40, 8, 2]), "along.toml": job(0), "across.toml": job(90) });
+  const other = await studio(own.dir);
+  const found = {};
+  for (const name of ["along", "across"]) {
+    const visited = await visit(browser, other.address);
+    await choose(visited.page, `${name}.toml`);
+    await shaped(visited.page);
+    await visited.page.click("#tab-job");
+    await visited.page.click("#panel-job button.main");
+    await visited.page.waitForFunction(() => document.documentElement.dataset.angles, null, { timeout: 240_000 });
+    await view(visited.page, "top");
+    await visited.page.selectOption("#colour-by", "load");
+    const [low, high] = await visited.page.evaluate(() => window.studio.viewer.beads.index.part_mm);
+    // The middle of a bar that is pulled along x, where a bead of the solid fill lies.
+    found[name] = (await colours(visited.page, [[0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), high[2]]]))[0];
+    assert.deepEqual(await visited.page.$$eval("#legend .ends span", (s) => s.map((x) => x.textContent)), ["0°", "90°"]);
+    assert.deepEqual(visited.wrong, []);
+    await visited.close();
+  }
+  // Between two beads it is darker, so hues are compared: dark violet is 0 degrees, yellow is 90.
+  const [along, across] = [found.along, found.across];
+  assert.ok(along[2] > along[1] && along[1] < 60, `along the pull: ${along}`);
+  assert.ok(across[0] > 120 && across[1] > 120 && across[2] < 90, `across the pull: ${across}`);
+  await other.end();
+  own.remove();
 });
 
 test("a lower layer shows its own lines", async () => {

@@ -106,7 +106,7 @@ pub(crate) fn write(
     read_s: f64,
     measured: bool,
     truth: Option<&[Dimension]>,
-    ready: &dyn Fn(&Arc<Program>),
+    ready: &dyn Fn(&Arc<Program>, &Planned),
     diagnostics: &Diagnostics,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
@@ -128,7 +128,7 @@ pub(crate) fn write(
         // The test runs before the rename, so that a program that fails to be tested does not replace an
         // earlier one.
         program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?.map(Arc::new);
-        program.iter().for_each(ready);
+        program.iter().for_each(|program| ready(program, &planned));
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
             tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
         }

@@ -84,6 +84,47 @@ fn loads_on_faces_turn_with_the_part() {
     assert_eq!(run(&face(0), turned, "")["loads"], by_plane["loads"]);
 }
 
+/// Half of the top of a bar, cut across its two triangles: the area and its middle are those of the half, turned and scaled too.
+#[test]
+fn a_part_of_a_face_is_loaded_up_to_the_plane_that_cuts_it() {
+    let dir = folder("faces-side");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let names = names(&json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"])));
+    let load = |side: &str, shape: &str, kind: &str| {
+        let text = format!(
+            "[shape]\nmesh = \"bar.stl\"\n{shape}\n[guide]\nkind = \"stress\"\nframe = \"part\"\nanalysis = \"solid\"\nelement_mm = 1\n\
+             [[guide.fixture]]\non = {{ face = {:?} }}\nfix = \"xyz\"\n[[guide.load]]\non = {{ face = {:?}{side} }}\n{kind}\n",
+            names[0], names[5]
+        );
+        std::fs::write(dir.join("job.toml"), text).expect("a job");
+        let seen = json(&grainpath(&dir, &["run", "job.toml", "--check", "--json"]));
+        assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
+        let load = seen["stress"]["loads"][0].clone();
+        let number = |v: &Value| v.as_f64().expect("a number");
+        (number(&load["area_mm2"]), [0, 1, 2].map(|k| number(&load["at_mm"][k])), load)
+    };
+    let (down, plain) = ("force_n = [0, 0, -5]", "");
+    let (whole, ..) = load("", plain, down);
+    let side = |x: f64, sign: i32| format!(", side = {{ point_mm = [{x}, 0, 0], normal = [{sign}, 0, 0] }}");
+    let (far, at, seen) = load(&side(25.0, 1), plain, down);
+    // Source: 15 of 40 mm; sides of elements of 1 mm are taken whole.
+    assert!((far / 120.0 - 1.0).abs() < 0.05 && (at[0] - 32.5).abs() < 0.3, "{seen}");
+    assert!((seen["force_n"][2].as_f64().expect("a force") + 5.0).abs() < 1e-9, "{seen}");
+    let (near, ..) = load(&side(25.0, -1), plain, down);
+    assert!((near + far - whole).abs() < 0.02 * whole, "{near} and {far} of {whole}");
+    // Upright and twice as large, with a torque about the middle of the part.
+    let upright = "rotate_deg = [0, -90, 0]\nscale = 2.0";
+    let (large, _, seen) = load(&side(25.0, 1), upright, "torque_nmm = 100");
+    assert!((large / 480.0 - 1.0).abs() < 0.05, "{seen}");
+    // A plane beside the face leaves nothing, which is refused.
+    let text =
+        std::fs::read_to_string(dir.join("job.toml")).expect("a job").replace("[25, 0, 0]", "[50, 0, 0]");
+    std::fs::write(dir.join("job.toml"), text).expect("a job");
+    let refused = grainpath(&dir, &["run", "job.toml", "--check"]);
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && words.contains("load 1"), "{words}");
+}
+
 #[test]
 fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
     let dir = folder("faces-turned-box");

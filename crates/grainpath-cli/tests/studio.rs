@@ -318,6 +318,51 @@ fn plans_on_a_solved_stress_are_those_of_the_command_line() {
     assert!(times[0] < times[2] && times[1] < times[2], "{times:?}");
 }
 
+/// Fill along the pull of a bar is 0 degrees off the load, fill across it 90, as the report says in the mean.
+#[test]
+fn angles_off_the_load_are_those_of_the_report() {
+    let dir = folder("studio angles");
+    fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("written");
+    let studio = Studio::start(&dir, &[]);
+    let mesh = dir.join("bar.stl").display().to_string();
+    for (fill_deg, wanted) in [(0, 0.0), (90, 90.0), (30, 30.0)] {
+        let text = format!(
+            "[shape]\nmesh = {mesh:?}\n[guide]\nkind = \"stress\"\n[fill]\npattern = \"rectilinear\"\ndensity = 1.0\nangles_deg = [{fill_deg}]\n\
+             [[guide.fixture]]\non = {{ box_mm = [[0, 0, 0], [0, 8, 2]] }}\nfix = \"xyz\"\n\
+             [[guide.load]]\non = {{ box_mm = [[40, 0, 0], [40, 8, 2]] }}\nforce_n = [100, 0, 0]\n"
+        );
+        let state = studio.run(&object!({ "kind": "plan", "text": text, "name": format!("bar{fill_deg}") }));
+        assert_eq!(state["phase"], "done", "{state}");
+        let id = &state["id"];
+        let index = studio.get(&format!("/v1/jobs/{id}/layers"));
+        let last = index["layers"].as_array().expect("layers").len() - 1;
+        let bytes = |what: &str| {
+            studio.ask("GET", &format!("/v1/jobs/{id}/layers/0-{last}{what}"), "", &studio.token).1
+        };
+        let (records, angles) = (bytes(""), bytes("/angles"));
+        assert_eq!(records.len(), 8 * angles.len());
+        let classes = index["classes"].as_array().expect("names");
+        let is_fill = |r: &[u8]| {
+            ["Solid infill", "Top solid infill"].iter().any(|n| classes[usize::from(r[6] & 127)] == *n)
+        };
+        let at = |r: &[u8]| [0, 2].map(|k| f64::from(u16::from_le_bytes([r[k], r[k + 1]])));
+        let rows: Vec<&[u8]> = records.chunks(8).collect();
+        // The mean over the length, as the report forms it; the stress of a bar is the same everywhere.
+        let (mut sum, mut length) = (0.0, 0.0);
+        for k in 1..rows.len() {
+            if is_fill(rows[k]) && angles[k] < 255 {
+                let ([x, y], [u, v]) = (at(rows[k - 1]), at(rows[k]));
+                let own = ((u - x).powi(2) + (v - y).powi(2)).sqrt();
+                (sum, length) = (sum + own * 0.5 * f64::from(angles[k]), length + own);
+            }
+        }
+        let (own, report) = (sum / length, studio.get(&format!("/v1/jobs/{id}/result")));
+        let mean = report["report"]["quality"]["alignment_mean_deg"].as_f64().expect("a mean");
+        assert!((mean - wanted).abs() < 8.0, "{mean} {wanted}");
+        assert!((own - mean).abs() < 2.0, "{own} {mean}");
+    }
+}
+
 /// A studio that works all day needs no more memory in the evening than at noon.
 #[cfg(target_os = "linux")]
 #[test]

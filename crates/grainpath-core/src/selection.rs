@@ -105,8 +105,13 @@ impl SurfacePatch {
 
     /// Its area, mm2.
     pub fn area_mm2(&self) -> f64 {
-        self.triangles.triangles.iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum()
+        self.triangles.area_mm2()
     }
+}
+
+/// Area of a triangle, mm2.
+fn area_mm2([a, b, c]: &[DVec3; 3]) -> f64 {
+    0.5 * (*b - *a).cross(*c - *a).length()
 }
 
 /// A list of triangles that answers quickly how far a point is from them.
@@ -129,6 +134,47 @@ impl Facets {
     /// The corners of each triangle.
     pub fn triangles(&self) -> &[[DVec3; 3]] {
         &self.triangles
+    }
+
+    /// What lies on the side of a plane to which its normal points. Triangles that the plane crosses are cut along it.
+    #[must_use]
+    pub fn on_side(&self, point: DVec3, normal: DVec3) -> Self {
+        let mut kept = Vec::with_capacity(self.triangles.len());
+        for triangle in self.triangles.iter() {
+            let above = triangle.map(|p| (p - point).dot(normal));
+            // The corners of what is kept, in the order of the triangle: three or four where the plane crosses it.
+            let mut corners: Vec<DVec3> = Vec::with_capacity(4);
+            for k in 0..3 {
+                let next = (k + 1) % 3;
+                if above[k] >= 0.0 {
+                    corners.push(triangle[k]);
+                }
+                if (above[k] > 0.0 && above[next] < 0.0) || (above[k] < 0.0 && above[next] > 0.0) {
+                    let share = above[k] / (above[k] - above[next]);
+                    corners.push(triangle[k].lerp(triangle[next], share));
+                }
+            }
+            // A triangle that only touches the plane leaves a point or an edge, which has no area.
+            for k in 2..corners.len() {
+                let piece = [corners[0], corners[k - 1], corners[k]];
+                if area_mm2(&piece) > 0.0 {
+                    kept.push(piece);
+                }
+            }
+        }
+        Self::new(kept)
+    }
+
+    /// Area of all triangles, mm2.
+    pub fn area_mm2(&self) -> f64 {
+        self.triangles.iter().map(area_mm2).sum()
+    }
+
+    /// Centroid of the area; `None` without an area.
+    pub fn centroid(&self) -> Option<DVec3> {
+        let sum: DVec3 = self.triangles.iter().map(|t| t.iter().sum::<DVec3>() / 3.0 * area_mm2(t)).sum();
+        let area = self.area_mm2();
+        (area > 0.0).then(|| sum / area)
     }
 
     /// Whether a point lies within a distance of a triangle.
@@ -322,6 +368,41 @@ mod tests {
         assert!(selection.grown(1.0).contains(DVec3::new(4.5, 2.0, 1.0)));
         let points = Selection::Points(Facets::new(vec![[DVec3::X; 3], [DVec3::Y; 3]]));
         assert!(points.contains(DVec3::X) && points.contains(DVec3::Y) && !points.contains(DVec3::ZERO));
+    }
+
+    /// A plane cuts triangles where it crosses them: both sides together are the whole, and each has its exact area.
+    #[test]
+    fn facets_are_cut_exactly_by_a_plane() {
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
+        let square = Facets::new(vec![
+            [corner(0.0, 0.0), corner(4.0, 0.0), corner(4.0, 4.0)],
+            [corner(0.0, 0.0), corner(4.0, 4.0), corner(0.0, 4.0)],
+        ]);
+        // Across both triangles, aslant, along the diagonal edge, along a side, and beside the square.
+        let slant = DVec3::new(0.6, 0.8, 0.0);
+        let diagonal = DVec3::new(1.0, -1.0, 0.0).normalize();
+        for (point, normal, area) in [
+            (DVec3::new(1.0, 0.0, 0.0), DVec3::X, 12.0),
+            (DVec3::new(1.0, 0.0, 0.0), -DVec3::X, 4.0),
+            // 0.6 x + 0.8 y < 1.2 is the triangle of 2 x 1.5 mm at the origin.
+            (DVec3::new(2.0, 0.0, 0.0), slant, 14.5),
+            (DVec3::new(2.0, 0.0, 0.0), -slant, 1.5),
+            (DVec3::ZERO, diagonal, 8.0),
+            (DVec3::ZERO, DVec3::X, 16.0),
+            (DVec3::ZERO, -DVec3::X, 0.0),
+            (DVec3::new(9.0, 0.0, 0.0), DVec3::X, 0.0),
+        ] {
+            let part = square.on_side(point, normal);
+            assert!((part.area_mm2() - area).abs() < 1e-12, "{point} {normal}: {}", part.area_mm2());
+            assert!(part.triangles().iter().flatten().all(|p| (*p - point).dot(normal) > -1e-12));
+            // Seen from the same side as before.
+            assert!(part.triangles().iter().all(|[a, b, c]| (*b - *a).cross(*c - *a).z > 0.0));
+        }
+        let part = square.on_side(DVec3::new(1.0, 0.0, 0.0), DVec3::X);
+        assert!((part.centroid().expect("an area") - corner(2.5, 2.0)).length() < 1e-12);
+        assert_eq!(square.on_side(DVec3::X * 9.0, DVec3::X).centroid(), None);
+        let selection = Selection::Triangles(part);
+        assert!(selection.contains(corner(1.05, 2.0)) && !selection.contains(corner(0.95, 2.0)));
     }
 
     #[test]

@@ -85,6 +85,8 @@ struct Block {
     unit: [f64; 4],
     /// Virtual acceleration of the minimum cruise ratio.
     smooth_acceleration: f64,
+    /// The span that its time counts for.
+    span: usize,
 }
 
 impl Block {
@@ -114,6 +116,8 @@ pub struct TimeEstimator {
     /// The same speed in the profile with the virtual acceleration.
     smooth_entry: f64,
     done_s: f64,
+    /// The same for each span; moves are in the last one.
+    spans_s: Vec<f64>,
 }
 
 /// Moves that are planned together. With that many waiting, the times of the older half become final. Source: Marlin looks
@@ -130,7 +134,25 @@ impl TimeEstimator {
             entry: 0.0,
             smooth_entry: 0.0,
             done_s: 0.0,
+            spans_s: vec![0.0],
         }
+    }
+
+    /// Counts the moves from here on for a span of their own. The first span begins with the first move.
+    pub fn begin_span(&mut self) {
+        self.spans_s.push(0.0);
+    }
+
+    /// Number of spans.
+    pub fn n_spans(&self) -> usize {
+        self.spans_s.len()
+    }
+
+    /// Time of each span so far, s. The last move ends at rest.
+    pub fn spans_s(&self) -> Vec<f64> {
+        let mut rest = self.clone();
+        rest.settle(usize::MAX);
+        rest.spans_s
     }
 
     /// The limits it was made with.
@@ -174,7 +196,16 @@ impl TimeEstimator {
         } else {
             acceleration * cruise_share
         };
-        self.queue.push_back(Block { length, speed, acceleration, entry_limit, unit, smooth_acceleration });
+        let span = self.spans_s.len() - 1;
+        self.queue.push_back(Block {
+            length,
+            speed,
+            acceleration,
+            entry_limit,
+            unit,
+            smooth_acceleration,
+            span,
+        });
         if self.queue.len() >= LOOK_AHEAD {
             self.settle(LOOK_AHEAD / 2);
         }
@@ -184,7 +215,11 @@ impl TimeEstimator {
     pub fn dwell(&mut self, seconds: f64) {
         // Motion ends at rest before a pause.
         self.settle(usize::MAX);
-        self.done_s += seconds.max(0.0);
+        let seconds = seconds.max(0.0);
+        self.done_s += seconds;
+        if let Some(span) = self.spans_s.last_mut() {
+            *span += seconds;
+        }
     }
 
     /// Highest speed at which a move may begin from rest or end at rest.
@@ -254,7 +289,9 @@ impl TimeEstimator {
             let top = peak.min(b.speed).max(v0.max(v1));
             // Length of both ramps together; the rest of the length is driven at the top speed.
             let ramps = (top * top - v0 * v0 + top * top - v1 * v1) / (2.0 * a);
-            self.done_s += (2.0 * top - v0 - v1) / a + (b.length - ramps).max(0.0) / top;
+            let seconds = (2.0 * top - v0 - v1) / a + (b.length - ramps).max(0.0) / top;
+            self.done_s += seconds;
+            self.spans_s[b.span] += seconds;
             self.entry = v1;
         }
         if self.queue.is_empty() {

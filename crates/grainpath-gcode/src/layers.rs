@@ -67,6 +67,8 @@ pub struct BeadLayer {
     pub fibre_starts: usize,
     /// Places where fibre is cut.
     pub cuts: Vec<[f32; 2]>,
+    /// Estimated time with its travels and pauses, s; the layers together take as long as the program.
+    pub time_s: f64,
 }
 
 /// A comment with which a slicer marks the beginning of a layer.
@@ -135,6 +137,8 @@ pub(crate) struct LayerCollector {
     marked: Vec<Marked>,
     /// Whether nothing was printed before the first mark.
     starts_marked: bool,
+    /// Parts of layers so far.
+    n_parts: usize,
 }
 
 impl LayerCollector {
@@ -159,13 +163,19 @@ impl LayerCollector {
         *self.current().printed_mm.entry(key(z_mm)).or_default() += length_mm;
     }
 
+    /// Number of parts of layers that were begun so far.
+    pub(crate) fn n_parts(&self) -> usize {
+        self.n_parts
+    }
+
     /// The part of the current layer at a height.
     pub(crate) fn layer_at(&mut self, z_mm: f64) -> &mut BeadLayer {
-        let parts = &mut self.current().parts;
         // Only the last part is compared: heights change seldom, and a spiral never returns to an earlier one.
-        if parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
-            parts.push((key(z_mm), BeadLayer::default()));
+        if self.current().parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
+            self.n_parts += 1;
+            self.current().parts.push((key(z_mm), BeadLayer::default()));
         }
+        let parts = &mut self.current().parts;
         let last = parts.len() - 1;
         &mut parts[last].1
     }
@@ -179,8 +189,14 @@ impl LayerCollector {
         self.marked[0].parts.splice(..0, priming.parts);
     }
 
-    /// The layers from the plate up, with their heights.
-    pub(crate) fn finish(mut self) -> Vec<BeadLayer> {
+    /// The layers from the plate up, with their heights. `spans_s` is the time before the first part, and that of each part
+    /// in the order in which they were begun.
+    pub(crate) fn finish(mut self, spans_s: &[f64]) -> Vec<BeadLayer> {
+        let (before, of_parts) = spans_s.split_first().map_or((0.0, spans_s), |(first, rest)| (*first, rest));
+        let parts = self.marked.iter_mut().flat_map(|m| &mut m.parts);
+        for (k, ((_, part), span)) in parts.zip(of_parts).enumerate() {
+            part.time_s = if k == 0 { before + span } else { *span };
+        }
         self.marked.retain(|m| !m.parts.is_empty());
         if self.kind.is_some() && self.marked.len() > 1 {
             self.join_priming();
@@ -213,6 +229,7 @@ impl BeadLayer {
         self.cuts.append(&mut other.cuts);
         self.paths += other.paths;
         self.fibre_starts += other.fibre_starts;
+        self.time_s += other.time_s;
     }
 }
 
@@ -276,6 +293,30 @@ mod tests {
     fn layers_that_do_not_rise_are_by_height() {
         let text = squares(&[0.2, 0.4, 0.2, 0.4, 0.6], |i| format!(";LAYER:{i}"));
         assert_eq!(heights_of(&text), [0.2, 0.4, 0.6]);
+    }
+
+    /// Each layer has its own time; all together they have that of the program.
+    #[test]
+    fn times_of_layers_sum_to_that_of_the_program() {
+        // The second layer at half the speed, with a pause after it; objects one after the other share layers.
+        let slow = "G1 Z0.4\nG1 X0 Y0 F600\nG1 X100 E4 F1200\nG4 S5\n";
+        let plain = |z: f64| format!("G1 Z{z} F600\nG1 X0 Y0\nG1 X100 E4 F2400\n");
+        let marked =
+            format!("M83\n;LAYER_CHANGE\n{};LAYER_CHANGE\n{slow};LAYER_CHANGE\n{}", plain(0.2), plain(0.6));
+        let unmarked = format!("M83\n{}{slow}{}{}{slow}{}", plain(0.2), plain(0.6), plain(0.2), plain(0.6));
+        for (text, factor) in [(marked, 1.0), (unmarked, 2.0)] {
+            let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+            let times: Vec<f64> = program.layers.iter().map(|l| l.time_s).collect();
+            assert_eq!(times.len(), 3);
+            assert!(
+                (times.iter().sum::<f64>() - program.time_s).abs() < 1e-9,
+                "{times:?} {}",
+                program.time_s
+            );
+            // 100 mm at 40 mm/s, or at 20 mm/s and the pause; with the ways back, which take some seconds at 10 mm/s.
+            assert!((times[1] - times[2]) / factor > 5.0 + 2.0, "{times:?}");
+            assert!(times.iter().all(|t| *t / factor > 2.5), "{times:?}");
+        }
     }
 
     #[test]

@@ -392,6 +392,7 @@ impl Machine {
 
     /// Counts the time of a move, divided into the same pieces as in the firmware.
     fn spend(&mut self, start: DVec2, points: &[DVec2], dz: f64, de: f64) {
+        self.begin_spans();
         let de = if self.volumetric { de / self.volumetric_mm2 } else { de };
         let share = 1.0 / points.len() as f64;
         let mut p = start;
@@ -402,8 +403,16 @@ impl Machine {
         }
     }
 
+    /// Each part of a layer has a span of its own from its first bead to that of the next part.
+    fn begin_spans(&mut self) {
+        while self.time.n_spans() <= self.layers.n_parts() {
+            self.time.begin_span();
+        }
+    }
+
     fn finish(mut self) -> Program {
-        self.program.layers = std::mem::take(&mut self.layers).finish();
+        self.begin_spans();
+        self.program.layers = std::mem::take(&mut self.layers).finish(&self.time.spans_s());
         if self.n_broken > 5 {
             let text = format!("{} lines cannot be understood", self.n_broken);
             self.program.warnings.push(Warning::new(WarningId::GcodeNotRead, text));

@@ -35,6 +35,15 @@ pub enum Place {
     Facets(Vec<usize>),
     /// A face of the part, by the name that `grainpath inspect --faces` gives it.
     Face(FaceName),
+    /// The part of a face on one side of a plane.
+    FaceSide {
+        /// The face.
+        face: FaceName,
+        /// A point of the plane, mm.
+        point_mm: DVec3,
+        /// Unit normal of the plane; it points to the part of the face that is meant.
+        normal: DVec3,
+    },
 }
 
 /// A place whose motion is prescribed.
@@ -175,13 +184,22 @@ pub(super) fn needed<T>(found: Option<T>, expected: &'static str) -> Result<T, V
 
 fn place(value: &Value) -> Result<Place, ValueError> {
     let keys = "face, box_mm, turned_box, plane, cylinder, sphere, facets";
-    let known = ["face", "box_mm", "turned_box", "plane", "cylinder", "sphere", "facets"];
+    let known = ["face", "side", "box_mm", "turned_box", "plane", "cylinder", "sphere", "facets"];
     let Reader(on) = Reader::new(value, "a table in { }", &known)?;
-    let mut entries = on.iter();
+    let side = on.get("side");
+    let mut entries = on.iter().filter(|(key, _)| *key != "side");
     // Exactly one kind is allowed, since two would be ambiguous.
     let (Some((kind, value)), None) = (entries.next(), entries.next()) else {
         return Err(Problem::SeveralKinds { keys }.into());
     };
+    if let (Some(side), "face") = (side, kind.as_str()) {
+        let face = read_face(value).map_err(|e| e.in_key("face"))?;
+        let [point_mm, normal] = read_side(side).map_err(|e| e.in_key("side"))?;
+        return Ok(Place::FaceSide { face, point_mm, normal });
+    }
+    if side.is_some() {
+        return Err(Problem::Missing { expected: "face beside side" }.into());
+    }
     let read = match kind.as_str() {
         "face" => read_face(value).map(Place::Face),
         "box_mm" => read_box(value).map(Place::Shape),
@@ -265,6 +283,12 @@ fn read_plane(value: &Value) -> Result<Selection, ValueError> {
     })
 }
 
+/// The plane that cuts a face: a point and the unit normal, which points to the part that is meant.
+fn read_side(value: &Value) -> Result<[DVec3; 2], ValueError> {
+    let t = Reader::new(value, "a table in { }", &["point_mm", "normal"])?;
+    Ok([needed(t.vector("point_mm")?, "point_mm")?, t.direction("normal")?])
+}
+
 fn read_cylinder(value: &Value) -> Result<Selection, ValueError> {
     let t = Reader::new(value, "a table in { }", &["point_mm", "axis", "radius_mm", "length_mm"])?;
     Ok(Selection::Cylinder {
@@ -287,6 +311,11 @@ fn place_text(place: &Place) -> String {
     let v = |p: &DVec3| vector_text(*p);
     match place {
         Place::Face(name) => format!("{{ face = \"{name}\" }}"),
+        Place::FaceSide { face, point_mm, normal } => format!(
+            "{{ face = \"{face}\", side = {{ point_mm = {}, normal = {} }} }}",
+            v(point_mm),
+            v(normal)
+        ),
         Place::Facets(f) => format!("{{ facets = {} }}", f.to_text()),
         Place::Shape(Selection::TurnedBox { centre, half, axes }) => format!(
             "{{ turned_box = {{ centre_mm = {}, size_mm = {}, rotate_deg = {} }} }}",
@@ -350,13 +379,16 @@ fn place_schema() -> serde_json::Value {
     let plane = json!({ "point_mm": vector, "normal": vector, "tolerance_mm": number });
     let cylinder = json!({ "point_mm": vector, "axis": vector, "radius_mm": number, "length_mm": number });
     let sphere = json!({ "centre_mm": vector, "radius_mm": number });
+    let side = json!({ "point_mm": vector, "normal": vector });
+    let kinds = ["face", "box_mm", "turned_box", "plane", "cylinder", "sphere", "facets"];
     json!({
         "type": "object",
         "additionalProperties": false,
-        "minProperties": 1,
-        "maxProperties": 1,
+        "oneOf": kinds.map(|key| json!({ "required": [key] })),
+        "dependentRequired": { "side": ["face"] },
         "properties": {
             "face": { "type": "string", "pattern": "^f:[0-9a-fA-F]{4,15}$" },
+            "side": table_schema(&side, &["point_mm", "normal"]),
             "box_mm": <[[f64; 3]; 2]>::schema(),
             "turned_box": table_schema(&turned_box, &["centre_mm", "size_mm", "rotate_deg"]),
             "plane": table_schema(&plane, &["point_mm", "normal"]),

@@ -554,6 +554,16 @@ mod tests {
     }
 
     #[test]
+    fn a_part_of_a_face_is_read_with_the_plane_that_cuts_it() {
+        let text = "[[guide.load]]\non = { side = { point_mm = [1, 2, 3], normal = [0, 0, -2] }, face = \"f:9c1e\" }\nforce_n = [1, 0, 0]\n";
+        let load = &parse(text, &[]).expect("sound").guide.load[0];
+        let again = "{ on = { face = \"f:9c1e\", side = { point_mm = [1, 2, 3], normal = [0, 0, -1] } }, force_n = [1, 0, 0] }";
+        assert_eq!(crate::value::SettingValue::to_text(load), again);
+        let read = parse(&format!("guide.load = [{again}]\n"), &[]).expect("sound");
+        assert_eq!(&read.guide.load[0], load);
+    }
+
+    #[test]
     fn wrong_loads_name_their_entry_and_line() {
         let on = "on = { plane = { point_mm = [0, 0, 0], normal = [0, 0, 1] } }";
         for (text, expect) in [
@@ -568,6 +578,14 @@ mod tests {
             (
                 "[[guide.load]]\non = { plane = { point_mm = [0, 0, 0], normal = [0, 0, 0] } }\npressure_mpa = 1\n".into(),
                 "job.toml:2: guide.load[1].on.plane.normal should be a direction, is a vector of length 0",
+            ),
+            (
+                "[[guide.load]]\non = { facets = [1], side = { point_mm = [0, 0, 0], normal = [0, 0, 1] } }\nforce_n = [1, 0, 0]\n".into(),
+                "job.toml:2: guide.load[1].on needs face beside side",
+            ),
+            (
+                "[[guide.load]]\non = { face = \"f:9c1e\", side = { point_mm = [0, 0, 0] } }\nforce_n = [1, 0, 0]\n".into(),
+                "job.toml:2: guide.load[1].on.side needs normal",
             ),
             (
                 format!("[[guide.fixture]]\n{on}\nfix = \"xq\"\n"),

@@ -66,10 +66,19 @@ pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
     given.split(',').any(|word| word.trim().starts_with("gzip"))
 }
 
-/// Bytes as gzip.
+/// Bytes as gzip, for answers that are made once.
 pub(crate) fn packed(bytes: &[u8]) -> Vec<u8> {
+    gzip(bytes, flate2::Compression::fast())
+}
+
+/// Bytes as gzip, as small as it gets: for the page, which is packed once for all visits.
+pub(crate) fn packed_small(bytes: &[u8]) -> Vec<u8> {
+    gzip(bytes, flate2::Compression::best())
+}
+
+fn gzip(bytes: &[u8], level: flate2::Compression) -> Vec<u8> {
     use std::io::Write;
-    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), level);
     // Writing to memory cannot fail.
     let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
     written.unwrap_or_default()

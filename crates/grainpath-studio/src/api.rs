@@ -28,6 +28,7 @@ use crate::answers::{Problem, accepts_gzip, binary, fault, packed, refused};
 use crate::engine::{CaseValues, Finished, JobText, StressSurface};
 use crate::gate::check;
 use crate::openapi::{self, Route};
+use crate::records::Records;
 use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
@@ -66,6 +67,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::RESULT, get(result)),
         (openapi::LAYERS, get(layer_index)),
         (openapi::RECORDS, get(layer_records)),
+        (openapi::ANGLES, get(layer_angles)),
         (openapi::DAMAGE, get(damage)),
         (openapi::SURFACE, get(surface_bytes)),
         (openapi::STRESSED, get(stressed)),
@@ -604,6 +606,7 @@ async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde
         .collect();
     Ok(Json(json!({
         "ok": true, "report": finished.report, "warnings": finished.warnings, "outputs": outputs,
+        "angles": finished.angles.is_some(),
         "cases": finished.stress.as_ref().map(|s| s.cases.iter().map(|c| c.name.as_str()).collect::<Vec<_>>()),
         "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len(), "states": d.states })),
     })))
@@ -614,14 +617,8 @@ async fn layer_index(State(studio): Shared, Path(id): Path<u64>) -> Answer<Respo
     Ok(Json(drawn.records.index()).into_response())
 }
 
-/// Records of the layers `a-b`, counted from 0, both included, one layer after the other in the order of the index.
-async fn layer_records(
-    State(studio): Shared,
-    Path((id, range)): Path<(u64, String)>,
-    headers: HeaderMap,
-) -> Answer<Response> {
-    let drawn = drawn(&studio, id)?;
-    let n = drawn.program.layers.len();
+/// The layers `a-b` of `n`, counted from 0, both included.
+fn layer_range(range: &str, n: usize) -> Answer<std::ops::RangeInclusive<usize>> {
     let wrong = || {
         let wanted =
             format!("layers are \"FIRST-LAST\" with numbers below {n}, at most {MOST_LAYERS} at a time");
@@ -632,14 +629,38 @@ async fn layer_records(
     if first > last || last >= n || last - first >= MOST_LAYERS {
         return Err(wrong());
     }
-    let is_packed = accepts_gzip(&headers);
-    let bytes = tokio::task::spawn_blocking(move || {
-        let layers = &drawn.program.layers[first..=last];
-        let bytes: Vec<u8> = layers.iter().flat_map(|l| drawn.records.layer(l)).collect();
-        if is_packed { packed(&bytes) } else { bytes }
-    });
-    let bytes = bytes.await.map_err(fault)?;
-    Ok(binary(bytes, is_packed))
+    Ok(first..=last)
+}
+
+/// Records of the layers `a-b`, counted from 0, both included, one layer after the other in the order of the index.
+async fn layer_records(
+    State(studio): Shared,
+    Path((id, range)): Path<(u64, String)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let drawn = drawn(&studio, id)?;
+    let range = layer_range(&range, drawn.program.layers.len())?;
+    let layers =
+        move || Ok(drawn.program.layers[range].iter().flat_map(|l| drawn.records.layer(l)).collect());
+    made(&headers, layers).await
+}
+
+/// The angle to the load of the same records, a byte each.
+async fn layer_angles(
+    State(studio): Shared,
+    Path((id, range)): Path<(u64, String)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let range = layer_range(&range, result.finished.program.layers.len())?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, "the paths of this job follow no guide");
+    made(&headers, move || {
+        let angles = result.finished.angles.as_deref().ok_or_else(none)?;
+        let layers =
+            range.map(|k| (&result.finished.program.layers[k], angles.get(k).map_or(&[][..], Vec::as_slice)));
+        Ok(layers.flat_map(|(layer, of_beads)| Records::angles(layer, of_beads)).collect())
+    })
+    .await
 }
 
 /// Broken elements: x, y, z in mm, the share of stiffness lost and the state in which it broke, as 32-bit floats.

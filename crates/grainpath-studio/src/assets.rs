@@ -6,7 +6,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use grainpath_core::hash::splitmix64;
 
-use crate::answers::{accepts_gzip, packed};
+use crate::answers::{accepts_gzip, packed_small};
 
 /// A file of the page.
 pub(crate) struct Asset {
@@ -61,7 +61,7 @@ impl Asset {
             (header::VARY, "accept-encoding"),
         ];
         if accepts_gzip(headers) {
-            let bytes = self.packed.get_or_init(|| packed(self.bytes)).as_slice();
+            let bytes = self.packed.get_or_init(|| packed_small(self.bytes)).as_slice();
             return (fixed, [(header::ETAG, tag)], [(header::CONTENT_ENCODING, "gzip")], bytes)
                 .into_response();
         }

@@ -118,6 +118,9 @@ pub struct Finished {
     pub report: Value,
     /// The program that was written or tested.
     pub program: Arc<Program>,
+    /// Angle of each bead of each layer of the program to the direction that its guide asks for, in halves of a degree, or
+    /// [`NO_ANGLE`](crate::records::NO_ANGLE); `None` without a guide.
+    pub angles: Option<Vec<Vec<u8>>>,
     /// The elements that broke in a strength test.
     pub damage: Option<Damage>,
     /// The part as it is placed.

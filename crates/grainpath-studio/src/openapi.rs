@@ -152,6 +152,12 @@ pub(crate) const RECORDS: Route = Route::get(
     "Layers FIRST-LAST, counted from 0, one after the other: eight bytes a record.",
     Answers::Bytes,
 );
+pub(crate) const ANGLES: Route = Route::get(
+    "/v1/jobs/{id}/layers/{range}/angles",
+    "angles",
+    "The angle of each record of these layers to the direction that the guide asks for: a byte in halves of a degree, 255 where there is none; of plans with a guide, once they are done.",
+    Answers::Bytes,
+);
 pub(crate) const DAMAGE: Route = Route::get(
     "/v1/jobs/{id}/damage",
     "damage",
@@ -319,7 +325,7 @@ fn schemas() -> Value {
             "stage": maybe("string"), "done": whole, "total": whole, "layers": { "type": "boolean" }, "elapsed_s": number,
             "error": maybe("string"), "code": maybe("integer") })),
         "States": object(json!({ "jobs": list(&reference("State")) })),
-        "Result": object(json!({ "report": { "type": "object" }, "warnings": list(&json!({ "type": "object" })),
+        "Result": object(json!({ "report": { "type": "object" }, "angles": { "type": "boolean" }, "warnings": list(&json!({ "type": "object" })),
             "outputs": list(&object(json!({ "kind": text, "path": text }))),
             "cases": { "type": ["array", "null"], "items": text },
             "damage": { "type": ["object", "null"], "properties":
@@ -328,11 +334,11 @@ fn schemas() -> Value {
             "input": maybe("string"), "mass_g": maybe("number"), "time_s": maybe("number"), "layers": maybe("integer"),
             "filament_mm": maybe("number"), "strength": { "type": ["object", "null"] } }))) })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
-            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "records": whole,
+            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "records": whole,
             "generator": maybe("string"), "time_s": number, "filament_mm": number,
             "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
             "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,
-                "printed_mm": number, "volume_mm3": number }))) })),
+                "printed_mm": number, "volume_mm3": number, "time_s": number, "seams": whole }))) })),
         "Profiles": object(json!({ "profiles":
             list(&object(json!({ "kind": text, "name": text, "about": text, "toml": text }))) })),
     })

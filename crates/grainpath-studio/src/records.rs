@@ -7,7 +7,7 @@
 //! | 0, 1 | x of the point, in steps from the origin of the program |
 //! | 2, 3 | y |
 //! | 4, 5 | width of the bead, um |
-//! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], or [`START`] |
+//! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], or [`START`]; [`SEAM`] is added where a closed wall begins |
 //! | 7 | speed, as its index in the program's table of speeds |
 //!
 //! Numbers are little-endian. The first record of a layer is a [`START`], which draws nothing. The page hands the bytes
@@ -25,6 +25,10 @@ use serde::Serialize;
 pub const TRAVEL: u8 = Role::ALL.len() as u8;
 /// Class of the first record of a layer. Source: one more than travels.
 pub const START: u8 = TRAVEL + 1;
+/// Added to the role of the first bead of a closed wall. Source: the top bit; roles need the lower ones.
+pub const SEAM: u8 = 128;
+/// Place of a record in the angles of a layer that has none: travels, starts, and beads where the guide asks for nothing.
+pub const NO_ANGLE: u8 = u8::MAX;
 /// Bytes of a record. Source: the table above.
 pub const RECORD_BYTES: usize = 8;
 /// The greatest number of different speeds. Source: the values of one byte.
@@ -47,6 +51,10 @@ pub struct LayerEntry {
     pub printed_mm: f64,
     /// Volume, mm3.
     pub volume_mm3: f64,
+    /// Estimated time, s.
+    pub time_s: f64,
+    /// Closed walls: each has a seam where it begins.
+    pub seams: usize,
 }
 
 /// Data of a program that the page needs before it draws the first layer.
@@ -64,6 +72,8 @@ pub struct Index {
     pub part_mm: [[f64; 3]; 2],
     /// Least and greatest width of the part's beads, mm, leaving out the narrowest and the widest hundredth.
     pub widths_mm: [f64; 2],
+    /// Flow that 99 of 100 beads of the part stay below, mm3/s.
+    pub flow_mm3_s: f64,
     /// Number of beads and printed length of each class, in the order of `classes`.
     pub shares: Vec<Share>,
     /// The layers.
@@ -101,6 +111,25 @@ enum Step<'a> {
 
 fn far(a: [f32; 2], b: [f32; 2]) -> bool {
     (a[0] - b[0]).abs() > SAME_MM || (a[1] - b[1]).abs() > SAME_MM
+}
+
+/// Whether each bead of a layer is the first of a closed wall. A wall is closed where its path ends within a bead's width of
+/// where it began: slicers leave a gap of a part of a bead at the seam.
+fn seams(layer: &BeadLayer) -> Vec<bool> {
+    let is_wall = |b: &Bead| matches!(b.role, Role::OuterWall | Role::InnerWall);
+    let mut seams = vec![false; layer.beads.len()];
+    let mut first = 0;
+    while first < layer.beads.len() {
+        let begin = &layer.beads[first];
+        let belongs = |b: &Bead| !b.starts && b.role == begin.role;
+        let n = 1 + layer.beads[first + 1..].iter().take_while(|b| belongs(b)).count();
+        let last = &layer.beads[first + n - 1];
+        // Two beads forth and back enclose nothing.
+        let is_closed = n > 2 && begin.start().distance(last.end()) <= begin.width_mm(layer.height_mm);
+        seams[first] = begin.starts && is_wall(begin) && is_closed;
+        first += n;
+    }
+    seams
 }
 
 /// Walks a layer: beads, and between them the travels that lead from one to the next.
@@ -189,7 +218,7 @@ impl Records {
         let speed_keys = speeds(program);
         let classes = Role::ALL.iter().map(|r| r.gcode_name()).chain(["Travel", "Start"]).collect();
         let mut shares = vec![Share::default(); usize::from(START) + 1];
-        let mut widths: Vec<f32> = Vec::new();
+        let (mut widths, mut flows): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
         let mut layers = Vec::with_capacity(program.layers.len());
         for layer in &program.layers {
             let mut entry = LayerEntry {
@@ -199,6 +228,8 @@ impl Records {
                 beads: layer.beads.len(),
                 printed_mm: 0.0,
                 volume_mm3: 0.0,
+                time_s: (layer.time_s * 1e3).round() / 1e3,
+                seams: seams(layer).into_iter().filter(|is_seam| *is_seam).count(),
             };
             walk(layer, |step| {
                 entry.records += 1;
@@ -214,12 +245,19 @@ impl Records {
             // Only a sample of the widths is taken, which is enough for a colour scale.
             let sampled =
                 layer.beads.iter().filter(|b| b.role.is_part()).step_by(1 + layer.beads.len() / 200);
-            widths.extend(sampled.map(|b| b.width_mm(layer.height_mm) as f32));
+            for bead in sampled {
+                let length_mm = bead.start().distance(bead.end()).max(1e-9);
+                widths.push(bead.width_mm(layer.height_mm) as f32);
+                flows.push(bead.volume_mm3 * bead.speed_mm_s / length_mm as f32);
+            }
             layers.push(entry);
         }
         widths.sort_by(f32::total_cmp);
-        let share_of = |q: f64| widths.get(((widths.len() as f64 - 1.0) * q).max(0.0) as usize);
-        let width = |q: f64| share_of(q).map_or(0.0, |w| (f64::from(*w) * 1e3).round() / 1e3);
+        flows.sort_by(f32::total_cmp);
+        let share_of = |of: &[f32], q: f64| {
+            let found = of.get(((of.len() as f64 - 1.0) * q).max(0.0) as usize);
+            found.map_or(0.0, |v| (f64::from(*v) * 1e3).round() / 1e3)
+        };
         let part = part.unwrap_or(all);
         let heights = program.layers.iter().filter(|l| l.beads.iter().any(|b| b.role.is_part()));
         let (mut low_mm, mut high_mm) = (f64::INFINITY, 0.0_f64);
@@ -238,7 +276,8 @@ impl Records {
                 [part.min.x, part.min.y, low_mm.min(high_mm)].map(round),
                 [part.max.x, part.max.y, high_mm].map(round),
             ],
-            widths_mm: [width(0.01), width(0.99)],
+            widths_mm: [0.01, 0.99].map(|q| share_of(&widths, q)),
+            flow_mm3_s: share_of(&flows, 0.99),
             shares,
             layers,
             records,
@@ -267,6 +306,7 @@ impl Records {
             bytes.extend_from_slice(&width_um.to_le_bytes());
             bytes.extend_from_slice(&[class, speed]);
         };
+        let mut seams = seams(layer).into_iter();
         walk(layer, |step| match step {
             Step::Start(p) => push(p, 0, START, 0),
             Step::Travel(p) => push(p, 0, TRAVEL, 0),
@@ -275,8 +315,20 @@ impl Records {
                 let key = speed_key(bead.speed_mm_s);
                 // The largest speed of the table that is not above this one.
                 let speed = self.speed_keys.partition_point(|k| *k <= key).saturating_sub(1);
-                push(bead.b, width_um as u16, class(bead.role), speed as u8);
+                let seam = if seams.next() == Some(true) { SEAM } else { 0 };
+                push(bead.b, width_um as u16, class(bead.role) | seam, speed as u8);
             }
+        });
+        bytes
+    }
+
+    /// A byte for each record of a layer: that of its bead, or [`NO_ANGLE`].
+    pub fn angles(layer: &BeadLayer, of_beads: &[u8]) -> Vec<u8> {
+        let mut of_beads = of_beads.iter();
+        let mut bytes = Vec::with_capacity(layer.beads.len() + layer.travels.len() + 1);
+        walk(layer, |step| {
+            let own = if matches!(step, Step::Bead(_)) { of_beads.next() } else { None };
+            bytes.push(own.copied().unwrap_or(NO_ANGLE));
         });
         bytes
     }
@@ -339,6 +391,62 @@ mod tests {
         assert_eq!(index.speeds_mm_s[usize::from(rows[6][7])], 50.0);
         assert_eq!(index.shares[usize::from(wall)].beads, 3);
         assert!((index.shares[usize::from(wall)].length_mm - 60.0).abs() < 1e-4);
+    }
+
+    /// Closed walls begin with a seam; open ones, fill and what only turns back do not.
+    #[test]
+    fn closed_walls_have_one_seam_each() {
+        let square = |x: f64, gap: f64| {
+            format!(
+                "G1 X{x} Y0 F6000\nG1 X{} E0.3 F1200\nG1 Y10 E0.3\nG1 X{x} E0.3\nG1 Y{gap} E0.3\n",
+                x + 10.0
+            )
+        };
+        let text = format!(
+            "M83\n;LAYER_CHANGE\nG1 Z0.2\n;TYPE:External perimeter\n{}{}{};TYPE:Perimeter\n{};TYPE:Internal infill\n{}\
+             ;TYPE:External perimeter\nG1 X90 Y0 F6000\nG1 X99 E0.3 F1200\nG1 X90 E0.3\n",
+            square(0.0, 0.0),
+            square(20.0, 0.2),
+            square(40.0, 3.0),
+            square(60.0, 0.0),
+            square(80.0, 0.0)
+        );
+        let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let records = Records::new(&program);
+        let bytes = records.layer(&program.layers[0]);
+        let beads: Vec<u8> =
+            bytes.chunks(RECORD_BYTES).map(|r| r[6]).filter(|k| k & !SEAM < TRAVEL).collect();
+        let found: Vec<usize> = (0..beads.len()).filter(|k| beads[*k] >= SEAM).collect();
+        // Closed, closed but for half a bead, open by 3 mm, the inner wall.
+        assert_eq!(found, [0, 4, 12], "{beads:?}");
+        assert_eq!(records.index().layers[0].seams, 3);
+        assert!((records.index().layers[0].time_s - program.time_s).abs() < 1e-3);
+    }
+
+    /// The end of the scale of flow is a flow that the program has, however slow its widest beads are.
+    #[test]
+    fn the_flow_is_that_of_beads() {
+        use std::fmt::Write;
+        // Wide and slow, narrow and fast: 0.2 mm3/mm at 20 mm/s, 0.06 mm3/mm at 100 mm/s, for 50 beads each.
+        let mut text = String::from("M83\n;LAYER_CHANGE\nG1 Z0.2\n;TYPE:Internal infill\n");
+        let section = std::f64::consts::PI * 1.75 * 1.75 / 4.0;
+        for k in 0..100 {
+            let (area, speed) = if k % 2 == 0 { (0.2, 1200) } else { (0.06, 6000) };
+            let _ = writeln!(text, "G1 X{} E{:.6} F{speed}", 10 * ((k + 1) % 2), 10.0 * area / section);
+        }
+        let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let index = Records::new(&program);
+        assert!((index.index().flow_mm3_s - 6.0).abs() < 0.01, "{}", index.index().flow_mm3_s);
+        assert!((index.index().widths_mm[1] - 1.04).abs() < 0.02, "{:?}", index.index().widths_mm);
+    }
+
+    /// Angles of beads lie at the records of these beads.
+    #[test]
+    fn angles_are_those_of_the_beads() {
+        let program = simulate(TEXT.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let none = NO_ANGLE;
+        assert_eq!(Records::angles(&program.layers[0], &[0, 180, 90]), [none, none, 0, 180, none, none, 90]);
+        assert_eq!(Records::angles(&program.layers[0], &[]), [none; 7]);
     }
 
     /// A program of many speeds keeps 256 of them, and no bead is put far from its own.

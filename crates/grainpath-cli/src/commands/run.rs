@@ -180,7 +180,7 @@ pub(crate) fn execute(
         }
     }
     let report =
-        outputs::write(settings, planned, &paths, read_s, common.json, truth, &|_| {}, &diagnostics)?;
+        outputs::write(settings, planned, &paths, read_s, common.json, truth, &|_, _| {}, &diagnostics)?;
     // The progress line is cleared before anything is printed.
     drop(diagnostics);
     let refused = common.strict && !report.warnings.is_empty();

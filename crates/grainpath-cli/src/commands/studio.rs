@@ -9,10 +9,13 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use grainpath::guide::KnownStress;
+use grainpath::measure::Planned;
+use grainpath::measure::report::direction_error;
 use grainpath_core::Diagnostics;
-use grainpath_gcode::Program;
+use grainpath_gcode::{Bead, Program};
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
+use grainpath_studio::records::NO_ANGLE;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, serve,
@@ -129,6 +132,24 @@ fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusa
     Ok((settings, shape))
 }
 
+/// Angle of each bead to the direction that the guide asks for, in halves of a degree; `None` without a guide.
+fn angles_to_guide(program: &Program, planned: &Planned) -> Option<Vec<Vec<u8>>> {
+    let off = direction_error(planned)?;
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let layers = program.layers.iter().map(|layer| {
+        // Guides are read at mid-height of the layer, where its section was cut.
+        let z_mid_mm = layer.z_mm - 0.5 * layer.height_mm;
+        let angle = |bead: &Bead| {
+            let ends = [bead.start() - shift, bead.end() - shift];
+            // A weight of zero says that no direction is better than another here.
+            let found = Some(bead).filter(|b| b.role.is_part()).and_then(|_| off(z_mid_mm, ends));
+            found.filter(|(_, weight)| *weight > 0.0).map_or(NO_ANGLE, |(deg, _)| (2.0 * deg).round() as u8)
+        };
+        layer.beads.iter().map(angle).collect()
+    });
+    Some(layers.collect())
+}
+
 impl Engine for Commands {
     fn job_for(&self, file: &Path) -> Result<String, Refusal> {
         slice::job_text(file).map_err(refusal)?.ok_or_else(|| {
@@ -190,10 +211,11 @@ impl Engine for Commands {
         let (planned, read_s) =
             plan_given(&settings, self.given(), &shape, &job.folder, diagnostics).map_err(refusal)?;
         let truth = None;
-        let program = OnceCell::new();
-        let ready = |read: &Arc<Program>| {
+        let (program, angles) = (OnceCell::new(), OnceCell::new());
+        let ready = |read: &Arc<Program>, planned: &Planned| {
             ready(read);
             program.get_or_init(|| Arc::clone(read));
+            angles.get_or_init(|| angles_to_guide(read, planned));
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;
@@ -205,6 +227,7 @@ impl Engine for Commands {
             outputs: outputs.map(|(kind, path)| Output { kind: kind.to_owned(), path }).collect(),
             report: report.to_json(),
             program,
+            angles: angles.into_inner().flatten(),
             warnings: report.warnings,
             ..Finished::default()
         })

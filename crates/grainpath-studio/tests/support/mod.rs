@@ -130,7 +130,12 @@ impl Engine for Planner {
             diagnostics.check().map_err(|e| Refusal::input(e.to_string()))?;
             std::thread::sleep(Duration::from_millis(2));
         }
+        // A guide whose angle to the first bead of a layer is 0, to the second half a degree, and so on.
+        let count = |l: &grainpath_gcode::BeadLayer| (0..l.beads.len()).map(|k| (k % 181) as u8).collect();
+        let is_guided = job.text.contains("# follows a guide");
+        let angles = is_guided.then(|| program.layers.iter().map(count).collect());
         Ok(Finished {
+            angles,
             report: serde_json::json!({ "ok": true, "mass_g": 1.5, "time_s": 60.0, "layers": program.layers.len() }),
             program,
             outputs: vec![Output { kind: "gcode".to_owned(), path: place }],

@@ -473,12 +473,17 @@ impl Places<'_> {
                 let all: Vec<_> = ids.iter().map(triangle).collect::<Result<_, _>>()?;
                 Ok(Selection::Triangles(Facets::new(all)))
             }
-            Place::Face(face) => {
+            Place::Face(face) | Place::FaceSide { face, .. } => {
                 let faces = self.faces.get_or_init(|| faces_as_in_file(mesh, self.standing));
                 let wrong = |source| GuideError::Face { what: name.to_owned(), source };
                 let found = &faces.all()[faces.find_name(face).map_err(wrong)?];
                 let all = found.triangles.iter().map(|&t| corners(&mesh.triangles[t as usize]));
-                Ok(Selection::Triangles(Facets::new(all.collect())))
+                let whole = Facets::new(all.collect());
+                Ok(Selection::Triangles(if let Place::FaceSide { point_mm, normal, .. } = place {
+                    whole.on_side(self.point(*point_mm), self.vector(*normal))
+                } else {
+                    whole
+                }))
             }
         }
     }
@@ -505,13 +510,18 @@ impl Places<'_> {
         if let Selection::Cylinder { point, axis, .. } = on {
             return Some((*point, *axis));
         }
-        let Place::Face(face) = place else { return None };
+        let (Place::Face(face) | Place::FaceSide { face, .. }) = place else { return None };
         let faces = self.faces.get()?;
         let found = &faces.all()[faces.find_name(face).ok()?];
         let (point, axis) = match found.surface {
             Surface::Cylinder { point, axis, .. } | Surface::Cone { point, axis, .. } => (point, axis),
-            // The axis of a plane face is its normal through the face's centroid.
-            Surface::Plane { normal } => (found.centroid, normal),
+            // The axis of a plane face is its normal through the centroid of the face, or of the part of it.
+            Surface::Plane { normal } => {
+                if let (Place::FaceSide { .. }, Selection::Triangles(part)) = (place, on) {
+                    return Some((part.centroid()?, self.standing.rotation * normal));
+                }
+                (found.centroid, normal)
+            }
             Surface::Sphere { .. } | Surface::Free => return None,
         };
         // The faces were measured on the part in the orientation of its file.

@@ -158,7 +158,8 @@ impl PrintedPart {
     /// # Errors
     /// [`StrengthError::NeedsSurface`] for faces, lists of facets and pressures, which need the surface of the part.
     pub fn conditions(&self, typed: &TypedLoads<'_>) -> Result<BoundaryConditions, StrengthError> {
-        let is_facets = |place: &Place| matches!(place, Place::Facets(_) | Place::Face(_));
+        let is_facets =
+            |place: &Place| matches!(place, Place::Facets(_) | Place::Face(_) | Place::FaceSide { .. });
         let loads = typed.loads.iter().chain(typed.cases.iter().flat_map(|c| &c.loads));
         for (k, fixture) in typed.fixtures.iter().enumerate() {
             if is_facets(&fixture.on) {
