@@ -23,6 +23,8 @@ export class Beads {
   /** The first record of each layer, and the number of all. */
   readonly first: Int32Array;
   readonly words: Uint16Array<ArrayBuffer>;
+  /** Number of layers from the plate up that have come. */
+  taken = 0;
 
   constructor(readonly index: Index) {
     this.first = new Int32Array(index.layers.length + 1);
@@ -50,6 +52,17 @@ export class Beads {
         this.words[target + 4] = layer;
       }
     }
+    if (from <= this.taken) this.taken = Math.max(this.taken, to + 1);
+  }
+
+  /** Takes the layers that came for the first part of the same program, and returns their number. */
+  keep(before: Beads): number {
+    const [a, b] = [before.index, this.index];
+    if (a.step_mm !== b.step_mm || a.origin_mm.some((v, k) => v !== b.origin_mm[k]) || a.speeds_mm_s.some((v, k) => v !== b.speeds_mm_s[k])) return 0;
+    let n = 0;
+    while (n < before.taken && n < b.layers.length && before.first[n + 1] === this.first[n + 1]) n++;
+    this.words.set(before.words.subarray(0, WORDS * this.first[n]!));
+    return (this.taken = n);
   }
 
   /** Takes the angles to the load of layers `from` to `to`: a byte a record. */

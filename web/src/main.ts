@@ -69,6 +69,7 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
     const shown = Date.now();
     const since = setInterval(() => tell(), 200);
     let last = begun;
+    let asked = 0;
     const tell = () => {
       const seconds = fixed((Date.now() - shown) / 1000, 1);
       if (last.phase === "waiting") words.textContent = `Waits for ${last.ahead} other${last.ahead === 1 ? "" : "s"} · ${seconds} s`;
@@ -79,8 +80,11 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
     const end = await api.follow(begun.id, (now) => {
       last = now;
       tell();
-      // The paths come on screen while they are measured and drawn.
-      if (now.kind === "plan" && now.phase === "running" && now.layers && current !== now.id && active !== "strength") show(now.id, false).catch((e: Error) => say(e.message, true));
+      // The first layers come on screen while the others are planned, and all while they are measured and drawn.
+      if (now.kind === "plan" && now.phase === "running" && now.ready > asked && active !== "strength" && (asked === 0 || current === now.id)) {
+        asked = now.ready;
+        show(now.id, false).catch((e: Error) => say(e.message, true));
+      }
     }).finally(() => clearInterval(since));
     // A message that came while the run went on stays until the user closes it.
     if (words.isConnected) box.hidden = true;
@@ -184,26 +188,30 @@ async function show(id: number, isDone = true): Promise<void> {
   const view = ensureViewer();
   loading?.abort();
   const own = (loading = new AbortController());
+  const before = current === id && onScreen === id ? viewer?.beads ?? null : null;
   current = id;
   const [index, result] = await Promise.all([api.index(id), isDone ? api.result(id) : null]);
-  if (current !== id) return;
+  if (current !== id || own.signal.aborted) return;
   if (index.layers.length === 0) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
   tellPaths(index, result);
   overlays();
   const last = index.layers.length - 1;
+  const isWhole = before === null || high.value === high.max;
   for (const input of [high, low]) input.max = String(last);
-  [high.value, low.value] = [String(last), "0"];
+  if (before === null) low.value = "0";
+  if (isWhole) high.value = String(last);
   if (!view) return;
-  view.show(beads);
+  const kept = before ? beads.keep(before) : 0;
+  view.show(beads, before !== null);
   onScreen = id;
   // Paths come into view with their first layer, not with their last.
-  tab(active === "strength" ? "strength" : "paths");
+  if (before === null) tab(active === "strength" ? "strength" : "paths");
   setColour(colourBy);
   rangeChanged();
   performance.mark("program");
   try {
-    for (let layer = 0; layer <= last; ) {
+    for (let layer = kept; layer <= last; ) {
       let end = layer;
       // The first answer is one layer, so that something is on screen at once.
       while (layer > 0 && end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
@@ -214,6 +222,7 @@ async function show(id: number, isDone = true): Promise<void> {
       layer = end + 1;
     }
     moveRange();
+    if (index.more) return;
     performance.mark("all-layers");
     document.documentElement.dataset.shown = String(id);
     if (result?.angles) await loadAngles(id, beads, own.signal);
@@ -225,6 +234,8 @@ async function show(id: number, isDone = true): Promise<void> {
 /** Numbers and files of a run whose program is on screen already. */
 async function tellResult(id: number): Promise<void> {
   const beads = viewer?.beads;
+  // Only the first layers of a plan that ended soon after may be on screen.
+  if (beads?.index.more) { await show(id); return; }
   const result = await api.result(id);
   if (!beads || current !== id) return;
   tellPaths(beads.index, result);
@@ -290,7 +301,7 @@ function scaleOf(index: api.Index, by: ColourBy): [number, number] {
   const speeds = index.speeds_mm_s;
   const top = index.layers[index.layers.length - 1]!;
   switch (by) {
-    case "speed": return [speeds[0] ?? 0, speeds[speeds.length - 1] ?? 1];
+    case "speed": return speeds.length > 0 ? [Math.min(...speeds), Math.max(...speeds)] : [0, 1];
     case "width": return index.widths_mm;
     case "flow": return [0, index.flow_mm3_s];
     case "height": return [0, top.z_mm];
@@ -384,7 +395,7 @@ function tellPaths(index: api.Index, result: api.Result | null): void {
     el("h2", {}, "Colour"), el("div", { class: "row" }, el("label", {}, "by", select)),
     el("h2", {}, "Show"), el("table", {}, ...rows),
     el("h2", {}, "Program"),
-    el("table", {}, fact("Written by", index.generator ?? "not stated"), fact("Part", `${size} mm`), fact("Layers", String(index.layers.length)), fact("Beads", String(index.shares.reduce((n, s) => n + s.beads, 0))),
+    el("table", {}, fact("Written by", index.generator ?? "not stated"), fact("Part", `${size} mm`), fact("Layers", `${index.layers.length}${index.more ? " so far" : ""}`), fact("Beads", String(index.shares.reduce((n, s) => n + s.beads, 0))),
       fact("Time, estimated", duration(index.time_s)), fact("Filament", `${fixed(index.filament_mm / 1000, 2)} m`)),
     ...(result ? [...outputs(result), ...result.warnings.map(warning)] : [el("p", { class: "note" }, "Files and warnings follow once the paths are measured.")]),
     ...(opened?.kind === "program" ? [el("p", {}, el("button", { type: "button", class: "main", onclick: () => tab("strength") }, "Where does it break?"))] : []),

@@ -245,8 +245,8 @@ export class Viewer {
     this.draw();
   }
 
-  /** Shows a program whose records are still to come. */
-  show(beads: Beads): void {
+  /** Shows a program whose records are still to come. `isGrown` leaves a view that was turned by hand as it is. */
+  show(beads: Beads, isGrown = false): void {
     this.clear();
     this.beads = beads;
     const { index } = beads;
@@ -271,7 +271,8 @@ export class Viewer {
       }
     }
     this.drawPlate();
-    this.view("oblique");
+    if (!isGrown) this.view("oblique");
+    else if (this.fitted) this.view(this.fitted);
   }
 
   private chunk(words: Uint16Array<ArrayBuffer>, first: number): Mesh {

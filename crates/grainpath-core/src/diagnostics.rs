@@ -58,6 +58,25 @@ pub trait Progress: Send + Sync {
     fn begin(&self, stage: Stage, total: usize);
     /// `n` more steps of the current stage are done.
     fn advance(&self, n: usize);
+    /// Whether [`Progress::layers`] is to be called.
+    fn wants_layers(&self) -> bool {
+        false
+    }
+    /// The first layers of a plan are finished while the others are still to come. Each call has more layers than the last.
+    fn layers(&self, early: &EarlyLayers<'_>) {
+        let _ = early;
+    }
+}
+
+/// The first layers of a plan, as the program that prints them alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EarlyLayers<'a> {
+    /// G-code. The moves of these layers are those that the program of the whole plan has.
+    pub gcode: &'a [u8],
+    /// Diameter of the filament, mm.
+    pub filament_mm: f64,
+    /// Lowest and highest corner of the bed, mm.
+    pub bed_mm: [[f64; 2]; 2],
 }
 
 /// The run was interrupted by the user.
@@ -182,6 +201,18 @@ impl Diagnostics {
     pub fn advance(&self, n: usize) {
         if let Some(p) = &self.progress {
             p.advance(n);
+        }
+    }
+
+    /// Whether the first layers of a plan are wanted while the others are still to come.
+    pub fn wants_layers(&self) -> bool {
+        self.progress.as_ref().is_some_and(|p| p.wants_layers())
+    }
+
+    /// Passes on the first layers of a plan.
+    pub fn layers(&self, early: &EarlyLayers<'_>) {
+        if let Some(p) = &self.progress {
+            p.layers(early);
         }
     }
 

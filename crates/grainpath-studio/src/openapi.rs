@@ -143,7 +143,7 @@ pub(crate) const RESULT: Route = Route::get(
 pub(crate) const LAYERS: Route = Route::get(
     "/v1/jobs/{id}/layers",
     "layers",
-    "The index of a program: layers, roles, speeds, the box of the part.",
+    "The index of a program: layers, roles, speeds, the box of the part. While a job is planned it has the first layers, and `more` is true.",
     Answers::Json("Index"),
 );
 pub(crate) const RECORDS: Route = Route::get(
@@ -322,7 +322,7 @@ fn schemas() -> Value {
         ] },
         "State": object(json!({ "id": whole, "kind": { "enum": ["view", "shape", "stress", "orient", "supports", "plan", "strength"] }, "title": text,
             "phase": { "enum": ["waiting", "running", "done", "failed", "cancelled"] }, "ahead": whole,
-            "stage": maybe("string"), "done": whole, "total": whole, "layers": { "type": "boolean" }, "elapsed_s": number,
+            "stage": maybe("string"), "done": whole, "total": whole, "layers": { "type": "boolean" }, "ready": whole, "elapsed_s": number,
             "error": maybe("string"), "code": maybe("integer") })),
         "States": object(json!({ "jobs": list(&reference("State")) })),
         "Result": object(json!({ "report": { "type": "object" }, "angles": { "type": "boolean" }, "warnings": list(&json!({ "type": "object" })),
@@ -334,7 +334,7 @@ fn schemas() -> Value {
             "input": maybe("string"), "mass_g": maybe("number"), "time_s": maybe("number"), "layers": maybe("integer"),
             "filament_mm": maybe("number"), "strength": { "type": ["object", "null"] } }))) })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
-            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "records": whole,
+            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole,
             "generator": maybe("string"), "time_s": number, "filament_mm": number,
             "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
             "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,

@@ -16,6 +16,13 @@
 //! A step is the longer side of the box round all moves, divided by 65535: 5 um for 300 mm, which is finer than the 10 um
 //! that a printer's motors resolve. Cost: linear in beads. Limits: widths above 65.5 mm are stored as 65.5 mm; speeds are
 //! rounded to 0.1 mm/s, and a program with more than 256 speeds has them rounded down to 256 values.
+//!
+//! The first layers of a plan are sent before the others are planned. The box is then that of the bed, and later speeds come
+//! behind the earlier ones in the table, so that the bytes of a layer stay the same. If the bed is too large for a fine
+//! step, if a move leaves it, or if there are too many speeds, the finished program gets a box and a table of its own; the
+//! page sees this by their numbers in the index and asks for all layers again.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use grainpath_core::{Bounds2, DVec2, Role};
 use grainpath_gcode::{Bead, BeadLayer, Program};
@@ -35,6 +42,42 @@ pub const RECORD_BYTES: usize = 8;
 const SPEEDS: usize = 256;
 /// Distance below which two ends count as the same point, mm. Source: programs state coordinates to 0.001 mm.
 const SAME_MM: f32 = 2e-3;
+
+/// Longest step of a box that is larger than the program needs, mm. Source: what a printer's motors resolve.
+const COARSE_MM: f64 = 0.01;
+
+/// The numbers that points and speeds of records refer to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Origin, mm.
+    origin_mm: [f64; 2],
+    /// Length of a step, mm.
+    step_mm: f64,
+    /// Speeds in tenths of mm/s, in the order of their numbers.
+    speeds: Vec<u32>,
+}
+
+impl Frame {
+    /// The frame of programs whose moves lie in a box.
+    pub fn of_box([low, high]: [[f64; 2]; 2]) -> Self {
+        let longest_mm = (high[0] - low[0]).max(high[1] - low[1]);
+        Self { origin_mm: low, step_mm: (longest_mm / f64::from(u16::MAX)).max(1e-6), speeds: Vec::new() }
+    }
+
+    /// This frame with the speeds of a program behind its own; `None` where the program does not fit into it.
+    fn with(&self, program: &Program, all: Bounds2) -> Option<Self> {
+        let reach_mm = self.step_mm * f64::from(u16::MAX);
+        let is_inside = (0..2).all(|k| {
+            all.min[k] >= self.origin_mm[k] - self.step_mm
+                && all.max[k] <= self.origin_mm[k] + reach_mm + self.step_mm
+        });
+        let mut speeds = self.speeds.clone();
+        let known: BTreeSet<u32> = speeds.iter().copied().collect();
+        speeds.extend(different_speeds(program).difference(&known));
+        (is_inside && self.step_mm <= COARSE_MM && speeds.len() <= SPEEDS)
+            .then(|| Self { speeds, ..self.clone() })
+    }
+}
 
 /// The entry of a layer in the index.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -78,6 +121,8 @@ pub struct Index {
     pub shares: Vec<Share>,
     /// The layers.
     pub layers: Vec<LayerEntry>,
+    /// Whether further layers are still planned.
+    pub more: bool,
     /// Number of records of all layers.
     pub records: usize,
     /// The software that wrote the G-code; `None` if the G-code does not say.
@@ -190,11 +235,14 @@ fn speed_key(speed_mm_s: f32) -> u32 {
     (speed_mm_s.clamp(0.0, 1e5) * 10.0).round() as u32
 }
 
-/// The different speeds of a program in tenths of mm/s, at most [`SPEEDS`] of them.
+/// The different speeds of a program in tenths of mm/s.
+fn different_speeds(program: &Program) -> BTreeSet<u32> {
+    program.layers.iter().flat_map(|l| &l.beads).map(|b| speed_key(b.speed_mm_s)).collect()
+}
+
+/// The speeds of a program, at most [`SPEEDS`] of them.
 fn speeds(program: &Program) -> Vec<u32> {
-    let beads = program.layers.iter().flat_map(|l| &l.beads);
-    let all: std::collections::BTreeSet<u32> = beads.map(|b| speed_key(b.speed_mm_s)).collect();
-    let all: Vec<u32> = all.into_iter().collect();
+    let all: Vec<u32> = different_speeds(program).into_iter().collect();
     if all.len() <= SPEEDS {
         return all;
     }
@@ -206,16 +254,24 @@ fn speeds(program: &Program) -> Vec<u32> {
 /// A program as the page sees it: the index, and the records of any layer.
 pub struct Records {
     index: Index,
-    speed_keys: Vec<u32>,
+    frame: Frame,
+    /// Numbers of the speeds in the frame.
+    speed_numbers: BTreeMap<u32, u8>,
 }
 
 impl Records {
     /// Measures a program. Cost: two passes over its beads.
     pub fn new(program: &Program) -> Self {
+        Self::within(program, None)
+    }
+
+    /// Measures a program, and keeps the frame of its first layers where it fits.
+    pub fn within(program: &Program, frame: Option<&Frame>) -> Self {
         let (all, part) = extents(program);
-        let size = all.max - all.min;
-        let step_mm = (size.max_element() / f64::from(u16::MAX)).max(1e-6);
-        let speed_keys = speeds(program);
+        let frame = frame.and_then(|f| f.with(program, all)).unwrap_or_else(|| Frame {
+            speeds: speeds(program),
+            ..Frame::of_box([all.min.to_array(), all.max.to_array()])
+        });
         let classes = Role::ALL.iter().map(|r| r.gcode_name()).chain(["Travel", "Start"]).collect();
         let mut shares = vec![Share::default(); usize::from(START) + 1];
         let (mut widths, mut flows): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
@@ -268,10 +324,10 @@ impl Records {
         let round = |v: f64| (v * 1e3).round() / 1e3;
         let records = layers.iter().map(|l| l.records).sum();
         let index = Index {
-            origin_mm: [all.min.x, all.min.y],
-            step_mm,
+            origin_mm: frame.origin_mm,
+            step_mm: frame.step_mm,
             classes,
-            speeds_mm_s: speed_keys.iter().map(|k| f64::from(*k) / 10.0).collect(),
+            speeds_mm_s: frame.speeds.iter().map(|k| f64::from(*k) / 10.0).collect(),
             part_mm: [
                 [part.min.x, part.min.y, low_mm.min(high_mm)].map(round),
                 [part.max.x, part.max.y, high_mm].map(round),
@@ -280,12 +336,27 @@ impl Records {
             flow_mm3_s: share_of(&flows, 0.99),
             shares,
             layers,
+            more: false,
             records,
             generator: program.generator.clone(),
             time_s: program.time_s,
             filament_mm: program.filament_mm,
         };
-        Self { index, speed_keys }
+        let speed_numbers =
+            frame.speeds.iter().zip(0..=u8::MAX).map(|(key, number)| (*key, number)).collect();
+        Self { index, frame, speed_numbers }
+    }
+
+    /// These records, of a program that further layers will follow.
+    #[must_use]
+    pub fn unfinished(mut self) -> Self {
+        self.index.more = true;
+        self
+    }
+
+    /// The frame of the records.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
     }
 
     /// The index.
@@ -314,9 +385,9 @@ impl Records {
                 let width_um = (bead.width_mm(layer.height_mm) * 1e3).round().clamp(0.0, f64::from(u16::MAX));
                 let key = speed_key(bead.speed_mm_s);
                 // The largest speed of the table that is not above this one.
-                let speed = self.speed_keys.partition_point(|k| *k <= key).saturating_sub(1);
+                let speed = self.speed_numbers.range(..=key).next_back().map_or(0, |(_, number)| *number);
                 let seam = if seams.next() == Some(true) { SEAM } else { 0 };
-                push(bead.b, width_um as u16, class(bead.role) | seam, speed as u8);
+                push(bead.b, width_um as u16, class(bead.role) | seam, speed);
             }
         });
         bytes
@@ -469,6 +540,29 @@ mod tests {
             compared += 1;
         }
         assert_eq!(compared, program.layers[0].beads.len());
+    }
+
+    /// The first layers of a program have the bytes that they have in the whole, also where later layers have other speeds
+    /// and reach further; a program that leaves the box has a frame of its own.
+    #[test]
+    fn the_bytes_of_early_layers_stay_the_same() {
+        let read = |text: &str| simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let bed = Frame::of_box([[0.0, 0.0], [220.0, 200.0]]);
+        let (early, whole) = (read(TEXT), read(&format!("{TEXT};LAYER_CHANGE\nG1 Z0.6\nG1 X200 E3 F900\n")));
+        let first = Records::within(&early, Some(&bed));
+        let then = Records::within(&whole, Some(first.frame()));
+        assert_eq!(first.index().speeds_mm_s, [30.0, 50.0]);
+        assert_eq!(then.index().speeds_mm_s, [30.0, 50.0, 15.0]);
+        for k in 0..2 {
+            assert_eq!(first.layer(&early.layers[k]), then.layer(&whole.layers[k]), "layer {k}");
+        }
+        let last = then.layer(&whole.layers[2]);
+        assert_eq!(then.index().speeds_mm_s[usize::from(last[last.len() - 1])], 15.0);
+        assert_eq!(then.index().origin_mm, [0.0, 0.0]);
+        let outside = read(&TEXT.replace("X0 Y5", "X-3 Y5"));
+        assert_eq!(Records::within(&outside, Some(first.frame())).index(), Records::new(&outside).index());
+        let coarse = Frame::of_box([[0.0, 0.0], [900.0, 900.0]]);
+        assert_eq!(Records::within(&early, Some(&coarse)).index(), Records::new(&early).index());
     }
 
     /// A program that prints nothing has an index without layers.

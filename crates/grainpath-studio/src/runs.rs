@@ -11,13 +11,13 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use grainpath_core::Diagnostics;
-use grainpath_core::diagnostics::{Progress, Stage};
-use grainpath_gcode::Program;
+use grainpath_core::diagnostics::{EarlyLayers, Progress, Stage};
+use grainpath_gcode::{Limits, Program, simulate};
 use serde::Serialize;
 use tokio::sync::watch;
 
 use crate::engine::Finished;
-use crate::records::Records;
+use crate::records::{Frame, Records};
 use crate::refusal::Refusal;
 
 /// The greatest number of waiting runs. Source: chosen; a page that asks for more has a fault.
@@ -94,6 +94,8 @@ pub struct State {
     pub total: usize,
     /// Whether its layers can be asked for.
     pub layers: bool,
+    /// Number of layers that can be asked for; those above may still be planned.
+    pub ready: usize,
     /// Time since it was begun, s.
     pub elapsed_s: f64,
     /// Why it failed: the sentence of the command line.
@@ -102,27 +104,58 @@ pub struct State {
     pub code: Option<i32>,
 }
 
-/// Progress that is counted without locks.
+/// Progress of a run, which is counted without locks.
 #[derive(Default)]
 struct Counted {
     /// Index of the stage in [`Stage::ALL`] plus one; 0 before the first stage.
     stage: AtomicUsize,
     done: AtomicUsize,
     total: AtomicUsize,
+    /// What can be drawn before the run is done.
+    early: Mutex<Option<Arc<Drawn>>>,
 }
 
-struct Counter(Arc<Counted>);
+impl Counted {
+    /// Draws a program from now on. It keeps the frame of the layers before it, so that their bytes stay. `bed` is the frame
+    /// of the first layers of a plan; `None` for whole programs.
+    fn draw(&self, program: &Arc<Program>, bed: Option<&Frame>) -> Arc<Drawn> {
+        let before = locked(&self.early).clone();
+        let frame = before.as_ref().map(|b| b.records.frame()).or(bed);
+        let records = Records::within(program, frame);
+        let records = if bed.is_some() { records.unfinished() } else { records };
+        let drawn = Arc::new(Drawn { program: Arc::clone(program), records });
+        *locked(&self.early) = Some(Arc::clone(&drawn));
+        drawn
+    }
+}
+
+struct Counter {
+    counted: Arc<Counted>,
+    /// Whether the first layers are drawn while the others are planned.
+    draws: bool,
+}
 
 impl Progress for Counter {
     fn begin(&self, stage: Stage, total: usize) {
         let place = Stage::ALL.iter().position(|s| *s == stage).map_or(0, |k| k + 1);
-        self.0.done.store(0, Ordering::Relaxed);
-        self.0.total.store(total, Ordering::Relaxed);
-        self.0.stage.store(place, Ordering::Relaxed);
+        self.counted.done.store(0, Ordering::Relaxed);
+        self.counted.total.store(total, Ordering::Relaxed);
+        self.counted.stage.store(place, Ordering::Relaxed);
     }
 
     fn advance(&self, n: usize) {
-        self.0.done.fetch_add(n, Ordering::Relaxed);
+        self.counted.done.fetch_add(n, Ordering::Relaxed);
+    }
+
+    fn wants_layers(&self) -> bool {
+        self.draws
+    }
+
+    fn layers(&self, early: &EarlyLayers<'_>) {
+        // The times of these layers are estimates with common limits until the whole program is there.
+        if let Ok(program) = simulate(early.gcode, early.filament_mm, &Limits::default()) {
+            self.counted.draw(&Arc::new(program), Some(&Frame::of_box(early.bed_mm)));
+        }
     }
 }
 
@@ -132,12 +165,6 @@ pub struct Drawn {
     pub program: Arc<Program>,
     /// Its index and records.
     pub records: Records,
-}
-
-impl Drawn {
-    fn new(program: &Arc<Program>) -> Arc<Self> {
-        Arc::new(Self { program: Arc::clone(program), records: Records::new(program) })
-    }
 }
 
 /// The result of a run, with its program as the page draws it.
@@ -166,7 +193,6 @@ pub struct Run {
     counted: Arc<Counted>,
     phase: watch::Sender<Phase>,
     begun: Mutex<Option<Instant>>,
-    early: Mutex<Option<Arc<Drawn>>>,
     ended: Mutex<Option<Ended>>,
 }
 
@@ -194,7 +220,7 @@ impl Run {
     pub fn drawn(&self) -> Option<Arc<Drawn>> {
         match *self.phase.borrow() {
             // A program that was handed over early is shown while the run goes on.
-            Phase::Running => locked(&self.early).as_ref().map(Arc::clone),
+            Phase::Running => locked(&self.counted.early).as_ref().map(Arc::clone),
             Phase::Done => self.result().map(|result| Arc::clone(&result.drawn)),
             Phase::Waiting | Phase::Failed | Phase::Cancelled => None,
         }
@@ -208,6 +234,8 @@ impl Run {
     fn end(&self, phase: Phase, outcome: std::result::Result<Arc<Result>, Refusal>) {
         *locked(&self.ended) = Some(Ended { at: Instant::now(), outcome });
         self.phase.send_replace(phase);
+        // From here on the layers of a run that is done are those of its result; others have none.
+        *locked(&self.counted.early) = None;
     }
 }
 
@@ -245,7 +273,8 @@ impl Runs {
     /// [`Refusal`] where too many wait.
     pub fn add(&self, kind: Kind, title: String, work: Work) -> std::result::Result<Arc<Run>, Refusal> {
         let counted: Arc<Counted> = Arc::default();
-        let diagnostics = Diagnostics::with_progress(Box::new(Counter(Arc::clone(&counted))));
+        let counter = Counter { counted: Arc::clone(&counted), draws: kind == Kind::Plan };
+        let diagnostics = Diagnostics::with_progress(Box::new(counter));
         let run = Arc::new(Run {
             id: self.last.fetch_add(1, Ordering::Relaxed) + 1,
             kind,
@@ -254,7 +283,6 @@ impl Runs {
             counted,
             phase: watch::Sender::new(Phase::Waiting),
             begun: Mutex::default(),
-            early: Mutex::default(),
             ended: Mutex::default(),
         });
         let (queue, changed) = &*self.shared;
@@ -304,7 +332,7 @@ impl Runs {
         };
         let stage = run.counted.stage.load(Ordering::Relaxed).checked_sub(1).map(|k| Stage::ALL[k].name());
         let begun = *locked(&run.begun);
-        let layers = run.drawn().is_some();
+        let ready = run.drawn().map(|drawn| drawn.program.layers.len());
         let ended = locked(&run.ended);
         let until = ended.as_ref().map_or_else(Instant::now, |e| e.at);
         let elapsed_s = begun.map_or(0.0, |b| until.saturating_duration_since(b).as_secs_f64());
@@ -318,7 +346,8 @@ impl Runs {
             stage,
             done: run.counted.done.load(Ordering::Relaxed),
             total: run.counted.total.load(Ordering::Relaxed),
-            layers,
+            layers: ready.is_some(),
+            ready: ready.unwrap_or(0),
             elapsed_s: (elapsed_s * 1e3).round() / 1e3,
             error: refusal.map(|r| r.message.clone()),
             code: refusal.map(|r| r.code),
@@ -379,8 +408,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         *locked(&run.begun) = Some(Instant::now());
         // A panic is a fault of grainpath. It ends only the run, not the server, and the page shows it.
         let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            let ready = |program: &Arc<Program>| *locked(&run.early) = Some(Drawn::new(program));
-            work(&run.diagnostics, &ready)
+            work(&run.diagnostics, &|program: &Arc<Program>| drop(run.counted.draw(program, None)))
         }));
         let outcome = caught.unwrap_or_else(|_| {
             let message = "the run failed by a fault of grainpath; the terminal shows where";
@@ -390,9 +418,9 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         match outcome {
             Ok(finished) => {
                 // If the page already has records of this program, they are kept.
-                let early = locked(&run.early).take();
+                let early = locked(&run.counted.early).clone();
                 let early = early.filter(|e| Arc::ptr_eq(&e.program, &finished.program));
-                let drawn = early.unwrap_or_else(|| Drawn::new(&finished.program));
+                let drawn = early.unwrap_or_else(|| run.counted.draw(&finished.program, None));
                 run.end(Phase::Done, Ok(Arc::new(Result { finished, drawn })));
             }
             Err(_) if is_stopped => run.end(Phase::Cancelled, Err(interrupted())),

@@ -812,10 +812,12 @@ fn layers_are_sent_before_the_job_is_done() {
     let begun = Instant::now();
     let state = loop {
         let state = bench.get(&format!("/v1/jobs/{id}")).json();
-        if state["layers"] == true {
-            break state;
+        let layers = bench.get(&format!("/v1/jobs/{id}/layers"));
+        // The first layers come before the whole.
+        if layers.status == StatusCode::OK && layers.json()["more"] == false {
+            break bench.get(&format!("/v1/jobs/{id}")).json();
         }
-        assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers")).status, StatusCode::CONFLICT);
+        assert!(state["layers"] == true || state["ready"] == 0, "{state}");
         assert!(begun.elapsed() < Duration::from_secs(60), "{state}");
         std::thread::sleep(Duration::from_millis(5));
     };
@@ -831,6 +833,45 @@ fn layers_are_sent_before_the_job_is_done() {
         std::thread::sleep(Duration::from_millis(2));
     }
     assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers")).status, StatusCode::CONFLICT);
+}
+
+/// The first layers of a plan are there while the others are planned, with the bytes that they have in the whole.
+#[test]
+fn the_first_layer_is_sent_before_the_last_one_is_planned() {
+    let bench = Bench::new();
+    fs::write(bench.path("files/high.stl"), support::box_stl([60.0, 60.0, 30.0])).expect("written");
+    let text = format!(
+        "[shape]\nmesh = {:?}\n[process]\nlayer_height_mm = 0.1\n[fill]\npattern = \"gyroid\"\n",
+        bench.shown("files/high.stl")
+    );
+    let id =
+        bench.post("/v1/jobs", &json!({ "kind": "plan", "text": text })).json()["id"].as_u64().expect("one");
+    let begun = Instant::now();
+    while bench.get(&format!("/v1/jobs/{id}")).json()["ready"] == 0 {
+        assert!(begun.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let early = bench.get(&format!("/v1/jobs/{id}/layers")).json();
+    let first = bench.get(&format!("/v1/jobs/{id}/layers/0-0"));
+    let state = bench.get(&format!("/v1/jobs/{id}")).json();
+    assert_eq!(
+        (state["phase"].as_str(), state["stage"].as_str()),
+        (Some("running"), Some("fill")),
+        "{state}"
+    );
+    assert_eq!(first.status, StatusCode::OK);
+    let state = bench.end(id);
+    assert_eq!(state["phase"], "done", "{state}");
+    let whole = bench.get(&format!("/v1/jobs/{id}/layers")).json();
+    for key in ["origin_mm", "step_mm", "classes"] {
+        assert_eq!(early[key], whole[key], "{key}");
+    }
+    assert_eq!((&early["more"], &whole["more"]), (&json!(true), &json!(false)));
+    let n_early = early["layers"].as_array().expect("layers").len();
+    let n = whole["layers"].as_array().expect("layers").len();
+    assert!(n_early > 0 && n_early < n && n > 290, "{n_early} of {n}");
+    assert_eq!(state["ready"], n);
+    assert!(first.bytes.len() > 100 && first.bytes == bench.get(&format!("/v1/jobs/{id}/layers/0-0")).bytes);
 }
 
 #[test]

@@ -1,7 +1,11 @@
 //! Planning a part in windows of a few layers gives the layers that planning it whole gives.
 
-use grainpath::run::{Steps, config, mesh_and_layers};
-use grainpath_core::{Density, Diagnostics, LayerPlan, LayerStack};
+use std::sync::{Arc, Mutex};
+
+use grainpath::run::{Inputs, Steps, config, mesh_and_layers, plan_job};
+use grainpath_core::diagnostics::{EarlyLayers, Progress, Stage};
+use grainpath_core::{Density, Diagnostics, LayerPlan, LayerStack, Plan};
+use grainpath_gcode::{Limits, Program, simulate, write_gcode};
 use grainpath_io::parse_mesh;
 use grainpath_job::{Settings, parse_job};
 
@@ -66,6 +70,72 @@ fn windows_of_any_size_give_the_same_layers() {
                 assert_eq!(a, b, "layer {i} of {more:?} in windows of {window}");
             }
             assert_eq!(layers.len(), n);
+        }
+    }
+}
+
+/// Keeps the programs of the first layers.
+struct Early(Arc<Mutex<Vec<Program>>>);
+
+impl Progress for Early {
+    fn begin(&self, _: Stage, _: usize) {}
+
+    fn advance(&self, _: usize) {}
+
+    fn wants_layers(&self) -> bool {
+        true
+    }
+
+    fn layers(&self, early: &EarlyLayers<'_>) {
+        let program = simulate(early.gcode, early.filament_mm, &Limits::default()).expect("G-code");
+        self.0.lock().expect("no panic").push(program);
+    }
+}
+
+fn plan_whole(settings: &Settings, diagnostics: &Diagnostics) -> (Plan, Program) {
+    let mut bytes = Vec::new();
+    grainpath_io::write_stl(&grainpath_parts::presets::plate(), &mut bytes).expect("memory takes all");
+    let inputs = Inputs {
+        mesh: parse_mesh(&bytes, Some("plate.stl")).expect("a sound mesh"),
+        path: "plate.stl".to_owned(),
+        stress: None,
+        deck: None,
+        directions: None,
+        densities: None,
+        photos: Vec::new(),
+        texture: None,
+        regions: Default::default(),
+        known: None,
+    };
+    let planned = plan_job(settings, inputs, diagnostics).expect("a sound job");
+    let mut gcode = Vec::new();
+    write_gcode(&planned.plan, &planned.config, &[], &mut gcode).expect("memory takes all");
+    let program = simulate(&gcode, 1.75, &Limits::default()).expect("G-code");
+    (planned.plan, program)
+}
+
+#[test]
+fn layers_that_are_wanted_early_change_nothing() {
+    // Heights of 0.1 mm are not exact in binary: layers planned anew in place of copies would show in the last bits.
+    let small = ["shape.scale=0.35", "process.layer_height_mm=0.1", "process.first_layer_height_mm=0.2"];
+    for more in [
+        &["fill.pattern=gyroid", "process.seam=random"][..],
+        &["fill.pattern=stripes", "guide.kind=angle", "guide.angle_deg=30"],
+        &["fill.pattern=continuous", "guide.kind=angle", "process.chain=true"],
+        &["process.stagger_walls=true", "process.walls=4", "process.skirt_layers=3"],
+    ] {
+        let all: Vec<&str> = small.iter().chain(more).copied().collect();
+        let settings = settings(&all);
+        let (plan, program) = plan_whole(&settings, &Diagnostics::default());
+        let found = Arc::default();
+        let (early, _) =
+            plan_whole(&settings, &Diagnostics::with_progress(Box::new(Early(Arc::clone(&found)))));
+        assert!(early == plan, "{more:?}");
+        let programs = found.lock().expect("no panic");
+        let counts: Vec<usize> = programs.iter().map(|p| p.layers.len()).collect();
+        assert!(counts.starts_with(&[1, 4]) && counts.iter().all(|n| *n < plan.layers.len()), "{counts:?}");
+        for (layers, whole) in programs.iter().flat_map(|p| p.layers.iter().zip(&program.layers)) {
+            assert!(layers.beads == whole.beads, "{more:?} at {} mm", layers.z_mm);
         }
     }
 }

@@ -4,7 +4,9 @@
 //! the mesh, slice it, compute the guide, plan supports, then lay walls, skins and infill, and
 //! order the paths. The stages from sections to ordered paths are public functions that process a
 //! window of layers ([`Steps`]). [`plan_job`], [`plan_photo`], [`plan_scan`] and [`plan_layers`] call
-//! them with the whole part as one window. [`config`] makes the settings of each stage from the job.
+//! them with the whole part as one window. If the first layers are wanted early
+//! ([`Progress::wants_layers`](grainpath_core::diagnostics::Progress::wants_layers)), infill and order run in windows that
+//! grow, and give the same layers. [`config`] makes the settings of each stage from the job.
 
 pub mod config;
 mod mass;
@@ -16,10 +18,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use grainpath_core::diagnostics::Stage;
+use grainpath_core::diagnostics::{EarlyLayers, Stage};
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
-use grainpath_gcode::check_fits;
+use grainpath_core::{Diagnostics, Layer, LayerPlan, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
+use grainpath_gcode::{WriteConfig, check_fits, write_gcode};
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
 use grainpath_io::MeshFile;
@@ -36,7 +38,7 @@ use crate::measure::alignment::warn_if_far;
 use crate::measure::density::{AskedDensity, LaidDensity};
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
-use crate::order::{LayerPaths, order_stack};
+use crate::order::{Island, LayerPaths, order_stack};
 use crate::region::{self, RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
@@ -438,18 +440,43 @@ fn plan_stack(
         .with_fibre(fibre.as_ref())
         .with_regions(areas.as_ref());
     let mut laid = None;
+    let n_layers = stack.layers().len();
+    let mut plan = Plan { layers: Vec::new(), plate_from_part_mm };
     let (filled, density) = match source.filled {
         Some(layers) if layers.len() != stack.layers().len() => {
             return Err(Error::FilledElsewhere { n: layers.len(), n_layers: stack.layers().len() });
         }
-        Some(layers) => (FilledLayers { layers, ..FilledLayers::default() }, step_settings.infill.density),
+        Some(layers) => {
+            if step_settings.stagger_walls {
+                warn_of_level_walls(layers.iter().flat_map(|l| &l.islands), diagnostics);
+            }
+            (FilledLayers { layers, ..FilledLayers::default() }, step_settings.infill.density)
+        }
         None => {
-            let all = 0..stack.layers().len();
-            diagnostics.begin(Stage::Fill, 2 * all.len());
+            let all = 0..n_layers;
+            // Early layers are left out where the writer needs the fibre of the whole plan, and where a graded density is
+            // measured on paths that have no order yet.
+            let is_early = diagnostics.wants_layers() && fibre.is_none() && graded.is_none();
+            diagnostics.begin(Stage::Fill, if is_early { 3 } else { 2 } * n_layers);
             let mut walls = steps.walls(all.clone(), diagnostics)?;
             let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
             let density = steps.density(&walls, &skins, diagnostics)?;
-            let filled = steps.infill(all, walls, &skins, density, diagnostics)?;
+            if step_settings.stagger_walls {
+                warn_of_level_walls(walls.iter().flat_map(|l| &l.islands), diagnostics);
+            }
+            let filled = if is_early {
+                let each = |window: Vec<LayerPlan>| {
+                    plan.layers.extend(window);
+                    // Beyond half of the part, writing the layers once more would cost more time than it saves.
+                    if plan.layers.len() <= n_layers / 2 {
+                        pass_on(&plan, &config, diagnostics);
+                    }
+                };
+                steps.in_growing_windows(walls, &skins, density, &order, diagnostics, each)?;
+                FilledLayers::default()
+            } else {
+                steps.infill(all, walls, &skins, density, diagnostics)?
+            };
             laid = graded.as_ref().map(|graded| {
                 let asked = AskedDensity {
                     map: &graded.of_mean(density.fraction()),
@@ -468,22 +495,17 @@ fn plan_stack(
         let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
     }
-    if step_settings.stagger_walls {
-        let walls = filled.layers.iter().flat_map(|l| &l.islands).flat_map(|i| &i.walls);
-        if !walls.clone().any(|w| w.path.raise.top_mm > 0.0) {
-            let text = "process.stagger_walls: no wall was raised, because no inner wall continues from layer to layer";
-            diagnostics.push(Warning::new(WarningId::WallsLevel, text));
-        }
-    }
     steps.report_notes(diagnostics);
     clock.stop(Stage::Fill);
-    let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
+    // Layers that were wanted early are in order already; their time counts as that of the infill.
+    if plan.layers.is_empty() {
+        plan.layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
+    }
     clock.stop(Stage::Order);
     // Gyroids and honeycombs are not checked, because their lines support each other over several layers.
     if !matches!(step_settings.infill.pattern, Pattern::Gyroid | Pattern::Honeycomb) {
-        separate_lines::check(&layers).into_iter().for_each(|warning| diagnostics.push(warning));
+        separate_lines::check(&plan.layers).into_iter().for_each(|warning| diagnostics.push(warning));
     }
-    let plan = Plan { layers, plate_from_part_mm };
     // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
     let stages_s = clock.stages;
@@ -504,6 +526,26 @@ fn plan_stack(
     };
     warn_if_far(&planned, settings.fill.pattern, diagnostics);
     Ok(planned)
+}
+
+/// Passes on the first layers of a plan. Where they cannot be written, nothing is passed on: writing the whole plan gives
+/// the same error.
+fn pass_on(plan: &Plan, config: &WriteConfig, diagnostics: &Diagnostics) {
+    let mut gcode = Vec::new();
+    if write_gcode(plan, config, &[], &mut gcode).is_ok() {
+        let (low, high) = config.machine.bed_bounds_mm();
+        let filament_mm = config.machine.filament_mm;
+        diagnostics.layers(&EarlyLayers { gcode: &gcode, filament_mm, bed_mm: [low, high] });
+    }
+}
+
+/// Warns if no wall is raised in a job that staggers its walls.
+fn warn_of_level_walls<'a>(mut islands: impl Iterator<Item = &'a Island>, diagnostics: &Diagnostics) {
+    if !islands.any(|i| i.walls.iter().any(|w| w.path.raise.top_mm > 0.0)) {
+        let text =
+            "process.stagger_walls: no wall was raised, because no inner wall continues from layer to layer";
+        diagnostics.push(Warning::new(WarningId::WallsLevel, text));
+    }
 }
 
 /// Measures the time of each stage, in seconds.

@@ -55,6 +55,10 @@ const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this fraction of their length over air are printed at the speed of overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
+/// Number of layers at the end of a window over that at its beginning, where layers are wanted early. Source: chosen; the
+/// programs of all windows but the last then have at most a third more layers than the largest of them.
+const GROWTH: usize = 4;
+
 /// Infill of one layer, each path with the number of its island.
 type IslandPaths = Vec<(usize, Toolpath)>;
 
@@ -226,6 +230,28 @@ pub struct FilledLayers {
     pub layers: Vec<LayerPaths>,
     /// Outcome for the paths that were to carry fibre.
     pub fibre: Tally,
+}
+
+/// Layers whose infill is a copy of that of an earlier layer, and the infill that later windows copy.
+struct Copies {
+    /// Layer of the first entry of `of`.
+    first: usize,
+    /// For each layer the layer that it copies, counted from `first`; itself where it is laid.
+    of: Vec<usize>,
+    /// Infill of earlier windows that layers still to come copy, with its fibre.
+    laid: BTreeMap<usize, (IslandPaths, Tally)>,
+}
+
+impl Copies {
+    /// The layer that a layer copies.
+    fn original(&self, layer_idx: usize) -> usize {
+        self.first + self.of[layer_idx - self.first]
+    }
+
+    /// The layers that are copied by others from this one on.
+    fn needed_from(&self, layer_idx: usize) -> BTreeSet<usize> {
+        (layer_idx..self.first + self.of.len()).map(|k| self.original(k)).filter(|k| *k < layer_idx).collect()
+    }
 }
 
 impl<'a> Steps<'a> {
@@ -491,15 +517,29 @@ impl<'a> Steps<'a> {
         density: Density,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
+        let mut copies =
+            Copies { first: window.start, of: self.duplicates(window.start, skins), laid: BTreeMap::new() };
+        self.infill_beside(window, walls, skins, density, &mut copies, diagnostics)
+    }
+
+    /// As [`Steps::infill`], for a window whose layers may be copies of layers in earlier windows.
+    fn infill_beside(
+        &self,
+        window: Range<usize>,
+        walls: Vec<LayerWalls>,
+        skins: &[SkinSplit],
+        density: Density,
+        copies: &mut Copies,
+        diagnostics: &Diagnostics,
+    ) -> Result<FilledLayers, Interrupted> {
         let first = window.start;
-        let duplicate_of = self.duplicates(first, skins);
         let lay = |k: usize| {
             diagnostics.check()?;
             let mut paths = Vec::new();
             let mut tally = Tally::default();
             // A layer with the same region and field as an earlier one is not laid: it becomes a copy
             // of that layer after all others are laid.
-            if duplicate_of[k] == k {
+            if copies.original(first + k) == first + k {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &skins[k], &mut add);
                 tally = tally.and(self.sparse_fill(first + k, &skins[k], density, &mut add));
@@ -518,12 +558,29 @@ impl<'a> Steps<'a> {
         let (mut laid, tallies): (Vec<_>, Vec<_>) =
             laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         // The index of a duplicate refers to a layer that was laid, never to another copy.
+        let mut fibre = Tally::default();
         for k in 0..laid.len() {
-            if duplicate_of[k] != k {
-                laid[k] = laid[duplicate_of[k]].clone();
-            }
+            let original = copies.original(first + k);
+            let tally = match original.checked_sub(first) {
+                Some(own) if own == k => tallies[k],
+                Some(own) => {
+                    laid[k] = laid[own].clone();
+                    tallies[own]
+                }
+                None => {
+                    let (paths, tally) = &copies.laid[&original];
+                    laid[k] = paths.clone();
+                    *tally
+                }
+            };
+            fibre = fibre.and(tally);
         }
-        let fibre = duplicate_of.iter().map(|&k| tallies[k]).fold(Tally::default(), Tally::and);
+        let needed = copies.needed_from(window.end);
+        copies.laid.retain(|original, _| needed.contains(original));
+        for original in needed.range(window.clone()) {
+            let own = (laid[original - first].clone(), tallies[original - first]);
+            copies.laid.insert(*original, own);
+        }
         let adhesion = self.adhesion(&window);
         let mut supports: Vec<Vec<Island>> = window.into_par_iter().map(|i| self.supports(i)).collect();
         let whole = |(k, (walls, paths)): (usize, (LayerWalls, IslandPaths))| {
@@ -567,6 +624,37 @@ impl<'a> Steps<'a> {
             plans.into_iter().for_each(&mut each);
         }
         Ok(fibre)
+    }
+
+    /// Lays the infill of the whole part and orders its layers, in windows that begin with one layer and grow. `each` gets
+    /// the layers of every window. They are the same as those of a single window, to the bit: copies are found once, for
+    /// the whole part.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub(super) fn in_growing_windows(
+        &self,
+        mut walls: Vec<LayerWalls>,
+        skins: &[SkinSplit],
+        density: Density,
+        order: &OrderSettings,
+        diagnostics: &Diagnostics,
+        mut each: impl FnMut(Vec<LayerPlan>),
+    ) -> Result<(), Interrupted> {
+        let mut state = OrderState::new(order);
+        let mut copies = Copies { first: 0, of: self.duplicates(0, skins), laid: BTreeMap::new() };
+        let sections = self.stack.layers();
+        let mut first = 0;
+        while first < sections.len() {
+            let window = first..(GROWTH * first).clamp(first + 1, sections.len());
+            let of_window = walls.drain(..window.len()).collect();
+            let own = &skins[window.clone()];
+            let filled =
+                self.infill_beside(window.clone(), of_window, own, density, &mut copies, diagnostics)?;
+            first = window.end;
+            each(order_window(sections, window, filled.layers, order, &mut state, diagnostics)?);
+        }
+        Ok(())
     }
 
     /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own

@@ -1,0 +1,44 @@
+// A plan comes on screen with its first layer, while the others are still planned.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { boxStl, choose, colours, far, folder, launch, settle, shaped, studio, visit } from "./bench.mjs";
+
+const WALL = [214, 93, 32];
+const LAYERS = 400;
+let files, server, browser;
+before(async () => {
+  const job = "[shape]\nmesh = \"high.stl\"\n[process]\nlayer_height_mm = 0.1\nfirst_layer_height_mm = 0.1\nskirt_loops = 0\n[fill]\npattern = \"gyroid\"\n";
+  files = folder({ "high.stl": boxStl([50, 50, LAYERS / 10]), "high.toml": job });
+  server = await studio(files.dir);
+  browser = await launch();
+});
+after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
+
+test("the first layer of a plan is on screen while the others are planned", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await choose(page, "high.toml");
+  await shaped(page);
+  await page.click("#tab-job");
+  await page.click("#panel-job >> text=Plan the paths");
+  await page.waitForFunction(() => { const b = window.studio.viewer?.beads; return b?.index.more && b.taken > 0; }, null, { timeout: 120_000 });
+  await page.click("#views [data-view=top]");
+  await settle(page);
+  const [x, y, z] = await page.evaluate(() => { const { part_mm: [low, high] } = window.studio.viewer.beads.index; return [low[0], (low[1] + high[1]) / 2, high[2]]; });
+  // The middle of the outer wall on the left, and a place left of it.
+  const [wall, beside] = await colours(page, [[x + 0.22, y, z], [x - 3, y, z]]);
+  const [isEarly, progress, shown] = await page.evaluate(() => [window.studio.viewer.beads.index.more, document.querySelector("#progress").textContent, document.documentElement.dataset.shown]);
+  assert.ok(isEarly && shown === undefined, `${shown}`);
+  assert.match(progress, /^Walls and fill \d+ of \d+/);
+  assert.ok(far(wall, WALL) < 30, `wall: ${wall}`);
+  assert.ok(far(beside, WALL) > 30, `beside: ${beside}`);
+  assert.match(await page.textContent("#panel-paths"), /Layers\d+ so far/);
+  // The whole follows in the same view, with all of its layers.
+  await page.waitForFunction(() => document.documentElement.dataset.shown, null, { timeout: 240_000 });
+  await settle(page);
+  assert.deepEqual(await page.evaluate(() => { const b = window.studio.viewer.beads; return [b.index.more, b.index.layers.length, b.taken]; }), [false, LAYERS, LAYERS]);
+  assert.equal(await page.inputValue("#high"), String(LAYERS - 1));
+  assert.ok(far((await colours(page, [[x + 0.22, y, LAYERS / 10]]))[0], WALL) < 30);
+  assert.deepEqual(wrong, []);
+  await close();
+});
