@@ -342,6 +342,24 @@ fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
 }
 
 #[test]
+fn trunks_close_to_a_wall_move_to_where_they_can_be_thick_enough() {
+    // A tower with a narrow ledge near its top, alone and with a wall that leaves a slot of 4 mm below the ledge.
+    let tower = [[[-5.0, -5.0, 0.0], [5.0, 5.0, 63.0]], [[-5.0, -5.0, 60.0], [8.0, 5.0, 63.0]]];
+    let slot = [&tower[..], &[[[9.0, -30.0, 0.0], [15.0, 30.0, 63.0]]]].concat();
+    for (parts, has_room) in [(&tower[..], true), (&slot[..], false)] {
+        let (support, _, warnings) = planned(&boxes(parts), |_| ());
+        let bends = warnings.iter().any(|w| w.id == grainpath_core::WarningId::SupportBends);
+        assert_eq!((support.bending.over == 0, bends), (has_room, !has_room), "{:?}", support.bending);
+        assert!(support.forest.steepest_rad().to_degrees() <= 40.0);
+        assert!(support.unreached.is_empty() && support.cut.lost.is_empty(), "{:?}", support.unreached);
+        // A tip leaves the ledge beside the wall; the foot has room for the thickest trunk.
+        let feet = support.forest.nodes.iter().filter(|n| n.kind == Kind::Foot);
+        let nearest = feet.map(|n| n.at.x - 5.0).fold(f64::INFINITY, f64::min);
+        assert_eq!(nearest > 2.5, has_room, "{nearest} mm from the tower");
+    }
+}
+
+#[test]
 fn trees_do_not_depend_on_how_the_surface_is_cut_into_triangles() {
     // Every triangle in three about a point of its own, or in four about the middles of its sides.
     let in_three = |mesh: &TriMesh| {

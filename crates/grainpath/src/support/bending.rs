@@ -16,6 +16,8 @@
 //! (`venkayya1971`). Each is multiplied by a power of the ratio of its tip's movement to the allowed one, until no tip moves
 //! too far. The multiplier of a tip that is stiff enough goes to zero.
 //!
+//! Where the part leaves no room for these radii, the nodes of the tree are first moved away from it ([`super::spread`]).
+//!
 //! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: braces and
 //! joining branches are assumed not to stiffen a tree. Where a tip moves too far even with the thickest branches that
 //! `base_radius_mm` and the part allow, it may move up to twice as far as with those.
@@ -28,6 +30,7 @@ use rayon::prelude::*;
 
 use super::SupportSettings;
 use super::clearance::Clearance;
+use super::spread;
 use super::tree::{Forest, Kind, Node};
 
 /// The largest movement of a tip, and how many tips move too far.
@@ -44,7 +47,7 @@ pub struct Bending {
 /// Length of the pieces into which a branch is divided for the sum, mm.
 ///
 /// Source: the radius of a branch changes by less than a tenth of a millimetre over this length.
-const PIECE_MM: f64 = 1.0;
+pub(super) const PIECE_MM: f64 = 1.0;
 /// Number of rounds to find the multipliers. Source: derived. A multiplier changes at most by the factor [`MOST_CHANGE`]
 /// in a round, so 30 rounds reach any value from a millionth to a million times the first one.
 const ROUNDS: usize = 30;
@@ -74,22 +77,56 @@ pub fn tip_bending(forest: &Forest, clearance: &Clearance, settings: &SupportSet
     out
 }
 
-/// Makes the branches of every tree as thick as its tips need.
+/// Makes the branches of every tree as thick as its tips need, and moves them away from the part where they have no room
+/// for that.
 pub fn stiffen(forest: &mut Forest, clearance: &Clearance, settings: &SupportSettings) {
-    let limit_mm = settings.tip_moves_at_most_mm();
-    let beams = Beams::new(forest, clearance, settings);
-    let stiffened: Vec<Option<Vec<Node>>> = trees(forest)
-        .par_iter()
-        .map(|tree| {
-            let moved = beams.tips_mm(&forest.nodes, tree);
-            moved.iter().any(|&(_, mm)| mm > limit_mm).then(|| beams.stiffened(forest, tree, limit_mm))
-        })
-        .collect();
-    for (tree, nodes) in trees(forest).iter().zip(stiffened) {
-        for (&i, node) in tree.iter().zip(nodes.into_iter().flatten()) {
-            forest.nodes[i as usize] = node;
+    let all = trees(forest);
+    let stiff: Vec<Vec<Node>> =
+        all.par_iter().map(|tree| stiff_tree(alone(forest, tree), clearance, settings)).collect();
+    for (tree, nodes) in all.iter().zip(stiff) {
+        for (&i, node) in tree.iter().zip(nodes) {
+            let below = forest.nodes[i as usize].below;
+            forest.nodes[i as usize] = Node { below, ..node };
         }
     }
+}
+
+/// A tree as a forest of its own, lower nodes first.
+fn alone(forest: &Forest, tree: &[u32]) -> Forest {
+    let names: BTreeMap<u32, u32> = tree.iter().zip(0..).map(|(&i, name)| (i, name)).collect();
+    let node = |&i: &u32| {
+        let node = forest.nodes[i as usize];
+        Node { below: node.below.map(|below| names[&below]), ..node }
+    };
+    Forest { nodes: tree.iter().map(node).collect(), ..Forest::default() }
+}
+
+/// The nodes of a single tree, made as stiff as its tips need.
+fn stiff_tree(mut grown: Forest, clearance: &Clearance, settings: &SupportSettings) -> Vec<Node> {
+    let limit_mm = settings.tip_moves_at_most_mm();
+    let tree: Vec<u32> = (0..grown.nodes.len() as u32).collect();
+    // The nodes, the number of tips that still move too far, and the furthest movement.
+    let thickened = |forest: &Forest| {
+        let beams = Beams::new(forest, clearance, settings);
+        let rank = |nodes: &[Node]| {
+            let tips = beams.tips_mm(nodes, &tree);
+            let over = tips.iter().filter(|tip| tip.1 > limit_mm).count();
+            (over, tips.iter().map(|tip| tip.1).fold(0.0, f64::max))
+        };
+        if rank(&forest.nodes).0 == 0 {
+            return (forest.nodes.clone(), (0, 0.0));
+        }
+        let nodes = beams.stiffened(forest, &tree, limit_mm);
+        let rank = rank(&nodes);
+        (nodes, rank)
+    };
+    let (as_grown, before) = thickened(&grown);
+    if before.0 == 0 {
+        return as_grown;
+    }
+    spread::spread(&mut grown.nodes, &tree, clearance, settings);
+    let (apart, after) = thickened(&grown);
+    if after < before { apart } else { as_grown }
 }
 
 /// The nodes of every tree, lower nodes first. Cost: linear in the nodes.
@@ -254,7 +291,7 @@ impl Quadratic {
     }
 }
 
-fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
+pub(super) fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
     // The section is a ring of beads, or a full disc where the radius is less than the wall.
     let hollow = (radius_mm - wall_mm).max(0.0);
     0.25 * std::f64::consts::PI * (radius_mm.powi(4) - hollow.powi(4))
@@ -267,7 +304,7 @@ impl SupportSettings {
     }
 
     /// Thickness of the walls of a branch.
-    fn wall_mm(&self) -> f64 {
+    pub(super) fn wall_mm(&self) -> f64 {
         self.beads.walls.max(1) as f64 * self.beads.bead_width_mm
     }
 }

@@ -190,8 +190,18 @@ impl Clearance {
 
     /// Whether the line keeps `keep_mm` from the part.
     pub fn is_clear(&self, a: DVec3, b: DVec3, keep_mm: f64) -> bool {
+        self.along_mm(a, b).all(|mm| mm >= keep_mm)
+    }
+
+    /// The least distance of the line from the part, mm.
+    pub fn least_mm(&self, a: DVec3, b: DVec3) -> f64 {
+        self.along_mm(a, b).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The distance from the part at points half a cell apart on a line.
+    fn along_mm(&self, a: DVec3, b: DVec3) -> impl Iterator<Item = f64> + '_ {
         let n = ((a.distance(b) / (0.5 * self.grid.cell_mm())).ceil() as usize).clamp(1, 100_000);
-        (0..=n).all(|i| self.distance_mm(a.lerp(b, i as f64 / n as f64)) >= keep_mm)
+        (0..=n).map(move |i| self.distance_mm(a.lerp(b, i as f64 / n as f64)))
     }
 
     /// The height of the first thing met straight below `p`: the top of a slab that the part is in, or the plate.

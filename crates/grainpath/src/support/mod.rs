@@ -14,6 +14,7 @@ pub mod interface;
 pub mod overhang;
 pub mod poisson;
 pub mod solid;
+mod spread;
 pub mod tree;
 
 use grainpath_core::buckets::PointGrid3;

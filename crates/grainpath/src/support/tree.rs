@@ -135,7 +135,7 @@ pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
 }
 
 /// How far branches go sideways for each millimetre down: 0.1 % less than the branch angle allows.
-fn slope(settings: &SupportSettings) -> f64 {
+pub(super) fn slope(settings: &SupportSettings) -> f64 {
     tan(settings.branch_angle_rad) * 0.999
 }
 
