@@ -30,7 +30,7 @@ use rayon::prelude::*;
 
 use super::SupportSettings;
 use super::clearance::Clearance;
-use super::spread;
+use super::spread::{PIECE_MM, second_moment_mm4, spread};
 use super::tree::{Forest, Kind, Node};
 
 /// The largest movement of a tip, and how many tips move too far.
@@ -44,10 +44,6 @@ pub struct Bending {
     pub over: usize,
 }
 
-/// Length of the pieces into which a branch is divided for the sum, mm.
-///
-/// Source: the radius of a branch changes by less than a tenth of a millimetre over this length.
-pub(super) const PIECE_MM: f64 = 1.0;
 /// Number of rounds to find the multipliers. Source: derived. A multiplier changes at most by the factor [`MOST_CHANGE`]
 /// in a round, so 30 rounds reach any value from a millionth to a million times the first one.
 const ROUNDS: usize = 30;
@@ -124,7 +120,7 @@ fn stiff_tree(mut grown: Forest, clearance: &Clearance, settings: &SupportSettin
     if before.0 == 0 {
         return as_grown;
     }
-    spread::spread(&mut grown.nodes, &tree, clearance, settings);
+    spread(&mut grown.nodes, &tree, clearance, settings);
     let (apart, after) = thickened(&grown);
     if after < before { apart } else { as_grown }
 }
@@ -289,12 +285,6 @@ impl Quadratic {
         let [whole, first, second] = self.0;
         whole * z * z - 2.0 * first * z + second
     }
-}
-
-pub(super) fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
-    // The section is a ring of beads, or a full disc where the radius is less than the wall.
-    let hollow = (radius_mm - wall_mm).max(0.0);
-    0.25 * std::f64::consts::PI * (radius_mm.powi(4) - hollow.powi(4))
 }
 
 impl SupportSettings {

@@ -20,10 +20,13 @@ use grainpath_core::math::{direction, pow};
 use grainpath_core::{DVec2, DVec3};
 
 use super::SupportSettings;
-use super::bending::{PIECE_MM, second_moment_mm4};
 use super::clearance::Clearance;
 use super::tree::{Kind, Node, slope};
 
+/// Length of the pieces into which a branch is divided for sums, mm.
+///
+/// Source: the radius of a branch changes by less than a tenth of a millimetre over this length.
+pub(super) const PIECE_MM: f64 = 1.0;
 /// Lengths of the steps that are tried, mm. Source: chosen. The longest is the radius of the thickest trunk, the shortest
 /// about a cell of the clearance.
 const STEPS_MM: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
@@ -33,6 +36,13 @@ const LEAST_GAIN: f64 = 0.01;
 /// Largest number of rounds over the nodes of a tree. Source: derived. A trunk moves by 100 mm at most, further than
 /// `max_reach_mm`.
 const ROUNDS: usize = 25;
+
+/// Second moment of area of a branch.
+pub(super) fn second_moment_mm4(radius_mm: f64, wall_mm: f64) -> f64 {
+    // The section is a ring of beads, or a full disc where the radius is less than the wall.
+    let hollow = (radius_mm - wall_mm).max(0.0);
+    0.25 * std::f64::consts::PI * (radius_mm.powi(4) - hollow.powi(4))
+}
 
 /// Moves the nodes of a tree. `tree` holds the indices of its nodes, lower nodes first.
 pub(super) fn spread(nodes: &mut [Node], tree: &[u32], clearance: &Clearance, settings: &SupportSettings) {
