@@ -9,8 +9,10 @@ mod bench_continuous;
 mod bench_ct;
 mod bench_density;
 mod bench_fea;
+mod bench_jobs;
 mod bench_paths;
 mod bench_strength;
+mod bench_verification;
 mod book;
 mod campaign;
 mod count;
@@ -66,6 +68,9 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench constants [--write] [NAME...]  quality over five values or more of each constant that was chosen by measurement
   bench python [JOBS [GB]]  what the Python package costs: import, call, a scan handed over, a sweep of 100 jobs and a scan of 17 GB on 2 workers
   bench paths      fill along the stress held against CalculiX's principal stresses
+  bench jobs [PART...]  small jobs of the pages: continuous fibre and its strength (fibre fibre-strength), layers in turn
+                   for two load cases (cases), smoothing of the field (smoothing), given directions (fields)
+  bench verification  numbers that tests of solvers and scans print, and the meshes of a bracket
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   bench density [PART...]  mass at equal peak load of the virtual test: even fills beside density and direction by the
@@ -107,7 +112,9 @@ fn main() -> ExitCode {
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "constants", words @ ..] => bench_constants::run(words),
         ["bench", "continuous"] => bench_continuous::run(),
+        ["bench", "jobs", parts @ ..] => bench_jobs::run(parts),
         ["bench", "paths"] => bench_paths::run(),
+        ["bench", "verification"] => bench_verification::run(),
         ["bench", "strength", parts @ ..] => bench_strength::run(parts),
         ["bench", "density", parts @ ..] => bench_density::run(&target().join("ci/grainpath"), parts),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),

@@ -6,7 +6,9 @@
 //! key is not there; [`Measured::renew_pages`] writes the numbers into the pages. So a new measurement reaches every page that tells
 //! of it, and no page can keep an old one.
 //!
-//! A page may round: `12<!--KEY-->` holds where the recorded number is `12.4`, with as many digits as the page gives.
+//! A page may round: `12<!--KEY-->` holds where the recorded number is `12.4`, with as many digits as the page gives, and
+//! `2e-6<!--KEY-->` where it is `2.1e-6`. Numbers that tests find come from lines `measured: KEY = NUMBER` of what they
+//! print ([`keep_lines`]).
 //!
 //! Tables of pages that hold measured figures without a key are counted by `cargo xtask count`, and may only become
 //! fewer ([`tables_without_keys`]).
@@ -26,6 +28,8 @@ const HEAD: &str = "# Measured numbers, written by `cargo xtask bench NAME --rec
                     xtask/src/measured.rs.\n";
 const OPENS: &str = "<!--";
 const CLOSES: &str = "-->";
+/// What stands before the key of a number that a test prints.
+const MARK: &str = "measured: ";
 
 /// Pages whose tables are written by programs, from what they print or from the sources.
 const GENERATED: [&str; 6] =
@@ -63,6 +67,25 @@ impl Table {
             values.insert(column.clone(), cell.clone());
         }
     }
+}
+
+/// Prints and keeps the numbers of lines `measured: KEY = NUMBER`; how many there are.
+pub fn keep_lines(text: &str) -> Result<usize, String> {
+    // The harness of the tests may have begun the line with the name of a test.
+    let lines = text.lines().filter_map(|line| line.split_once(MARK));
+    let mut n_kept = 0;
+    for (_, line) in lines {
+        let parts = line.split_once(" = ").and_then(|(key, number)| {
+            let (group, name) = key.rsplit_once('.')?;
+            Some((group, name, number.trim()))
+        });
+        let (group, name, number) = parts.ok_or_else(|| format!("{line:?} is not KEY = NUMBER"))?;
+        println!("{group}.{name} = {number}");
+        let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+        found.entry(group.to_owned()).or_default().insert(name.to_owned(), number.to_owned());
+        n_kept += 1;
+    }
+    Ok(n_kept)
 }
 
 /// A text as a part of a key: small letters and digits, with `-` for all between.
@@ -187,15 +210,27 @@ struct Quote<'a> {
 }
 
 impl Quote<'_> {
-    /// The recorded number with as many digits after the point as the page gives.
+    /// The recorded number with as many digits after the point as the page gives, written as it is recorded: with a power
+    /// of ten, with a sign.
     fn renewed(&self, all: &Measured) -> Result<String, String> {
         let recorded = all.value(self.key)?;
-        let digits = |number: &str| number.split_once('.').map_or(0, |(_, after)| after.len());
-        if digits(self.number) >= digits(recorded) {
+        let digits = |number: &str| {
+            let whole = number.split_once('e').map_or(number, |(whole, _)| whole);
+            whole.split_once('.').map_or(0, |(_, after)| after.len())
+        };
+        let n_digits = digits(self.number);
+        if n_digits >= digits(recorded) {
             return Ok(recorded.to_owned());
         }
         let number: f64 = recorded.parse().map_err(|_| format!("{}: {recorded:?} is no number", self.key))?;
-        Ok(format!("{number:.*}", digits(self.number)))
+        let rounded = match recorded {
+            _ if recorded.contains('e') => format!("{number:.n_digits$e}"),
+            _ if recorded.starts_with('+') => format!("{number:+.n_digits$}"),
+            _ => format!("{number:.n_digits$}"),
+        };
+        // What is rounded to nothing has no sign.
+        let is_zero = !rounded.contains(|c: char| ('1'..='9').contains(&c));
+        Ok(if is_zero { rounded.trim_start_matches(['-', '+']).to_owned() } else { rounded })
     }
 
     fn problem(&self, all: &Measured) -> Result<(), String> {
@@ -216,7 +251,14 @@ fn quotes(page: &str) -> Vec<Quote<'_>> {
         let is_key =
             key.contains('.') && key.bytes().all(|b| b.is_ascii_alphanumeric() || b".-_".contains(&b));
         let number = |c: char| c.is_ascii_digit() || c == '.' || c == '-' || c == '+';
-        let start = page[..at].trim_end_matches(number).len();
+        let mut start = page[..at].trim_end_matches(number).len();
+        // A power of ten, as in 2.1e-6.
+        if let Some(before) = page[..start].strip_suffix('e') {
+            let mantissa = before.trim_end_matches(number).len();
+            if before[mantissa..].ends_with(|c: char| c.is_ascii_digit()) {
+                start = mantissa;
+            }
+        }
         if is_key && start < at {
             found.push(Quote { start, number: &page[start..at], key });
         }
@@ -290,6 +332,32 @@ mod tests {
         // A page may give fewer digits.
         assert_eq!(found[1].problem(&recorded()), Ok(()));
         assert_eq!(found[0].renewed(&recorded()), Ok("0.46".to_owned()));
+    }
+
+    #[test]
+    fn powers_of_ten_and_signs_stay_as_they_are_recorded() {
+        let of = |recorded: &str| Measured::parse(&format!("[\"a.b\"]\nx = {recorded:?}\n")).expect("a file");
+        for (page, recorded, right) in [
+            ("about 7e-12<!--a.b.x-->", "1.6e-6", "2e-6"),
+            ("2.1e-6<!--a.b.x-->", "1.6e-6", "1.6e-6"),
+            ("size 3<!--a.b.x-->", "12.4", "12"),
+            ("+0.1<!--a.b.x--> %", "+0.370", "+0.4"),
+            ("-0.01<!--a.b.x--> %", "-0.004", "0.00"),
+        ] {
+            let found = quotes(page);
+            assert_eq!(found[0].renewed(&of(recorded)), Ok(right.to_owned()), "{page}");
+        }
+        assert_eq!(quotes("about 7e-12<!--a.b.x-->")[0].number, "7e-12");
+    }
+
+    #[test]
+    fn numbers_that_tests_print_are_kept_by_key() {
+        let text =
+            "test one ... measured: tests.one.mm = 2.515\nok\nother text\nmeasured: tests.one.off = 1.2e-6\n";
+        assert_eq!(keep_lines(text), Ok(2));
+        let kept = FOUND.lock().expect("no panic")["tests.one"].clone();
+        assert_eq!((kept["mm"].as_str(), kept["off"].as_str()), ("2.515", "1.2e-6"));
+        assert!(keep_lines("measured: no number").is_err_and(|e| e.contains("KEY = NUMBER")));
     }
 
     #[test]

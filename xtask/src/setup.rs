@@ -192,6 +192,12 @@ pub fn scans() -> Result<(), String> {
     if has(&["skimage"]) { Ok(()) } else { environment(true, &["scikit-image"]) }
 }
 
+/// For `cargo xtask bench jobs fields`: what the outside measure of fields needs.
+pub fn fields() -> Result<(), String> {
+    bench()?;
+    environment(true, &["manifold3d"])
+}
+
 /// CuraEngine's definition files. They are unpacked from the package of its front end, which itself is
 /// not installed.
 pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
