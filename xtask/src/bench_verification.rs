@@ -8,36 +8,45 @@ use std::process::Command;
 
 use crate::measured::{self, Table};
 
-/// The targets that hold the tests below: those of the library of `grainpath-imaging` and of these files.
-const TARGETS: [&str; 9] = [
-    "--lib",
-    "--test",
-    "solid_verification",
-    "--test",
-    "solid_mesh",
-    "--test",
-    "solid_voxel",
-    "--test",
-    "decks",
-];
-/// Tests that print what they find.
-const TESTS: [&str; 16] = [
-    "patch_test",
-    "nafems_le10_thick_plate",
-    "nafems_le11_thermal",
-    "lame_cylinder_and_orders_of_convergence",
-    "cantilever_bends_as_timoshenko_says",
-    "calculix_bracket",
-    "calculix_plate_with_a_hole",
-    "a_hollow_ball_under_pressure_from_surface_to_stress",
-    "a_cantilever_of_voxels_bends_as_beams_do",
-    "voids_and_stiffness_that_fades_are_carried_and_solved_again",
-    "scan::tests::even_voxels_give_true_sizes_and_counts",
-    "scan::tests::canny_follows_the_paper_to_its_accuracy",
-    "scan::tests::far_slices_are_bridged_by_matching_and_by_distance",
-    "scan::tests::a_slope_of_45_degrees_has_no_stairs",
-    "le1_meets_calculix",
-    "solids_meet_calculix",
+/// Tests that print what they find: the packages and targets that hold them, and their names. Files of tests are built
+/// as `cargo xtask test` builds them, with the whole workspace: another choice of packages would be another build.
+const TESTS: [(&[&str], &[&str]); 2] = [
+    (
+        &[
+            "--workspace",
+            "--test",
+            "solid_verification",
+            "--test",
+            "solid_mesh",
+            "--test",
+            "solid_voxel",
+            "--test",
+            "decks",
+        ],
+        &[
+            "patch_test",
+            "nafems_le10_thick_plate",
+            "nafems_le11_thermal",
+            "lame_cylinder_and_orders_of_convergence",
+            "cantilever_bends_as_timoshenko_says",
+            "calculix_bracket",
+            "calculix_plate_with_a_hole",
+            "a_hollow_ball_under_pressure_from_surface_to_stress",
+            "a_cantilever_of_voxels_bends_as_beams_do",
+            "voids_and_stiffness_that_fades_are_carried_and_solved_again",
+            "le1_meets_calculix",
+            "solids_meet_calculix",
+        ],
+    ),
+    (
+        &["-p", "grainpath-imaging", "--lib"],
+        &[
+            "scan::tests::even_voxels_give_true_sizes_and_counts",
+            "scan::tests::canny_follows_the_paper_to_its_accuracy",
+            "scan::tests::far_slices_are_bridged_by_matching_and_by_distance",
+            "scan::tests::a_slope_of_45_degrees_has_no_stairs",
+        ],
+    ),
 ];
 
 /// Sizes of elements on the bracket, mm.
@@ -49,17 +58,18 @@ const CONVERGED_MM: f64 = 0.03050;
 /// Runs the tests and the meshes.
 pub fn run() -> Result<(), String> {
     let data = crate::setup::data()?;
-    let mut command = Command::new("cargo");
-    // As `cargo xtask test` builds them: another choice of packages would be another build.
-    command.args(["test", "--workspace", "--profile", "ci"]).args(TARGETS).arg("--").args(TESTS);
-    command.args(["--exact", "--include-ignored", "--nocapture"]).current_dir(crate::root());
-    let text = crate::output(crate::setup::export(&mut command))?;
-    // The harness leaves out a test that has another name now, without a word.
-    let ran = |name: &&&str| text.lines().any(|l| l.starts_with(&format!("test {name} ")));
-    if let Some(missing) = TESTS.iter().find(|name| !ran(name)) {
-        return Err(format!("no test has the name {missing}"));
+    for (targets, names) in TESTS {
+        let mut command = Command::new("cargo");
+        command.args(["test", "--profile", "ci"]).args(targets).arg("--").args(names);
+        command.args(["--exact", "--include-ignored", "--nocapture"]).current_dir(crate::root());
+        let text = crate::output(crate::setup::export(&mut command))?;
+        // The harness leaves out a test that has another name now, without a word.
+        let ran = |name: &&&str| text.lines().any(|l| l.starts_with(&format!("test {name} ")));
+        if let Some(missing) = names.iter().find(|name| !ran(name)) {
+            return Err(format!("no test has the name {missing}"));
+        }
+        measured::keep_lines(&text)?;
     }
-    measured::keep_lines(&text)?;
     crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-fea", "--example", "solve_stl"])?;
     let header = [
         "part",
