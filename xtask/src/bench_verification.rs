@@ -32,6 +32,7 @@ const TESTS: [(&[&str], &[&str]); 2] = [
             "calculix_bracket",
             "calculix_plate_with_a_hole",
             "a_hollow_ball_under_pressure_from_surface_to_stress",
+            "patch_test_of_turned_materials_and_scales",
             "a_cantilever_of_voxels_bends_as_beams_do",
             "voids_and_stiffness_that_fades_are_carried_and_solved_again",
             "le1_meets_calculix",
