@@ -12,8 +12,10 @@ use serde_json::Value;
 
 use crate::measured::Table;
 
-/// What can be named on the command line.
-const PARTS: [(&str, fn(&Jobs) -> Result<(), String>); 5] = [
+/// A part of the bench: its name on the command line, and what runs it.
+type Part = (&'static str, fn(&Jobs) -> Result<(), String>);
+
+const PARTS: [Part; 5] = [
     ("fibre", fibre),
     ("fibre-strength", fibre_strength),
     ("cases", cases),
