@@ -34,6 +34,8 @@ enum Measure {
     Fill,
     /// The result of the strength test.
     Strength,
+    /// Ends that stand on each other from layer to layer, and the quality of the fill.
+    Ends,
     /// The support of a specimen; `Piece` names the specimen and not a preset.
     Support,
 }
@@ -118,6 +120,14 @@ const STRIPES: &[Piece] = &[
     ("continuous", "hook-stripes", &[NO_FIBRE, NOZZLE]),
 ];
 
+/// The same with ends, all of them, in other places from layer to layer.
+const SHIFTED: &[Piece] = &[
+    ("stress-lines", "tension", &["fill.pattern=stripes", ALL_ENDS]),
+    ("continuous", "plate-stripes", &[NO_FIBRE, NOZZLE, ALL_ENDS]),
+    ("continuous", "hook-stripes", &[NO_FIBRE, NOZZLE, ALL_ENDS]),
+];
+const ALL_ENDS: &str = "fill.layer_shift=all";
+
 const SEED_LINES: &[Piece] = &[
     ("stress-lines", "tension-seed-lines", &[]),
     ("stress-lines", "bending", &["fill.pattern=seed-lines"]),
@@ -171,6 +181,10 @@ const fn strength(name: &'static str, values: &'static [f64], pieces: &'static [
     Row { name, values, pieces, measure: Measure::Strength }
 }
 
+const fn ends(name: &'static str, values: &'static [f64]) -> Row {
+    Row { name, values, pieces: SHIFTED, measure: Measure::Ends }
+}
+
 const fn support(name: &'static str, values: &'static [f64], pieces: &'static [Piece]) -> Row {
     Row { name, values, pieces, measure: Measure::Support }
 }
@@ -206,6 +220,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.strips.LEAST_WEIGHT", &[0.01, 0.03, 0.1, 0.3, 1.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 5.0, 8.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
+    ends("fill.field.band.SHORTEST", &[2.0, 4.0, 6.0, 10.0, 20.0]),
     row("fill.field.phase.DIFFUSION_ROUNDS", &[1.0, 3.0, 6.0, 10.0, 16.0], STRIPES),
     row("fill.field.phase.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
     row("fill.field.phase.MAX_DRIFT", &[1.05, 1.12, 1.22, 1.35, 1.5], STRIPES),
@@ -218,6 +233,8 @@ const ROWS: &[Row] = &[
     row("fill.field.seed_lines.KEPT_FREE", &[0.7, 0.75, 0.8, 0.9, 0.98], SEED_LINES),
     row("fill.field.streamlines.END_SHARE", &[0.3, 0.45, 0.55, 0.7, 0.85], STREAMLINES),
     row("fill.field.streamlines.SHORTEST_SHARE", &[0.5, 1.0, 1.5, 2.5, 4.0], STREAMLINES),
+    ends("fill.shift.BAND_MM", &[0.4, 0.7, 1.0, 1.5, 2.0]),
+    ends("fill.shift.GRID_SHARE", &[0.0, 0.01, 0.02, 0.03, 0.06]),
     support("support.clearance.CELL_MM", &[0.2, 0.3, 0.4, 0.6, 1.0], TREES_BESIDE),
     support("support.clearance.SLAB_MM", &[0.2, 0.3, 0.4, 0.8, 1.6], TREES),
     support("support.clearance.MAX_DEBT", &[10.0, 20.0, 40.0, 64.0, 100.0], TREES_BESIDE),
@@ -239,6 +256,7 @@ const ROWS: &[Row] = &[
 ];
 
 const FILL_HEADER: &str = "| value | gap % | overlap % | angle deg | 95 % deg | paths | printing s | planning s |\n|---|---|---|---|---|---|---|---|\n";
+const ENDS_HEADER: &str = "| value | stacked inside % | stacked at border % | gap % | overlap % | angle deg | paths | planning s |\n|---|---|---|---|---|---|---|---|\n";
 const SUPPORT_HEADER: &str = "| value | mm3 | contacts | trees | steepest deg | farthest mm | unreached | triangles | support and write s |\n|---|---|---|---|---|---|---|---|---|\n";
 const STRENGTH_HEADER: &str = "| value | peak N | first failure N | bending missed % | solutions | planning and test s |\n|---|---|---|---|---|---|\n";
 
@@ -333,6 +351,9 @@ Fills: numbers are means over the pieces; paths and seconds are sums. A gap is t
 filled and is open; overlap is the share that is filled twice, negative where less was laid than there is room for. The
 angle is between bead and stress, 0 where the part has no load, and 95 % of the length lies within the fifth column.
 
+Ends from layer to layer: the shares of the ends inside the infill and at its border that stand on each other
+([stacked](stress.md#fills)), with `fill.layer_shift = \"all\"`, beside the quality of the fill as above.
+
 Strength: peak load and load of the first failure of each piece. *Bending missed* is the share by which the peak may be
 too high because thin walls are too few cells across; *refused* where the test says that it cannot be done with these
 cells. Solutions and seconds are sums.
@@ -351,6 +372,7 @@ fn sweep(
 ) -> Result<String, String> {
     let header = match row.measure {
         Measure::Fill => FILL_HEADER,
+        Measure::Ends => ENDS_HEADER,
         Measure::Strength => STRENGTH_HEADER,
         Measure::Support => SUPPORT_HEADER,
     };
@@ -366,6 +388,7 @@ fn sweep(
         let start = Instant::now();
         let line = match row.measure {
             Measure::Fill => fill_line(grainpath, folder, row, value),
+            Measure::Ends => ends_line(grainpath, folder, row, value),
             Measure::Strength => strength_line(grainpath, folder, row, value),
             Measure::Support => support_line(grainpath, folder, row, value),
         };
@@ -390,18 +413,46 @@ fn sweep(
     Ok(text)
 }
 
+/// The report of one plan.
+fn planned(grainpath: &Path, folder: &Path, row: &Row, piece: &Piece, value: f64) -> Result<Value, String> {
+    let mut command = command(grainpath, "run", folder, piece, row.name, value);
+    // Elements of 2 mm keep each plan short; all values see the same ones.
+    command.args(["--set", "process.skirt_loops=0", "--set", "guide.element_mm=2"]);
+    for quiet in ["output.report=", "output.preview=", "output.lines=", "output.stress="] {
+        command.args(["--set", quiet]);
+    }
+    json(command.arg("--out").arg(folder.join("out")))
+}
+
+/// Shares of the ends inside and at the border that stand on each other, gap, overlap, mean angle and paths.
+fn ends_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
+    let mut sums = [0.0; 6];
+    for piece in row.pieces {
+        let report = planned(grainpath, folder, row, piece, value)?;
+        let quality = &report["quality"];
+        let share = |places: &Value| -> Result<f64, String> {
+            Ok(number(&places["stacked"])? / number(&places["n"])?.max(1.0))
+        };
+        let found = [
+            100.0 * share(&quality["stacked"]["inside"])?,
+            100.0 * share(&quality["stacked"]["at_border"])?,
+            100.0 * number(&quality["gap"])?,
+            100.0 * number(&quality["overlap"])?,
+            number(&quality["alignment_mean_deg"])?,
+            number(&report["toolpaths"])?,
+        ];
+        sums.iter_mut().zip(found).for_each(|(sum, number)| *sum += number);
+    }
+    let [inside, at_border, gap, overlap, angle] = [0, 1, 2, 3, 4].map(|i| sums[i] / row.pieces.len() as f64);
+    Ok(format!("{inside:.1} | {at_border:.1} | {gap:.2} | {overlap:.2} | {angle:.2} | {}", sums[5]))
+}
+
 /// Gap, overlap, mean angle, angle that 95 % of the length lie within, paths and printing time.
 fn fill_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
     const NO_ANGLE: &Value = &Value::Null;
     let mut sums = [0.0; 6];
     for piece in row.pieces {
-        let mut command = command(grainpath, "run", folder, piece, row.name, value);
-        // Elements of 2 mm keep each plan short; all values see the same ones.
-        command.args(["--set", "process.skirt_loops=0", "--set", "guide.element_mm=2"]);
-        for quiet in ["output.report=", "output.preview=", "output.lines=", "output.stress="] {
-            command.args(["--set", quiet]);
-        }
-        let report = json(command.arg("--out").arg(folder.join("out")))?;
+        let report = planned(grainpath, folder, row, piece, value)?;
         let quality = &report["quality"];
         let numbers = [
             &quality["gap"],

@@ -262,6 +262,12 @@ choices! {
         Joined = "joined", "ends that lie close together are joined along the border: few paths, with turns that lie off the guide.";
         Open = "open", "every bead runs up to the border and ends there: all of it lies along the guide, in more paths.";
     }
+    /// Ends of beads from layer to layer (`fill.layer_shift`).
+    enum LayerShift {
+        None = "none", "equal layers are laid alike, and their ends stand on each other.";
+        Inner = "inner", "places inside the infill differ in each of three layers in turn: where beads end, where strips are joined and where closed paths begin.";
+        All = "all", "places at the border differ too: in two of three layers, lines that meet the border end 1 or 2 mm before it, at beads along it.";
+    }
     /// Widths of the beads of patterns that follow a guide (`fill.widths`).
     enum BeadWidths {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";
@@ -318,6 +324,23 @@ impl Pattern {
             | Self::Concentric
             | Self::Honeycomb
             | Self::Aligned => false,
+        }
+    }
+
+    /// Whether the ends of this pattern's beads can differ from layer to layer (`fill.layer_shift`).
+    pub const fn takes_layer_shift(self) -> bool {
+        match self {
+            Self::Stripes | Self::Continuous => true,
+            // `streamlines` and `seed-lines` place their lines one by one; the others follow no field.
+            Self::Rectilinear
+            | Self::Grid
+            | Self::Triangles
+            | Self::Gyroid
+            | Self::Concentric
+            | Self::Honeycomb
+            | Self::Aligned
+            | Self::Streamlines
+            | Self::SeedLines => false,
         }
     }
 

@@ -1,6 +1,8 @@
 //! Checks of settings against each other.
 
-use crate::choices::{Choice, DensityBy, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
+use crate::choices::{
+    Choice, DensityBy, FibreStart, FibreToolKind, GrainMode, GuideKind, LayerShift, Pattern,
+};
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::{MaterialSection, Settings};
 use crate::wall_count::WallCount;
@@ -77,6 +79,7 @@ pub(crate) fn check(s: &Settings) -> Result<(), String> {
         );
     }
     check_lines(s)?;
+    check_layer_shift(s)?;
     check_graded(s)?;
     check_walls(s)?;
     check_staggered(s)?;
@@ -132,6 +135,23 @@ fn check_lines(s: &Settings) -> Result<(), String> {
         return Ok(());
     };
     Err(format!("fill.lines = {} {problem}", f.lines))
+}
+
+/// Checks the settings that ends of beads in different places need.
+fn check_layer_shift(s: &Settings) -> Result<(), String> {
+    let f = &s.fill;
+    let problem = if f.layer_shift == LayerShift::None {
+        return Ok(());
+    } else if !f.pattern.takes_layer_shift() {
+        format!("is for fill.pattern = \"stripes\" or \"continuous\", not for {:?}", f.pattern.name())
+    } else if !f.density.is_dense() || f.mass_g.is_some() {
+        "needs fill.density = 1: it moves the ends of beads that lie side by side".to_owned()
+    } else if s.guide.kind == GuideKind::Grain && s.guide.mode == GrainMode::Edges {
+        "is not for guide.mode = \"edges\", whose lines are those of the picture".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(format!("fill.layer_shift = {:?} {problem}", f.layer_shift.name()))
 }
 
 /// Error text for a setting that follows the stress while the job has none.

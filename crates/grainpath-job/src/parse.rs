@@ -473,6 +473,18 @@ mod tests {
                 "[fill]\nlines = 2\n[guide]\nkind = \"grain\"\nimage = { files = [\"a.png\"] }\n",
                 "job.toml: fill.lines = 2 is not for guide.kind = \"grain\", whose lines are those of the picture",
             ),
+            (
+                "[fill]\nlayer_shift = \"inner\"\n",
+                "job.toml: fill.layer_shift = \"inner\" is for fill.pattern = \"stripes\" or \"continuous\", not for \"rectilinear\"",
+            ),
+            (
+                "[fill]\nlayer_shift = \"all\"\npattern = \"continuous\"\ndensity = 0.5\n",
+                "job.toml: fill.layer_shift = \"all\" needs fill.density = 1: it moves the ends of beads",
+            ),
+            (
+                "[fill]\nlayer_shift = \"all\"\npattern = \"stripes\"\ndensity = 1\n[guide]\nkind = \"grain\"\nmode = \"edges\"\nimage = { files = [\"a.png\"] }\n",
+                "job.toml: fill.layer_shift = \"all\" is not for guide.mode = \"edges\", whose lines",
+            ),
             ("[printer]\nbed_mm = [1, 2]\n", "job.toml:2: printer.bed_mm should have 3 entries, has 2"),
         ] {
             let found = parse(text, &[]).expect_err(text);

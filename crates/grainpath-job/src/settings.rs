@@ -20,8 +20,8 @@ use crate::choices::{
     Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree,
     ComponentOrder, Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns,
     Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
-    Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
-    SupportSurface, Threshold, WallOrder,
+    Interpolate, LayerShift, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
+    SupportStyle, SupportSurface, Threshold, WallOrder,
 };
 use Check::{Any, Range};
 
@@ -335,6 +335,7 @@ sections! {
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the infill density that gives this mass is found to within 0.5 %, and a warning tells if none does. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; with fibre, `continuous` always has constant width.";
         ends: BeadEnds = BeadEnds::Joined, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
+        layer_shift: LayerShift = LayerShift::None, "", Any, "Which ends of the beads of dense `stripes` and `continuous` lie in different places from layer to layer.";
         spiral: bool = false, "", Any, "Open closed rings of infill into each other, so that rings around one another are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width. The width is that of two beads.";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
@@ -512,6 +513,10 @@ impl Settings {
         if fill.density.is_dense() && fill.mass_g.is_none() {
             fill.lines = region.lines.unwrap_or(1);
             fill.skin_angles_deg = None;
+        }
+        // Places of the region that cannot be shifted are laid alike, whatever the job says.
+        if !fill.pattern.takes_layer_shift() || !fill.density.is_dense() {
+            fill.layer_shift = LayerShift::None;
         }
         process.walls = region.walls.map_or(process.walls, WallCount::Even);
         process.top_layers = region.top_layers.unwrap_or(process.top_layers);

@@ -12,8 +12,8 @@ use crate::choices::{
     Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree, Choice,
     ComponentOrder, Contours, CurveJoin, Denoise, DensityBy, Elasticity, FibreStart, FibreToolKind,
     FibreTurns, Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode,
-    GuideKind, Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
-    SupportStyle, SupportSurface, Threshold, WallOrder, Word,
+    GuideKind, Interpolate, LayerShift, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier,
+    StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder, Word,
 };
 
 /// The numbers that a setting accepts.
@@ -301,6 +301,7 @@ choice_values!(
     GrainMode,
     GuideKind,
     Interpolate,
+    LayerShift,
     LengthUnit,
     LoadFrame,
     OutlineRule,

@@ -237,13 +237,14 @@ impl FibreSettings {
     }
 
     /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` gives the load at a
-    /// point, from which the start of a closed path may be chosen. With `keep_closed` closed paths stay closed, and
-    /// the print order chooses their start.
+    /// point, from which the start of a closed path may be chosen; the start then moves on along the path by
+    /// `onward_mm`. With `keep_closed` closed paths stay closed, and the print order chooses their start.
     pub fn lay(
         &self,
         paths: Vec<Toolpath>,
         infill_regions: &Region,
         load: &dyn Fn(DVec2) -> f64,
+        onward_mm: f64,
         keep_closed: bool,
         out: &mut Vec<Toolpath>,
     ) -> Tally {
@@ -270,7 +271,7 @@ impl FibreSettings {
                     tally.short_mm += length;
                 } else {
                     piece.role = Role::Fibre;
-                    self.begin(&mut piece, load, keep_closed);
+                    self.begin(&mut piece, load, onward_mm, keep_closed);
                 }
                 out.push(piece);
             }
@@ -313,9 +314,9 @@ impl FibreSettings {
         vec![path]
     }
 
-    /// Moves the start of a closed path to where the settings say, and opens the path there. With the setting
-    /// `Nearest` the path stays closed.
-    fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, keep_closed: bool) {
+    /// Moves the start of a closed path to where the settings say and `onward_mm` beyond, and opens the path
+    /// there. With the setting `Nearest` the path stays closed.
+    fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, onward_mm: f64, keep_closed: bool) {
         if !path.closed || keep_closed {
             return;
         }
@@ -330,6 +331,7 @@ impl FibreSettings {
             FibreStart::Calm => path.rotate_to(least(load)),
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
+        begin_onward(path, onward_mm);
         // The path is opened with both ends at its start, so that the print order does not move the start.
         path.points.push(path.points[0]);
         path.closed = false;
@@ -347,6 +349,23 @@ fn begin_straight(path: &mut Toolpath) {
     let (a, b, _) = path.segment(i);
     path.points.insert(i + 1, 0.5 * (a + b));
     path.rotate_to(i + 1);
+}
+
+/// Moves the beginning of a closed path of one width on along it, by less than its length.
+fn begin_onward(path: &mut Toolpath, mut by_mm: f64) {
+    if by_mm <= 0.0 {
+        return;
+    }
+    for i in 0..path.n_segments() {
+        let (a, b, _) = path.segment(i);
+        let piece_mm = a.distance(b);
+        if by_mm < piece_mm {
+            path.points.insert(i + 1, a.lerp(b, by_mm / piece_mm));
+            path.rotate_to(i + 1);
+            return;
+        }
+        by_mm -= piece_mm;
+    }
 }
 
 /// Cuts a path at its sharp turns. Pieces shorter than a bead's width are left out. Each piece begins half

@@ -104,19 +104,26 @@ fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let infill_region = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
     let path = Toolpath::new(square.to_vec(), 0.45, Role::SolidFill, true);
     let mut out = Vec::new();
-    let tally = settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, false, &mut out);
+    let tally = settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, 0.0, false, &mut out);
     assert_eq!((tally.rounded, tally.short, out.len()), (4, 0, 1));
     assert_eq!((out[0].role, out[0].width.clone()), (Role::Fibre, BeadWidth::Constant(0.6)));
     assert_eq!(out[0].start(), out[0].end());
     assert_eq!(out[0].start(), DVec2::new(20.0, 0.0));
     let points = &out[0].points[..out[0].points.len() - 1];
     assert!(smallest(points, true) >= 0.98 * 3.0, "{}", smallest(points, true));
+    // Moved on, it begins that much farther along the same line.
+    let mut moved = Vec::new();
+    settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, 1.5, false, &mut moved);
+    assert!(moved[0].start().distance(DVec2::new(21.5, 0.0)) < 1e-9, "{}", moved[0].start());
+    assert_eq!(moved[0].start(), moved[0].end());
+    assert!((moved[0].length_mm() - out[0].length_mm()).abs() < 1e-9);
     // Too short for what is asked: it stays matrix.
     let mut out = Vec::new();
     let tally = FibreSettings { min_length_mm: 200.0, ..settings() }.lay(
         vec![path],
         &infill_region,
         &|_| 0.0,
+        0.0,
         false,
         &mut out,
     );
@@ -139,6 +146,7 @@ fn fibre_is_cut_where_it_cannot_turn() {
         vec![path],
         &infill_region,
         &|_| 0.0,
+        0.0,
         false,
         &mut out,
     );

@@ -512,6 +512,7 @@ mod tests {
             role: Role::SparseFill,
             border_mm: 0.11,
             ends: grainpath_job::choices::BeadEnds::Joined,
+            shift: crate::fill::Shift::NONE,
             widths: grainpath_job::choices::BeadWidths::Variable,
             field: None,
         }

@@ -367,6 +367,7 @@ mod tests {
             role: Role::SparseFill,
             border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
             ends: BeadEnds::Joined,
+            shift: crate::fill::Shift::NONE,
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }

@@ -16,6 +16,7 @@ mod gyroid;
 mod hatch;
 mod honeycomb;
 mod rectilinear;
+pub(crate) mod shift;
 mod side_by_side;
 mod spaced;
 mod spiral;
@@ -30,6 +31,7 @@ use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
+pub use shift::{Ends, Shift};
 pub use side_by_side::SideBySide;
 pub(crate) use spiral::join_rings;
 
@@ -57,6 +59,8 @@ pub struct FillContext<'a> {
     pub ends: BeadEnds,
     /// Whether beads along a field widen and narrow with the space they have.
     pub widths: BeadWidths,
+    /// Where beads end, so that they differ from layer to layer.
+    pub shift: Shift,
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }
@@ -137,6 +141,7 @@ mod tests {
             role,
             border_mm,
             ends: BeadEnds::Joined,
+            shift: Shift::NONE,
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }

@@ -8,6 +8,7 @@ pub mod plan_json;
 mod planned;
 pub mod report;
 pub mod separate_lines;
+pub mod stacked;
 pub mod strength;
 
 pub use planned::Planned;

@@ -15,6 +15,7 @@ use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::measure::density::LaidDensity;
 use crate::measure::fibre::FibreReport;
+use crate::measure::stacked::{self, Stacked};
 use crate::measure::strength::{ReserveReport, StrengthReport};
 use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
@@ -293,6 +294,9 @@ pub struct QualityReport {
     pub alignment_p95_deg: Option<f64>,
     pub paths_per_layer_max: usize,
     pub bead_width_mm: [f64; 3],
+    /// Ends of beads that stand on each other, of plans with a guide.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stacked: Option<Stacked>,
 }
 
 /// Largest unfilled share of the part's area for which a fibre job gives no warning.
@@ -402,6 +406,7 @@ impl From<Quality> for QualityReport {
             alignment_p95_deg: None,
             paths_per_layer_max: q.paths_per_layer_max,
             bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() / 1e4),
+            stacked: None,
         }
     }
 }
@@ -567,6 +572,7 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         // The angles are rounded to 0.01 degrees, the width of a bin in the histogram.
         let round = |deg: f64| (deg * 100.0).round() / 100.0;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
+        report.stacked = stacked::count(&planned.plan.layers, &planned.stack);
     }
     report
 }

@@ -363,6 +363,7 @@ mod tests {
         };
         let comb = CombSettings { comb: true, retract_min_mm: 2.0, max_detour: 3.0, clearance_mm: 0.4 };
         let settings = OrderSettings {
+            starts_apart_mm: 0.0,
             wall_order: WallOrder::InnerFirst,
             seam: Seam::Nearest,
             comb,
@@ -375,7 +376,9 @@ mod tests {
                 LayerPaths { islands: outlines.iter().map(island).collect(), ..LayerPaths::default() };
             let from = at;
             let mut seams = crate::order::seam::Seams::new(Seam::Nearest);
-            let laid = crate::order::order_layer(paths, &outlines, &settings, &mut seams, &mut at);
+            let mut starts = crate::order::starts::Starts::default();
+            let laid =
+                crate::order::order_layer(paths, &outlines, &settings, (&mut seams, &mut starts), &mut at);
             let first = laid[0].paths[0].start();
             assert!(layer == 0 || first.distance(from) < 1e-9, "{layer}: {first} from {from}");
             assert_eq!(laid.len(), 2);

@@ -11,6 +11,7 @@ mod comb;
 mod nearest;
 mod seam;
 mod sequence;
+mod starts;
 
 use std::ops::Range;
 
@@ -36,6 +37,8 @@ pub struct OrderSettings {
     pub seam: Seam,
     /// Settings of travels.
     pub comb: CombSettings,
+    /// Least distance of the start of a closed infill path from those in the two layers below, mm; 0 for none.
+    pub starts_apart_mm: f64,
     /// Whether fibre comes after everything else of a layer, so that tools are changed once.
     pub fibre_last: bool,
     /// If set, paths of an island are joined into one path if they are at most this far apart, mm.
@@ -74,12 +77,14 @@ struct Ordered {
 pub struct OrderState {
     nozzle: DVec2,
     seams: seam::Seams,
+    starts: starts::Starts,
 }
 
 impl OrderState {
     /// The state before the first layer, with the nozzle at the part's origin.
     pub fn new(settings: &OrderSettings) -> Self {
-        Self { nozzle: DVec2::ZERO, seams: seam::Seams::new(settings.seam) }
+        let starts = starts::Starts::new(settings.starts_apart_mm);
+        Self { nozzle: DVec2::ZERO, seams: seam::Seams::new(settings.seam), starts }
     }
 }
 
@@ -112,12 +117,13 @@ pub fn order_window(
     state: &mut OrderState,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<LayerPlan>, Interrupted> {
-    let OrderState { nozzle, seams } = state;
+    let OrderState { nozzle, seams, starts } = state;
     let ordered = layers.into_iter().zip(window).map(|(paths, layer_idx)| {
         let layer = &sections[layer_idx];
         let start = *nozzle;
         seams.next_layer(layer_idx);
-        let islands = order_layer(paths, &layer.region().polygons, settings, seams, nozzle);
+        starts.next_layer();
+        let islands = order_layer(paths, &layer.region().polygons, settings, (seams, starts), nozzle);
         (layer_idx, layer, start, islands)
     });
     let plan = |(layer_idx, layer, start, islands): (usize, &Layer, DVec2, Vec<Ordered>)| {
@@ -145,14 +151,14 @@ fn order_layer(
     layer: LayerPaths,
     outlines: &[Polygon],
     settings: &OrderSettings,
-    seams: &mut seam::Seams,
+    (seams, starts): (&mut seam::Seams, &mut starts::Starts),
     at: &mut DVec2,
 ) -> Vec<Ordered> {
     let mut out = Vec::with_capacity(layer.islands.len() + 1);
     if !layer.adhesion.is_empty() {
         let mut paths = layer.adhesion;
         for path in &mut paths {
-            sequence::start_nearest(path, *at);
+            starts::start_nearest(path, *at);
             *at = path.end();
         }
         out.push(Ordered { island: None, paths });
@@ -175,7 +181,7 @@ fn order_layer(
             at,
             &mut paths,
         );
-        sequence::fills(island.fills, at, None, &mut paths);
+        sequence::fills(island.fills, &mut starts::Starts::default(), at, None, &mut paths);
         out.push(Ordered { island: None, paths });
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
@@ -212,7 +218,7 @@ fn order_layer(
             }
             None => {
                 sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
-                sequence::fills(island.fills, at, next, &mut paths);
+                sequence::fills(island.fills, starts, at, next, &mut paths);
             }
         }
         out.push(Ordered { island: Some(i), paths });
@@ -222,7 +228,7 @@ fn order_layer(
         match settings.chain_mm {
             _ if fibre[i].is_empty() => continue,
             Some(reach_mm) => chain::chained(std::mem::take(&mut fibre[i]), reach_mm, at, &mut paths),
-            None => sequence::fills(std::mem::take(&mut fibre[i]), at, None, &mut paths),
+            None => sequence::fills(std::mem::take(&mut fibre[i]), starts, at, None, &mut paths),
         }
         out.push(Ordered { island: Some(i), paths });
     }

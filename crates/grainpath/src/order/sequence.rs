@@ -16,6 +16,7 @@ use grainpath_core::{Bounds2, DVec2, Toolpath};
 use super::WallOrder;
 use super::nearest::NearestEnds;
 use super::seam::Seams;
+use super::starts::{Starts, start_nearest};
 use crate::wall::Wall;
 
 /// Largest distance, in stops, over which 2-opt searches for an exchange and Or-opt moves a run.
@@ -239,17 +240,6 @@ fn way_mm(from: DVec2, to: Option<DVec2>) -> f64 {
     to.map_or(0.0, |to| from.distance(to))
 }
 
-/// Lets a closed path start at the vertex nearest to `at`; reverses an open path whose end is nearer to `at`.
-pub(super) fn start_nearest(path: &mut Toolpath, at: DVec2) {
-    if path.closed {
-        let near = path.points.iter().map(|p| p.distance_squared(at)).enumerate();
-        let start = near.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |n| n.0);
-        path.rotate_to(start);
-    } else if path.end().distance_squared(at) < path.start().distance_squared(at) {
-        path.reverse();
-    }
-}
-
 /// The walls along one contour, with the bounding box of the outermost wall.
 struct WallGroup {
     bounds: Bounds2,
@@ -303,7 +293,13 @@ pub(super) fn walls(
 
 /// Puts single beads and fill in order: by rank, and within a rank by short travels. `to` is the point
 /// after the last path, if known.
-pub(super) fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
+pub(super) fn fills(
+    mut fills: Vec<Toolpath>,
+    starts: &mut Starts,
+    at: &mut DVec2,
+    to: Option<DVec2>,
+    out: &mut Vec<Toolpath>,
+) {
     fills.sort_by_key(|p| p.rank);
     while let Some(rank) = fills.first().map(|p| p.rank) {
         let later = fills.split_off(fills.partition_point(|p| p.rank == rank));
@@ -313,7 +309,7 @@ pub(super) fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>,
         for (i, second) in tour(&ends, *at, to.filter(|_| later.is_empty())) {
             let Some(mut path) = stops[i].take() else { continue };
             if path.closed {
-                start_nearest(&mut path, *at);
+                starts.place(&mut path, *at);
             } else if second {
                 path.reverse();
             }

@@ -19,6 +19,7 @@ use grainpath_io::fe::{DeckConditions, FeError, FeFile, FeOptions, Order, Stress
 use grainpath_io::volume::RawHeader;
 
 use crate::fibre::FibreSettings;
+use crate::fill::shift::{self, Ends};
 use crate::fill::{Continuous, SideBySide, TreeKind};
 use crate::guide::density::DensitySettings;
 use crate::guide::field::FieldSettings;
@@ -43,7 +44,7 @@ use grainpath_imaging::tensor::Tangent;
 use grainpath_job::choices::{
     self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree, Choice, ComponentOrder,
     Contours, CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode,
-    GuideKind, Interpolate, OutlineRule, SupportStyle,
+    GuideKind, Interpolate, LayerShift, OutlineRule, SupportStyle,
 };
 use grainpath_job::{AngleRange, JobRegion, LayerAngles, MaterialSection, Settings};
 
@@ -584,6 +585,7 @@ fn infill(s: &Settings) -> InfillSettings {
         matrix_pattern: s.fibre.matrix_pattern,
         matrix_density: s.fibre.matrix_density,
         ends: f.ends,
+        layer_shift: layer_shift(s),
         widths: f.widths,
         spiral: f.spiral,
         continuous: continuous(s),
@@ -594,6 +596,15 @@ fn raster_angles(angles: &LayerAngles) -> RasterAngles {
     let radians = |all: &[f64]| all.iter().map(|deg| deg.to_radians()).collect();
     let range = |r: &AngleRange| (r.first_layer - 1, radians(&r.angles_deg));
     RasterAngles { ranges: angles.ranges().iter().map(range).collect() }
+}
+
+/// Which ends of beads differ from layer to layer; `None` where all layers are laid alike.
+const fn layer_shift(s: &Settings) -> Option<Ends> {
+    match s.fill.layer_shift {
+        LayerShift::None => None,
+        LayerShift::Inner => Some(Ends::Inner),
+        LayerShift::All => Some(Ends::All),
+    }
 }
 
 /// Settings of printing order, seams and travel.
@@ -612,6 +623,7 @@ pub fn order(s: &Settings) -> OrderSettings {
         // change of tool costs more than any travel, so fibre comes last.
         fibre_last: s.fibre.enabled && s.printer.fibre_tool == FibreToolKind::Separate,
         chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
+        starts_apart_mm: if layer_shift(s).is_some() { shift::STEP_MM } else { 0.0 },
     }
 }
 

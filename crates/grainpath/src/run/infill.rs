@@ -245,7 +245,8 @@ impl Steps<'_> {
         if n_rings > 0 {
             paths[n_rings..].iter_mut().for_each(|p| p.rank += 1);
         }
-        fibre.lay(paths, &Region { polygons: with }, &load, self.settings.infill.chain, out)
+        let onward_mm = context.shift.onward_mm();
+        fibre.lay(paths, &Region { polygons: with }, &load, onward_mm, self.settings.infill.chain, out)
     }
 
     /// Fills infill regions with one material; as one path for the pattern `continuous`.

@@ -34,7 +34,8 @@ use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{Continuous, FillContext, Note, SideBySide};
+use crate::fill::shift::{Ends, TURNS};
+use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide};
 use crate::guide::Guide;
 use crate::guide::density::{DensityMap, GradedDensity};
 use crate::guide::field::FieldGuide;
@@ -143,6 +144,8 @@ pub struct InfillSettings {
     pub ends: BeadEnds,
     /// Widths of beads along a guide.
     pub widths: BeadWidths,
+    /// Which ends of beads differ from layer to layer.
+    pub layer_shift: Option<Ends>,
     /// Whether closed rings are opened and joined, each to the next.
     pub spiral: bool,
     /// Cells and widths of the pattern `continuous`.
@@ -681,14 +684,15 @@ impl<'a> Steps<'a> {
                     && (self.settings.infill.skin_angles.is_none()
                         || (skins[k].top.is_empty() && skins[k].solid.is_empty()))
                     && skins[k] == skins[other]
+                    && self.shift(i) == self.shift(j)
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
                     && self.field.is_none_or(FieldGuide::is_upright)
                     && self.graded.is_none_or(GradedDensity::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
-            // Compares the layer below first, then lower ones, as many as the guide has directions in turn.
-            let turns = self.guide.map_or(2, Guide::turns);
+            // Compares the layer below first, then lower ones, as many as directions and ends take in turn.
+            let turns = self.guide.map_or(2, Guide::turns) * TURNS;
             if let Some(other) = (k.saturating_sub(turns)..k).rev().find(same) {
                 duplicate_of[k] = duplicate_of[other];
             }
@@ -699,6 +703,11 @@ impl<'a> Steps<'a> {
     pub(super) fn z_mid_mm(&self, layer_idx: usize) -> f64 {
         let layer = &self.stack.layers()[layer_idx];
         layer.z_top_mm() - 0.5 * layer.height_mm()
+    }
+
+    /// Where beads of a layer end.
+    fn shift(&self, layer_idx: usize) -> Shift {
+        Shift::of_layer(self.settings.infill.layer_shift, layer_idx)
     }
 
     pub(super) fn context(&self, layer_idx: usize, density: Density, role: Role) -> FillContext<'_> {
@@ -714,6 +723,7 @@ impl<'a> Steps<'a> {
             border_mm: self.border_mm(layer),
             ends: self.settings.infill.ends,
             widths: self.settings.infill.widths,
+            shift: self.shift(layer_idx),
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

@@ -169,6 +169,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         role: Role::Support,
         border_mm: 0.0,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        shift: crate::fill::Shift::NONE,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: None,
     };

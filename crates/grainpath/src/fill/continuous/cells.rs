@@ -21,6 +21,8 @@
 use grainpath_core::DVec2;
 use grainpath_core::tuned::Tuned;
 
+use crate::fill::Shift;
+
 use super::rings::{Facing, Rings, Side, Walk, bracket};
 
 /// Two beads that face each other at this distance or more may be joined by a cut across a strip, in beads.
@@ -134,7 +136,7 @@ impl Taken {
 }
 
 /// Cuts strips into cells of about `length_mm`, and marks the stretches at the cuts in `taken`.
-pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
+pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, shift: Shift, taken: &mut Taken) -> Cells {
     let step = 0.25 * spacing_mm;
     // Two sets of marks: `near` spaces the cuts a cell's length apart on both sides of the strip,
     // `taken` keeps only the stretches themselves, which later joints have to avoid.
@@ -142,7 +144,8 @@ pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Ta
     let mut cuts: Vec<Facing> = Vec::new();
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
-        let mut at = near.next_free(ring, 0.5 * length_mm);
+        let first_mm = 0.5 * length_mm + shift.onward_mm();
+        let mut at = near.next_free(ring, if first_mm < length { first_mm } else { 0.5 * length_mm });
         while at < length - 0.5 * spacing_mm {
             let found = rings.stretches(ring, at, Side::Left, [ACROSS_MIN.value(), ACROSS_MAX.value()], None);
             if let Some(f) = found.filter(|f| near.fits(f, 0.0) && taken.fits(f, 0.6 * spacing_mm)) {

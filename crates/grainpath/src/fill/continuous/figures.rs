@@ -38,6 +38,7 @@ fn the_figure_of_strips_and_cells() {
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        shift: crate::fill::Shift::NONE,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&Waves),
     };
@@ -48,8 +49,10 @@ fn the_figure_of_strips_and_cells() {
     let outlines = strips::outlines(&context, &room, &pull, spacing);
     let rings = Rings::new(outlines.clone(), &room, spacing);
     let mut taken = Taken::new(&rings, 0.25 * spacing);
-    let cells = cells::cut(&rings, 2.0 * fill.aspect * spacing, spacing, &mut taken);
-    let exchanges = tree::join(&rings, &cells, fill.tree, spacing, &|p| pull.at(p), &mut taken);
+    let cells =
+        cells::cut(&rings, 2.0 * fill.aspect * spacing, spacing, crate::fill::Shift::NONE, &mut taken);
+    let exchanges =
+        tree::join(&rings, &cells, fill.tree, spacing, crate::fill::Shift::NONE, &|p| pull.at(p), &mut taken);
     let (mut paths, mut notes) = (Vec::new(), Vec::new());
     fill.lay_island(&context, &[&room], &mut paths, &mut notes);
     assert_eq!((paths.len(), notes.len()), (1, 0), "one path: {notes:?}");

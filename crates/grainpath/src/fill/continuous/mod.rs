@@ -177,7 +177,7 @@ impl Continuous {
         let pull = Pull::new(context, infill_region);
         let axis = |p: DVec2| pull.at(p);
         let mut rings =
-            Rings::new(strips::outlines(context, infill_region, &pull, spacing), infill_region, spacing);
+            Rings::new(strips::with_border(context, infill_region, &pull, spacing), infill_region, spacing);
         // Outlines that cross cannot be joined: the joint would make a knot. So squares are cut out at the
         // crossings, which separates the outlines.
         let touching = rings.crossings();
@@ -186,8 +186,8 @@ impl Continuous {
             rings = Rings::new(strips::parted(&loops, &touching, spacing), infill_region, spacing);
         }
         let mut taken = Taken::new(&rings, 0.25 * spacing);
-        let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
-        let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
+        let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, context.shift, &mut taken);
+        let exchanges = tree::join(&rings, &cells, self.tree, spacing, context.shift, &axis, &mut taken);
         let mut joined = rings.exchanged(&exchanges);
         // A small ring has little space for joints. Once it is part of a large ring, the stretches
         // it took up are free again, so the search is repeated until nothing more is joined.

@@ -93,7 +93,8 @@ pub(super) fn outlines(
         return whole();
     }
     let cell_mm = (infill_region.area_mm2() / MANY_NODES.value()).sqrt();
-    let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm);
+    let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm)
+        * context.shift.grid_factor();
     let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
     let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh
         .nodes
@@ -147,6 +148,30 @@ fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
         out.push(points[n - 1]);
     }
     out
+}
+
+/// The outlines of a region, with strips along its border before those along the field, where the layer asks for them.
+pub(super) fn with_border(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    pull: &Pull<'_>,
+    spacing_mm: f64,
+) -> Vec<Vec<DVec2>> {
+    let n = context.shift.border_beads(spacing_mm, 2);
+    if n == 0 {
+        return outlines(context, infill_region, pull, spacing_mm);
+    }
+    let mut rest = Region::from(infill_region.clone());
+    let mut loops: Vec<Vec<DVec2>> = Vec::new();
+    for k in 0..n {
+        // The strip lies on the left of its outline: inside of the outer bead, and outside of the inner one.
+        let turned = |c: &Vec<DVec2>| if k % 2 == 0 { c.clone() } else { c.iter().rev().copied().collect() };
+        loops.extend(rest.contours().map(turned));
+        rest = rest.offset(-spacing_mm, Join::Miter(2.0));
+    }
+    loops.extend(rest.polygons.iter().flat_map(|p| outlines(context, p, pull, spacing_mm)));
+    loops.retain(|l| l.len() > 2);
+    loops
 }
 
 /// Adds the parts of a region too thin for two strips side by side as strips of their own, whatever the

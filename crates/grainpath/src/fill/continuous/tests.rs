@@ -42,6 +42,7 @@ fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionField) -> Fill
         role: Role::SolidFill,
         border_mm: 0.5 * width,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        shift: crate::fill::Shift::NONE,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(field),
     }

@@ -19,6 +19,8 @@ use grainpath_core::hash;
 use grainpath_core::math::{atan2, cross};
 
 use super::cells::{Cells, Edge, Taken, beside};
+use crate::fill::Shift;
+
 use super::rings::{Facing, Rings, Side};
 
 /// How the edges between cells are weighted.
@@ -96,10 +98,15 @@ pub(super) fn join(
     cells: &Cells,
     kind: TreeKind,
     spacing_mm: f64,
+    shift: Shift,
     axis: Axis<'_>,
     taken: &mut Taken,
 ) -> Vec<Facing> {
-    let short = shortest_of_both(cells, spacing_mm);
+    let mut short = shortest_of_both(cells, spacing_mm);
+    // Joints of other turns are made last too.
+    for (short, e) in short.iter_mut().zip(&cells.edges).filter(|(_, e)| e.cut.is_none()) {
+        *short |= !shift.may_join(0.5 * (e.ends[0] + e.ends[1]));
+    }
     let weight = |(i, e): (usize, &Edge)| match (kind, e.cut) {
         (TreeKind::Undirected, _) => hash::unit_interval(i as u64),
         (TreeKind::Directed, Some(k)) => -cost(&cells.cuts[k as usize], axis),

@@ -130,6 +130,7 @@ fn the_figure_of_stripes() {
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
+        shift: crate::fill::Shift::NONE,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&flow),
     };

@@ -14,13 +14,15 @@
 //!    remaining gaps with single beads;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
 //!
-//! Where all beads are to have one width, [`one_width`] takes the place of steps 4 and 5.
+//! Where all beads are to have one width, [`one_width`] takes the place of steps 4 and 5. Where lines are to end before a
+//! border that they meet across, [`band`] lays beads along it first.
 //!
 //! Down to a density of [`LEAST_STRIPES`], sparse fill takes the same steps with lines farther apart. Below
 //! it, and for a field that asks for distances of its own, [`streamlines`] places evenly spaced streamlines
 //! (`Jobard1997`). [`seed_lines`] is the published principal stress line method, kept for comparison.
 //! Lengths are in mm, phases in radians; the sign of the axis has no meaning.
 
+mod band;
 mod levels;
 mod one_width;
 pub(super) mod phase;

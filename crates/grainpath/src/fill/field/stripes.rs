@@ -35,11 +35,11 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon, Region, Toolpath};
 
-use super::axis_of;
 use super::levels::trace;
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use super::widths::{Line, Neighbours, Reach, smooth};
+use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
@@ -86,10 +86,19 @@ pub(crate) fn spaced(
     let Some(field) = context.field else { return };
     let spacing = context.spacing_mm() / share;
     let infill_region = Region::from(infill_region.clone());
+    let n_border = if share < 1.0 { 0 } else { context.shift.border_beads(spacing, 1) };
+    if n_border > 0 {
+        let axis = |p: DVec2| axis_of(field, context, p);
+        let rest = band::laid(&infill_region, &axis, n_border, spacing, context, out);
+        let context = FillContext { shift: context.shift.without_border(), ..*context };
+        rest.polygons.iter().for_each(|p| spaced(&context, p, share, out));
+        return;
+    }
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
     // The mesh only has to resolve the field, not single beads: the growth of the phase along an edge
     // follows from the field, so an edge may cross one or two levels.
-    let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
+    let cell_mm = 1.1 * context.shift.grid_factor() * spacing;
+    let Some(mesh) = FieldMesh::over(&border, cell_mm) else { return };
     let levels = {
         let input = phase_input(&mesh, field, context, &border, spacing);
         let turns = turns(&mesh, &input);

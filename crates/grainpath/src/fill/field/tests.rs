@@ -102,6 +102,7 @@ fn filled_along(
         role: Role::SolidFill,
         border_mm,
         ends,
+        shift: crate::fill::Shift::NONE,
         widths,
         field: Some(field),
     };
@@ -213,6 +214,7 @@ fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
             role: Role::SolidFill,
             border_mm,
             ends: BeadEnds::Joined,
+            shift: crate::fill::Shift::NONE,
             widths: BeadWidths::Variable,
             field: Some(&field),
         };
@@ -436,6 +438,7 @@ fn nothing_comes_of_nothing() {
                 role: Role::SolidFill,
                 border_mm: 0.1,
                 ends: BeadEnds::Open,
+                shift: crate::fill::Shift::NONE,
                 widths: BeadWidths::Variable,
                 field: Some(&Angle(rings)),
             };
