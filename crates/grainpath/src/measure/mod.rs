@@ -2,7 +2,6 @@
 
 pub mod alignment;
 pub mod density;
-pub mod dimensions;
 pub mod fibre;
 pub mod plan_json;
 mod planned;
@@ -11,6 +10,7 @@ pub mod separate_lines;
 pub mod stacked;
 pub mod strength;
 
+pub use grainpath_gcode::dimensions;
 pub use planned::Planned;
 
 use grainpath_core::DVec2;

@@ -119,6 +119,7 @@ impl Lines {
         let n = ((self.length_mm / (0.5 * self.width_mm)).ceil() as usize).clamp(1, SAMPLES);
         let mut places: Vec<f64> = (1..=n).map(|k| self.length_mm * (k as f64 * GOLDEN).fract()).collect();
         places.sort_by(f64::total_cmp);
+        // Places and segments are both in order, so one walk finds the segment of every place.
         let mut segment = 0;
         let point = |along: f64| {
             while segment + 1 < self.all.len() && self.all[segment + 1].from_mm <= along {
@@ -137,6 +138,7 @@ impl Lines {
         let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
         found.flat_map(move |cell| self.near.members(cells.index(cell))).filter_map(move |&i| {
             let s = &self.all[i as usize];
+            // A cell holds segments that pass it anywhere, so each is measured.
             let share = closest_share(place, s.a, s.b);
             let near = s.a.lerp(s.b, share).distance_squared(place) < distance_mm * distance_mm;
             near.then(|| (s, s.from_mm + share * s.length_mm()))
@@ -146,6 +148,7 @@ impl Lines {
     /// Whether a point of a segment touches another line, or a distant part of its own line.
     fn touches(&self, place: DVec2, segment: usize) -> bool {
         let own = &self.all[segment];
+        // Points of the same line lie on it one after the other, so a turn beside the point is told by its distance along.
         let along_mm = own.from_mm + own.a.distance(place);
         self.within(place, TOUCHING * self.width_mm).any(|(other, other_along_mm)| {
             other.line != own.line || (other_along_mm - along_mm).abs() > OWN * self.width_mm
@@ -162,6 +165,7 @@ impl Lines {
 /// The share of a layer's sparse length that touches another line; `None` without such lines.
 fn touching_share(layers: &[LayerPlan], k: usize) -> Option<f64> {
     let own = Lines::of_layer(&layers[k])?;
+    // A crossing counts above and below: either neighbour holds the line.
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
     let neighbours: Vec<Lines> = beside.filter_map(|i| layers.get(i)).filter_map(Lines::of_layer).collect();
     let samples = own.samples();

@@ -89,6 +89,7 @@ impl<'a> Spreader<'a> {
             is_fixed[i as usize] &= !matches!(node.kind, Kind::Join | Kind::Bend | Kind::Foot);
             let Some(below) = node.below else { continue };
             above[below as usize].push(i);
+            // A post below a contact is upright and thin, and a landing lies on the part: neither may move.
             let is_thin = node.post && matches!(node.kind, Kind::Contact(_));
             if is_thin || nodes[below as usize].kind == Kind::Landing {
                 pinned.extend([i, below]);
@@ -106,6 +107,7 @@ impl<'a> Spreader<'a> {
         let n = (length_mm / PIECE_MM).ceil().max(1.0);
         let mut sum = 0.0;
         for i in 0..n as usize {
+            // The middle of the piece: the sum is the midpoint rule.
             let at = from.lerp(to, (i as f64 + 0.5) / n);
             let lever_mm = (upper.top_mm - at.z).max(0.0);
             let needed_mm = (self.factor * (upper.top_mm * lever_mm).sqrt())
@@ -123,6 +125,7 @@ impl<'a> Spreader<'a> {
         if drop_mm < 1e-6 || across_mm > drop_mm * self.slope + 1e-9 {
             return false;
         }
+        // A branch that was grown nearer to the part than usual may stay as near.
         let usual_mm = self.s.branch_radius_mm + self.s.xy_gap_mm;
         if self.clearance.is_clear(from, to, usual_mm) {
             return true;
@@ -137,6 +140,7 @@ impl<'a> Spreader<'a> {
         if !chain.contains(&node) {
             return node_at;
         }
+        // A foot stands on the plate, so it only moves sideways.
         let down_mm = if self.nodes[node as usize].kind == Kind::Foot { 0.0 } else { m.down_mm };
         node_at + m.sideways.extend(-down_mm)
     }
@@ -146,6 +150,7 @@ impl<'a> Spreader<'a> {
         if self.is_fixed[i as usize] {
             return false;
         }
+        // The node alone, or with everything below it down to the foot, so that a trunk can move as a whole.
         let mut chains = vec![vec![i]];
         let mut whole = vec![i];
         while let Some(below) = self.nodes[whole[whole.len() - 1] as usize].below {
@@ -186,6 +191,7 @@ impl<'a> Spreader<'a> {
                             break;
                         }
                         let m = Move { sideways, down_mm: downs * step_mm / self.slope };
+                        // Nodes stay above the foot, whose cone would widen them; those below it already stay there.
                         let lowest_mm = self.s.base_height_mm + 1.0;
                         let stands = |&j: &u32| {
                             self.nodes[j as usize].kind == Kind::Foot

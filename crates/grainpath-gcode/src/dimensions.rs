@@ -6,9 +6,10 @@
 use grainpath_core::math::cross;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, Role};
-use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 use toml::{Table, Value};
+
+use crate::{Bead, BeadLayer, Program};
 
 /// The allowed words for `kind` in a file of dimensions.
 const KINDS: [(&str, KindWord); 4] = [
