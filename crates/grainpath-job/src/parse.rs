@@ -475,7 +475,7 @@ mod tests {
             ),
             (
                 "[fill]\nlayer_shift = \"inner\"\n",
-                "job.toml: fill.layer_shift = \"inner\" is for fill.pattern = \"stripes\" or \"continuous\", not for \"rectilinear\"",
+                "job.toml: fill.layer_shift = \"inner\" is for fill.pattern = \"stripes\" or \"continuous\", not for \"grid\"",
             ),
             (
                 "[fill]\nlayer_shift = \"all\"\npattern = \"continuous\"\ndensity = 0.5\n",
