@@ -61,9 +61,11 @@ pub struct Places {
     pub longest_run: usize,
 }
 
+/// The layers with a place, ascending, and the number of places, of each column.
+type Columns = BTreeMap<[i32; 2], (Vec<u32>, usize)>;
+
 impl Places {
-    /// `columns` holds the layers with a place, ascending, and the number of places of each column.
-    fn count(columns: &BTreeMap<[i32; 2], (Vec<u32>, usize)>, n_layers: usize) -> Self {
+    fn count(columns: &Columns, n_layers: usize) -> Self {
         let third = n_layers.div_ceil(3);
         let is_stacked = |layers: &[u32]| layers.len() > third || longest_run(layers) > LONGEST_RUN;
         // The first one among equals.
@@ -83,7 +85,7 @@ impl Places {
 #[must_use]
 pub fn count(layers: &[LayerPlan], stack: &LayerStack) -> Option<Stacked> {
     // Columns of places inside and at the border: the layers with a place, ascending, and the number of places.
-    let mut columns: [BTreeMap<[i32; 2], (Vec<u32>, usize)>; 2] = Default::default();
+    let mut columns: [Columns; 2] = Default::default();
     let mut n_layers = 0_usize;
     for (plan, layer) in layers.iter().zip(stack.layers()) {
         let infill = || plan.paths.iter().map(|p| &p.path).filter(|p| is_infill(p.role));
