@@ -21,18 +21,23 @@ test("the first layer of a plan is on screen while the others are planned", asyn
   await shaped(page);
   await page.click("#tab-job");
   await page.click("#panel-job >> text=Plan the paths");
-  await page.waitForFunction(() => { const b = window.studio.viewer?.beads; return b?.index.more && b.taken > 0; }, null, { timeout: 120_000 });
+  // What the page tells at the moment when it has its first layers.
+  const early = await page.waitForFunction(() => {
+    const b = window.studio.viewer?.beads;
+    if (!b?.taken) return false;
+    return { isEarly: b.index.more, progress: document.querySelector("#progress").textContent, shown: document.documentElement.dataset.shown ?? "", layers: document.querySelector("#panel-paths").textContent };
+  }, null, { timeout: 120_000 });
+  const { isEarly, progress, shown, layers } = await early.jsonValue();
+  assert.ok(isEarly && shown === "", `${shown}`);
+  assert.match(progress, /^Walls and fill \d+ of \d+/);
+  assert.match(layers, /Layers\d+ so far/);
   await page.click("#views [data-view=top]");
   await settle(page);
   const [x, y, z] = await page.evaluate(() => { const { part_mm: [low, high] } = window.studio.viewer.beads.index; return [low[0], (low[1] + high[1]) / 2, high[2]]; });
   // The middle of the outer wall on the left, and a place left of it.
   const [wall, beside] = await colours(page, [[x + 0.22, y, z], [x - 3, y, z]]);
-  const [isEarly, progress, shown] = await page.evaluate(() => [window.studio.viewer.beads.index.more, document.querySelector("#progress").textContent, document.documentElement.dataset.shown]);
-  assert.ok(isEarly && shown === undefined, `${shown}`);
-  assert.match(progress, /^Walls and fill \d+ of \d+/);
   assert.ok(far(wall, WALL) < 30, `wall: ${wall}`);
   assert.ok(far(beside, WALL) > 30, `beside: ${beside}`);
-  assert.match(await page.textContent("#panel-paths"), /Layers\d+ so far/);
   // The whole follows in the same view, with all of its layers.
   await page.waitForFunction(() => document.documentElement.dataset.shown, null, { timeout: 240_000 });
   await settle(page);

@@ -457,7 +457,8 @@ fn plan_stack(
             // Early layers are left out where the writer needs the fibre of the whole plan, and where a graded density is
             // measured on paths that have no order yet.
             let is_early = diagnostics.wants_layers() && fibre.is_none() && graded.is_none();
-            diagnostics.begin(Stage::Fill, if is_early { 3 } else { 2 } * n_layers);
+            // Walls, skins and infill count each layer once, and so does the order where it is found here.
+            diagnostics.begin(Stage::Fill, if is_early { 4 } else { 3 } * n_layers);
             let mut walls = steps.walls(all.clone(), diagnostics)?;
             let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
             let density = steps.density(&walls, &skins, diagnostics)?;

@@ -16,7 +16,7 @@
 //! (`venkayya1971`). Each is multiplied by a power of the ratio of its tip's movement to the allowed one, until no tip moves
 //! too far. The multiplier of a tip that is stiff enough goes to zero.
 //!
-//! Where the part leaves no room for these radii, the nodes of the tree are first moved away from it ([`super::spread`]).
+//! Where the part leaves no room for these radii, the nodes of the tree are first moved away from it (`support/spread.rs`).
 //!
 //! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: braces and
 //! joining branches are assumed not to stiffen a tree. Where a tip moves too far even with the thickest branches that
