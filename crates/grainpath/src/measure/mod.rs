@@ -6,6 +6,7 @@ pub mod fibre;
 pub mod plan_json;
 mod planned;
 pub mod report;
+mod segments;
 pub mod separate_lines;
 pub mod stacked;
 pub mod strength;

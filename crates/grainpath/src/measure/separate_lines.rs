@@ -8,17 +8,15 @@
 //! Method: in up to `CHECKED_LAYERS` evenly distributed layers, up to `SAMPLES` points of the sparse fill are tested. A
 //! point touches if another line of the same layer lies within a bead width of it, or if a line of the layer above or
 //! below crosses it at an angle. The share of touching points is that of the length to within about 0.7 %. Lengths are in
-//! mm. Cost: linear in the segments of these layers and their two neighbours.
+//! mm. Cost: linear in the pieces of these layers and their two neighbours.
 
-use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::segment::closest_share;
-use grainpath_core::{Bounds2, DVec2, LayerPlan, Role, Warning, WarningId};
+use grainpath_core::{DVec2, LayerPlan, Role, Warning, WarningId};
 
-/// Side of the cells that segments are sorted into, in bead widths. Source: derived; sorting takes a step for each cell that a
+use super::segments::Segments;
+
+/// Side of the cells that pieces are sorted into, in bead widths. Source: derived; sorting takes a step for each cell that a
 /// line passes and a test one for each line that passes a cell. At the usual densities some lines pass a cell of this size.
 const CELL: f64 = 16.0;
-/// Largest number of cells along a side of the grid of segments. Source: derived; a cell takes 4 bytes, so all take 16 MB.
-const MAX_CELLS_PER_SIDE: usize = 2000;
 /// Largest number of points of a layer that are tested. Source: derived; the standard deviation of a share of 5 % found with
 /// 1000 points is 0.7 %.
 const SAMPLES: usize = 1000;
@@ -62,56 +60,42 @@ fn has_sparse_lines(layer: &LayerPlan) -> bool {
     layer.paths.iter().any(|p| p.path.role == Role::SparseFill)
 }
 
-/// A straight piece of a sparse line.
-struct Segment {
-    a: DVec2,
-    b: DVec2,
-    line: u32,
-    /// Distance of `a` from the start of the layer's first line, measured along all lines one after the other.
-    from_mm: f64,
-}
-
-impl Segment {
-    fn length_mm(&self) -> f64 {
-        self.a.distance(self.b)
-    }
-
-    fn direction(&self) -> DVec2 {
-        (self.b - self.a).normalize_or_zero()
-    }
-}
-
-/// The segments of a layer's sparse lines, one line after the other.
+/// The straight pieces of a layer's sparse lines, one line after the other.
 struct Lines {
-    all: Vec<Segment>,
-    near: Buckets,
+    pieces: Segments,
+    /// For each piece the number of its line, and the distance of its beginning from the start of the layer's first line,
+    /// measured along all lines one after the other.
+    of_pieces: Vec<(u32, f64)>,
     width_mm: f64,
     length_mm: f64,
 }
 
 impl Lines {
     fn of_layer(layer: &LayerPlan) -> Option<Self> {
-        let (mut all, mut width_mm, mut length_mm) = (Vec::new(), 0.0f64, 0.0);
+        let (mut pieces, mut of_pieces, mut width_mm, mut length_mm) = (Vec::new(), Vec::new(), 0.0f64, 0.0);
         let sparse = layer.paths.iter().map(|p| &p.path).filter(|p| p.role == Role::SparseFill);
         for (line, path) in (0u32..).zip(sparse) {
             for i in 0..path.n_segments() {
                 let (a, b, width) = path.segment(i);
                 // The layer is examined with its greatest width, so that wide beads are not taken for separate ones.
                 width_mm = width_mm.max(width);
-                all.push(Segment { a, b, line, from_mm: length_mm });
+                pieces.push([a, b]);
+                of_pieces.push((line, length_mm));
                 length_mm += a.distance(b);
             }
         }
-        let bounds = Bounds2::around_points(all.iter().flat_map(|s| [s.a, s.b]))?;
         if width_mm <= 0.0 || length_mm <= 0.0 {
             return None;
         }
-        let cells = CellGrid::covering(bounds, CELL * width_mm, MAX_CELLS_PER_SIDE);
-        let near = Buckets::new(cells, all.len(), |i, add| cells.for_each_passed(all[i].a, all[i].b, add));
-        Some(Self { all, near, width_mm, length_mm })
+        Some(Self { pieces: Segments::new(pieces, CELL * width_mm), of_pieces, width_mm, length_mm })
     }
 
-    /// Points spread evenly over the length of all lines, each with the number of its segment.
+    fn direction(&self, piece: usize) -> DVec2 {
+        let [a, b] = self.pieces.ends(piece);
+        (b - a).normalize_or_zero()
+    }
+
+    /// Points spread evenly over the length of all lines, each with the number of its piece.
     fn samples(&self) -> Vec<(DVec2, usize)> {
         /// Multiples of the golden ratio, less their whole parts, are spread evenly and have no period, so that they
         /// cannot fall in step with lines that cross at even distances. Source: Weyl's equidistribution.
@@ -119,46 +103,34 @@ impl Lines {
         let n = ((self.length_mm / (0.5 * self.width_mm)).ceil() as usize).clamp(1, SAMPLES);
         let mut places: Vec<f64> = (1..=n).map(|k| self.length_mm * (k as f64 * GOLDEN).fract()).collect();
         places.sort_by(f64::total_cmp);
-        // Places and segments are both in order, so one walk finds the segment of every place.
-        let mut segment = 0;
+        // Places and pieces are both in order, so one walk finds the piece of every place.
+        let mut piece = 0;
         let point = |along: f64| {
-            while segment + 1 < self.all.len() && self.all[segment + 1].from_mm <= along {
-                segment += 1;
+            while piece + 1 < self.of_pieces.len() && self.of_pieces[piece + 1].1 <= along {
+                piece += 1;
             }
-            let s = &self.all[segment];
-            (s.a + (along - s.from_mm) * s.direction(), segment)
+            (self.pieces.ends(piece)[0] + (along - self.of_pieces[piece].1) * self.direction(piece), piece)
         };
         places.into_iter().map(point).collect()
     }
 
-    /// The segments within `distance_mm` of `place`, each with the distance of its nearest point along all lines. A segment
-    /// in several cells comes several times.
-    fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = (&Segment, f64)> {
-        let cells = &self.near.cells;
-        let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
-        found.flat_map(move |cell| self.near.members(cells.index(cell))).filter_map(move |&i| {
-            let s = &self.all[i as usize];
-            // A cell holds segments that pass it anywhere, so each is measured.
-            let share = closest_share(place, s.a, s.b);
-            let near = s.a.lerp(s.b, share).distance_squared(place) < distance_mm * distance_mm;
-            near.then(|| (s, s.from_mm + share * s.length_mm()))
-        })
-    }
-
-    /// Whether a point of a segment touches another line, or a distant part of its own line.
-    fn touches(&self, place: DVec2, segment: usize) -> bool {
-        let own = &self.all[segment];
+    /// Whether a point of a piece touches another line, or a distant part of its own line.
+    fn touches(&self, place: DVec2, piece: usize) -> bool {
+        let (line, from_mm) = self.of_pieces[piece];
         // Points of the same line lie on it one after the other, so a turn beside the point is told by its distance along.
-        let along_mm = own.from_mm + own.a.distance(place);
-        self.within(place, TOUCHING * self.width_mm).any(|(other, other_along_mm)| {
-            other.line != own.line || (other_along_mm - along_mm).abs() > OWN * self.width_mm
+        let along_mm = from_mm + self.pieces.ends(piece)[0].distance(place);
+        self.pieces.within(place, TOUCHING * self.width_mm).any(|(other, share)| {
+            let [a, b] = self.pieces.ends(other);
+            let (other_line, other_from_mm) = self.of_pieces[other];
+            let apart_mm = (other_from_mm + share * a.distance(b) - along_mm).abs();
+            other_line != line || apart_mm > OWN * self.width_mm
         })
     }
 
     /// Whether a line passes through `place` at more than 20 degrees to `direction`.
     fn crosses(&self, place: DVec2, direction: DVec2) -> bool {
-        let mut passing = self.within(place, 0.5 * self.width_mm);
-        passing.any(|(other, _)| other.direction().dot(direction).abs() < CROSSING_COS)
+        let mut passing = self.pieces.within(place, 0.5 * self.width_mm);
+        passing.any(|(other, _)| self.direction(other).dot(direction).abs() < CROSSING_COS)
     }
 }
 
@@ -169,9 +141,9 @@ fn touching_share(layers: &[LayerPlan], k: usize) -> Option<f64> {
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
     let neighbours: Vec<Lines> = beside.filter_map(|i| layers.get(i)).filter_map(Lines::of_layer).collect();
     let samples = own.samples();
-    let touching = samples.iter().filter(|&&(place, segment)| {
-        let direction = own.all[segment].direction();
-        own.touches(place, segment) || neighbours.iter().any(|other| other.crosses(place, direction))
+    let touching = samples.iter().filter(|&&(place, piece)| {
+        let direction = own.direction(piece);
+        own.touches(place, piece) || neighbours.iter().any(|other| other.crosses(place, direction))
     });
     Some(touching.count() as f64 / samples.len() as f64)
 }

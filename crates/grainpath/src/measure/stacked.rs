@@ -13,10 +13,11 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::poly::edges;
-use grainpath_core::{Bounds2, DVec2, LayerPlan, LayerStack, Role, Toolpath, segment};
+use grainpath_core::{DVec2, LayerPlan, LayerStack, Role, Toolpath};
 use serde::Serialize;
+
+use super::segments::Segments;
 
 /// Side of a column, mm. Source: derived; about two beads of the usual width, so that neighbouring ends
 /// count as one place.
@@ -32,8 +33,6 @@ const BACK_WIDTHS: f64 = 2.0;
 /// A place lies at the border of the infill up to this distance from it, in widths. Source: derived; the last
 /// centreline lies half a width from the border, and the middle of a hairpin half a width before that.
 const AT_BORDER_WIDTHS: f64 = 1.5;
-/// Largest number of cells along a side of the grid of the border's edges. Source: derived; it bounds memory to 16 MB.
-const MAX_CELLS_PER_SIDE: usize = 2000;
 
 /// How many of the places where beads end are stacked.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -96,12 +95,13 @@ pub fn count(layers: &[LayerPlan], stack: &LayerStack) -> Option<Stacked> {
         let number = n_layers as u32;
         n_layers += 1;
         let walls = plan.paths.iter().map(|p| &p.path).filter(|p| is_wall(p.role));
-        let mut border: Vec<(DVec2, DVec2)> = layer.region().contours().flat_map(|c| edges(c)).collect();
-        border.extend(walls.flat_map(|w| (0..w.n_segments()).map(|i| (w.segment(i).0, w.segment(i).1))));
-        let border = Border::new(border);
+        let outlines = layer.region().contours().flat_map(|c| edges(c));
+        let mut border: Vec<[DVec2; 2]> = outlines.map(<[DVec2; 2]>::from).collect();
+        border.extend(walls.flat_map(|w| (0..w.n_segments()).map(|i| [w.segment(i).0, w.segment(i).1])));
+        let border = Segments::new(border, COLUMN_MM);
         for path in infill() {
             for (place, width_mm) in places(path) {
-                let is_inside = !border.within(place, AT_BORDER_WIDTHS * width_mm);
+                let is_inside = border.within(place, AT_BORDER_WIDTHS * width_mm).next().is_none();
                 let at = (place / COLUMN_MM).floor();
                 let column = columns[usize::from(!is_inside)].entry([at.x as i32, at.y as i32]).or_default();
                 if column.0.last() != Some(&number) {
@@ -169,33 +169,6 @@ fn places(path: &Toolpath) -> Vec<(DVec2, f64)> {
         }
     }
     out
-}
-
-/// The edges of an area, searchable by place.
-struct Border {
-    edges: Vec<(DVec2, DVec2)>,
-    near: Buckets,
-}
-
-impl Border {
-    fn new(edges: Vec<(DVec2, DVec2)>) -> Self {
-        let bounds = Bounds2::around_points(edges.iter().flat_map(|e| [e.0, e.1]));
-        let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let cells = CellGrid::covering(bounds, COLUMN_MM, MAX_CELLS_PER_SIDE);
-        let near =
-            Buckets::new(cells, edges.len(), |i, add| cells.for_each_passed(edges[i].0, edges[i].1, add));
-        Self { edges, near }
-    }
-
-    /// Whether an edge lies within a distance.
-    fn within(&self, place: DVec2, distance_mm: f64) -> bool {
-        let cells = &self.near.cells;
-        let block = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
-        block.flat_map(|at| self.near.members(cells.index(at))).any(|&e| {
-            let (a, b) = self.edges[e as usize];
-            segment::distance_squared_mm2(place, a, b) <= distance_mm * distance_mm
-        })
-    }
 }
 
 #[cfg(test)]

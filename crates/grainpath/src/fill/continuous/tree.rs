@@ -19,9 +19,8 @@ use grainpath_core::hash;
 use grainpath_core::math::{atan2, cross};
 
 use super::cells::{Cells, Edge, Taken, beside};
-use crate::fill::Shift;
-
 use super::rings::{Facing, Rings, Side};
+use crate::fill::Shift;
 
 /// How the edges between cells are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,0 +1,47 @@
+//! Straight pieces of lines, searchable by place.
+//!
+//! Method: a grid of cells over the box around all pieces; each cell lists the pieces that pass it. Cost: building is linear
+//! in the cells passed, a search in the pieces of the cells around the place.
+
+use grainpath_core::buckets::{Buckets, CellGrid};
+use grainpath_core::segment::closest_share;
+use grainpath_core::{Bounds2, DVec2};
+
+/// Largest number of cells along a side of the grid. Source: derived; a cell takes 4 bytes, so all take 16 MB.
+const MAX_CELLS_PER_SIDE: usize = 2000;
+
+/// Pieces, each by its two ends.
+pub(super) struct Segments {
+    all: Vec<[DVec2; 2]>,
+    near: Buckets,
+}
+
+impl Segments {
+    /// Prepares a search among `all` with cells of `cell_mm`.
+    pub(super) fn new(all: Vec<[DVec2; 2]>, cell_mm: f64) -> Self {
+        let bounds = Bounds2::around_points(all.iter().flatten().copied());
+        let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let cells = CellGrid::covering(bounds, cell_mm, MAX_CELLS_PER_SIDE);
+        let near = Buckets::new(cells, all.len(), |i, add| cells.for_each_passed(all[i][0], all[i][1], add));
+        Self { all, near }
+    }
+
+    /// The ends of a piece.
+    pub(super) fn ends(&self, i: usize) -> [DVec2; 2] {
+        self.all[i]
+    }
+
+    /// The pieces within `distance_mm` of `place`, each with the share of its length at which its nearest point lies. A piece
+    /// in several cells comes several times.
+    pub(super) fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = (usize, f64)> {
+        let cells = &self.near.cells;
+        let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
+        found.flat_map(move |cell| self.near.members(cells.index(cell))).filter_map(move |&i| {
+            // A cell holds pieces that pass it anywhere, so each is measured.
+            let [a, b] = self.all[i as usize];
+            let share = closest_share(place, a, b);
+            let near = a.lerp(b, share).distance_squared(place) <= distance_mm * distance_mm;
+            near.then_some((i as usize, share))
+        })
+    }
+}
