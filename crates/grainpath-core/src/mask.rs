@@ -361,6 +361,9 @@ impl Mask {
     /// so a single cell becomes an octagon.
     pub fn grown(&self, n: usize) -> Self {
         let mut grown = self.clone();
+        if self.is_empty() {
+            return grown;
+        }
         let mut sideways = Self::empty(self.grid);
         // Four and eight neighbours in turn approximate a disc by an octagon; either alone would
         // grow a diamond or a square.

@@ -7,8 +7,9 @@
 //!
 //! Method: in up to `CHECKED_LAYERS` evenly distributed layers, up to `SAMPLES` points of the sparse fill are tested. A
 //! point touches if another line of the same layer lies within a bead width of it, or if a line of the layer above or
-//! below crosses it at an angle. The share of touching points is that of the length to within about 0.7 %. Lengths are in
-//! mm. Cost: linear in the pieces of these layers and their two neighbours.
+//! below crosses it at an angle. The share of touching points is that of the length to within about 0.7 %. A layer is
+//! done as soon as enough of its points touch; the layers beside it are searched only if its own lines are not enough.
+//! Lengths are in mm. Cost: linear in the pieces of these layers and their two neighbours.
 
 use grainpath_core::{DVec2, LayerPlan, Role, Warning, WarningId};
 
@@ -43,14 +44,13 @@ pub fn check(layers: &[LayerPlan]) -> Option<Warning> {
     let every = with_lines.len().div_ceil(CHECKED_LAYERS).max(1);
     let checked: Vec<usize> = with_lines.iter().copied().step_by(every).collect();
     let shares: Vec<(usize, f64)> =
-        checked.iter().filter_map(|&k| Some((k, touching_share(layers, k)?))).collect();
-    let separate = shares.iter().filter(|(_, share)| *share < LEAST_SHARE);
-    let n = separate.clone().count();
-    let &(first, share) = separate.clone().next()?;
+        checked.iter().filter_map(|&k| Some((k, low_touching_share(layers, k)?))).collect();
+    let &(first, share) = shares.first()?;
     let text = format!(
-        "fill lines touch no other line in {n} of {} layers examined ({:.1} % of their length does); only the walls hold \
+        "fill lines touch no other line in {} of {} layers examined ({:.1} % of their length does); only the walls hold \
          them",
         shares.len(),
+        checked.len(),
         100.0 * share
     );
     Some(Warning::new(WarningId::FillLinesSeparate, text).in_layer(first, layers[first].z_top_mm))
@@ -101,17 +101,13 @@ impl Lines {
         /// cannot fall in step with lines that cross at even distances. Source: Weyl's equidistribution.
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let n = ((self.length_mm / (0.5 * self.width_mm)).ceil() as usize).clamp(1, SAMPLES);
-        let mut places: Vec<f64> = (1..=n).map(|k| self.length_mm * (k as f64 * GOLDEN).fract()).collect();
-        places.sort_by(f64::total_cmp);
-        // Places and pieces are both in order, so one walk finds the piece of every place.
-        let mut piece = 0;
-        let point = |along: f64| {
-            while piece + 1 < self.of_pieces.len() && self.of_pieces[piece + 1].1 <= along {
-                piece += 1;
-            }
+        let point = |k: usize| {
+            let along = self.length_mm * (k as f64 * GOLDEN).fract();
+            // The first piece begins at 0, so one at least begins at or before every place.
+            let piece = self.of_pieces.partition_point(|&(_, from_mm)| from_mm <= along) - 1;
             (self.pieces.ends(piece)[0] + (along - self.of_pieces[piece].1) * self.direction(piece), piece)
         };
-        places.into_iter().map(point).collect()
+        (1..=n).map(point).collect()
     }
 
     /// Whether a point of a piece touches another line, or a distant part of its own line.
@@ -134,18 +130,35 @@ impl Lines {
     }
 }
 
-/// The share of a layer's sparse length that touches another line; `None` without such lines.
-fn touching_share(layers: &[LayerPlan], k: usize) -> Option<f64> {
+/// The share of a layer's sparse length that touches another line, if it is below `LEAST_SHARE`.
+fn low_touching_share(layers: &[LayerPlan], k: usize) -> Option<f64> {
     let own = Lines::of_layer(&layers[k])?;
+    let samples = own.samples();
+    let enough = LEAST_SHARE * samples.len() as f64;
+    let mut n_touching = 0u32;
+    let mut alone = Vec::new();
+    for &(place, piece) in &samples {
+        if own.touches(place, piece) {
+            n_touching += 1;
+            if f64::from(n_touching) >= enough {
+                return None;
+            }
+        } else {
+            alone.push((place, own.direction(piece)));
+        }
+    }
     // A crossing counts above and below: either neighbour holds the line.
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
     let neighbours: Vec<Lines> = beside.filter_map(|i| layers.get(i)).filter_map(Lines::of_layer).collect();
-    let samples = own.samples();
-    let touching = samples.iter().filter(|&&(place, piece)| {
-        let direction = own.direction(piece);
-        own.touches(place, piece) || neighbours.iter().any(|other| other.crosses(place, direction))
-    });
-    Some(touching.count() as f64 / samples.len() as f64)
+    for (place, direction) in alone {
+        if neighbours.iter().any(|other| other.crosses(place, direction)) {
+            n_touching += 1;
+            if f64::from(n_touching) >= enough {
+                return None;
+            }
+        }
+    }
+    Some(f64::from(n_touching) / samples.len() as f64)
 }
 
 #[cfg(test)]

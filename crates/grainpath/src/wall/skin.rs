@@ -220,9 +220,14 @@ fn bridges(
     cover: &Cover,
 ) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(below) = &cover.below else { return (Vec::new(), dense) };
-    // Two cells of opening drop the narrow strips over air that slopes leave in every layer.
-    let air = cells.clone().and_not(below).opened(2);
+    let air = cells.clone().and_not(below);
+    // Opening only takes cells away, so it is left out where too few are there before it.
     if air.area_mm2() < MIN_BRIDGE_MM2 || dense.is_empty() {
+        return (Vec::new(), dense);
+    }
+    // Two cells of opening drop the narrow strips over air that slopes leave in every layer.
+    let air = air.opened(2);
+    if air.area_mm2() < MIN_BRIDGE_MM2 {
         return (Vec::new(), dense);
     }
     let hold = (1.0 / cover.grid.cell_mm()).round() as usize;
@@ -232,7 +237,8 @@ fn bridges(
 /// Divides solid fill into what is seen from above, and the rest.
 fn tops(solid: Vec<IslandPolygon>, cells: &Mask, cover: &Cover) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(above) = &cover.above else { return (solid, Vec::new()) };
-    if solid.is_empty() {
+    // What is seen from above is a part of these cells. Most layers have fewer than the least area that is divided.
+    if solid.is_empty() || cells.clone().and_not(above).area_mm2() < MIN_SPLIT_MM2 {
         return (Vec::new(), solid);
     }
     let dense = cells_of(cover.grid, &solid).and(cells);
