@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use grainpath_core::Diagnostics;
 use grainpath_core::units::LengthUnit;
-use grainpath_io::{MeshError, MeshFile, parse_mesh, sniff_exact_surfaces};
+use grainpath_io::{MeshError, MeshFile, parse_mesh, read_binary_stl, sniff_exact_surfaces};
 
 use crate::{Failure, files};
 
@@ -31,6 +31,30 @@ const SMALLEST_MM: f64 = 0.3;
 const LONGEST: Duration = Duration::from_secs(600);
 /// Interval between checks whether gmsh has ended or the job was stopped. Source: derived. A stopped run must end in 0.2 s.
 const POLL: Duration = Duration::from_millis(10);
+
+/// As [`mesh`], for a file. A binary STL is read in pieces; a file of a million triangles takes 50 MB less memory so.
+///
+/// # Errors
+/// As [`mesh`] and [`files::read`].
+pub(crate) fn mesh_file(path: &Path, name: &str, diagnostics: &Diagnostics) -> Result<MeshFile, Failure> {
+    let file = path.to_owned();
+    let in_pieces = diagnostics.leave_at_stop(move || binary_stl(&file)).map_err(grainpath::Error::from)?;
+    if let Some(read) = in_pieces {
+        return read.map_err(|source| grainpath::Error::Mesh { path: name.to_owned(), source }.into());
+    }
+    let file = path.to_owned();
+    let bytes = diagnostics.leave_at_stop(move || files::read(&file)).map_err(grainpath::Error::from)?;
+    mesh(bytes?, name, diagnostics)
+}
+
+/// The mesh of a regular file that is a binary STL. `None` for every other file, and for one that cannot be read: reading
+/// it as a whole then tells why.
+fn binary_stl(path: &Path) -> Option<Result<MeshFile, MeshError>> {
+    // `-` is standard input.
+    let is_regular = |m: &fs::Metadata| m.is_file() && path != Path::new("-");
+    let metadata = fs::metadata(path).ok().filter(is_regular)?;
+    read_binary_stl(fs::File::open(path).ok()?, metadata.len()).ok().flatten()
+}
 
 /// The mesh of a file, triangulated by gmsh where it holds exact surfaces.
 ///

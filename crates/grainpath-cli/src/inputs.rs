@@ -289,9 +289,7 @@ pub fn read_body(
     diagnostics.begin(Stage::Read, 0);
     let shown = path.display().to_string();
     let file = if settings.shape.outline.is_empty() {
-        let path = path.to_owned();
-        let bytes = diagnostics.leave_at_stop(move || files::read(&path)).map_err(grainpath::Error::from)?;
-        cad::mesh(bytes?, &shown, diagnostics)?
+        cad::mesh_file(path, &shown, diagnostics)?
     } else {
         let bytes = files::read(path)?;
         let outline = parse_outline(&bytes, &grainpath::run::config::outline(settings))
@@ -309,7 +307,7 @@ pub(crate) fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<
         if let RegionPlace::Mesh(file) = &region.on {
             let path = base.join(file);
             let shown = path.display().to_string();
-            all.insert(k, cad::mesh(files::read(&path)?, &shown, &Diagnostics::default())?);
+            all.insert(k, cad::mesh_file(&path, &shown, &Diagnostics::default())?);
         }
     }
     Ok(all)

@@ -22,7 +22,7 @@ pub use mesh::model::{
     MeshBody, MeshError, MeshFile, MeshFormat, MeshProblem, ModifierVolume, PaintedSupports,
 };
 pub use mesh::stl::write_stl;
-pub use mesh_formats::{parse_mesh, sniff_exact_surfaces, sniff_mesh};
+pub use mesh_formats::{parse_mesh, read_binary_stl, sniff_exact_surfaces, sniff_mesh};
 pub use outline::{Outline, OutlineError, OutlineOptions, OutlineProblem, parse_outline, sniff_outline};
 pub use position::BadCoordinate;
 pub use text::TextError;

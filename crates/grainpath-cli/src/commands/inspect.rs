@@ -1,5 +1,6 @@
 //! `grainpath inspect`: the kind of a file, its content, and its defects.
 
+use std::convert::Infallible;
 use std::path::Path;
 
 use grainpath::shape::{Repair, mend};
@@ -168,7 +169,10 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     } else {
         file.bodies
             .iter()
-            .filter_map(|b| diagnose(&weld_within(&b.mesh, tolerance)))
+            .filter_map(|b| {
+                let Ok(welded) = weld_within(&b.mesh, tolerance, || Ok::<(), Infallible>(()));
+                diagnose(&welded)
+            })
             .map(|h| h.open_edges)
             .sum()
     };

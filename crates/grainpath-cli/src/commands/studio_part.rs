@@ -16,7 +16,6 @@ use grainpath_core::faces::Faces;
 use grainpath_core::mesh::{EdgeUses, MeshHealth, examine};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
-use grainpath_io::MeshBody;
 use grainpath_job::Settings;
 use grainpath_job::choices::{LoadFrame, SupportStyle};
 use grainpath_studio::{Branch, CaseValues, Finished, StressSurface, StressVolume, Surface};
@@ -55,14 +54,15 @@ pub(super) fn shape(
     diagnostics.check().map_err(grainpath::Error::from)?;
     let stated = file.unit;
     let mut faults = Vec::new();
-    let mut examined = |body: &MeshBody| {
-        let (health, edges, _) = examine(&body.mesh)?;
+    let mut found: Vec<MeshHealth> = Vec::new();
+    for body in &file.bodies {
+        let examined = examine(&body.mesh, diagnostics).map_err(grainpath::Error::from)?;
+        let Some((health, edges, _)) = examined else { continue };
         let room = MOST_FAULTS.saturating_sub(faults.len());
         let ends = |edge: [u32; 2]| edge.map(|v| body.mesh.vertices[v as usize]);
         faults.extend(edges.unsound().take(room).map(ends));
-        Some(health)
-    };
-    let found: Vec<MeshHealth> = file.bodies.iter().filter_map(&mut examined).collect();
+        found.push(health);
+    }
     let sum = |count: &dyn Fn(&MeshHealth) -> usize| found.iter().map(count).sum::<usize>();
     let span = |h: &MeshHealth| (h.bounds.1 - h.bounds.0).max_element();
     let longest = found.iter().map(span).fold(0.0, f64::max);

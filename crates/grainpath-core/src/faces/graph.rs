@@ -1,5 +1,7 @@
 //! The triangles of a mesh with their normals, areas and neighbours.
 
+use std::convert::Infallible;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -33,7 +35,7 @@ impl<'a> Graph<'a> {
         let mut neighbours = beyond(&corners, mesh.vertices.len());
         // In some files each triangle repeats its vertices with other rounding; then all edges are open.
         if neighbours.iter().flatten().any(|&n| n == NO_NEIGHBOUR) && tolerance > 0.0 {
-            let target = weld_targets(mesh, tolerance);
+            let Ok(target) = weld_targets(mesh, tolerance, || Ok::<(), Infallible>(()));
             corners.iter_mut().for_each(|t| *t = t.map(|v| target[v as usize]));
             neighbours = beyond(&corners, mesh.vertices.len());
         }

@@ -83,16 +83,32 @@ impl VertexWelder {
 
 /// Merges vertices closer than `tolerance_mm` and drops triangles that become points or lines. Each
 /// vertex moves to the lowest-numbered one within reach, so the result depends on the mesh alone.
-pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
-    let target = weld_targets(mesh, tolerance_mm);
+///
+/// # Errors
+/// What `check` returns; see [`weld_targets`].
+pub fn weld_within<E>(
+    mesh: &TriMesh,
+    tolerance_mm: f64,
+    check: impl Fn() -> Result<(), E>,
+) -> Result<TriMesh, E> {
+    let target = weld_targets(mesh, tolerance_mm, check)?;
     let mapped = mesh.triangles.iter().map(|t| t.map(|i| target[i as usize]));
     let triangles = mapped.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    TriMesh { vertices: mesh.vertices.clone(), triangles }
+    Ok(TriMesh { vertices: mesh.vertices.clone(), triangles })
 }
 
 /// The vertex that each vertex of a mesh becomes when those closer than `tolerance_mm` are merged:
-/// the lowest-numbered one within reach.
-pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
+/// the lowest-numbered one within reach. Half a million vertices take 0.5 s.
+///
+/// # Errors
+/// What `check` returns. It is asked every `CHECK_EVERY` vertices, so that a stop can be heard.
+pub fn weld_targets<E>(
+    mesh: &TriMesh,
+    tolerance_mm: f64,
+    check: impl Fn() -> Result<(), E>,
+) -> Result<Vec<u32>, E> {
+    /// Source: chosen; so many vertices take about 10 ms.
+    const CHECK_EVERY: u32 = 16_384;
     let n = mesh.vertices.len();
     let key = |p: DVec3| (p / tolerance_mm).floor();
     let mut order: Vec<u32> = (0..n as u32).collect();
@@ -102,9 +118,13 @@ pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
     };
     // In an array sorted by cell, the 27 cells around a vertex are nine contiguous ranges.
     order.sort_by_cached_key(|&i| (cell(i), i));
+    check()?;
     let keys: Vec<(i64, i64, i64)> = order.iter().map(|&i| cell(i)).collect();
     let mut target: Vec<u32> = (0..n as u32).collect();
     for i in 0..n as u32 {
+        if i % CHECK_EVERY == 0 {
+            check()?;
+        }
         let p = mesh.vertices[i as usize];
         let (cx, cy, cz) = cell(i);
         let mut best = i;
@@ -126,7 +146,7 @@ pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
     }
     // A vertex that another one moves to does not move itself, so a single step leads to the final
     // vertex.
-    target
+    Ok(target)
 }
 
 #[cfg(test)]
@@ -154,6 +174,8 @@ mod tests {
             DVec3::new(1.0, 1.0, 0.0),
         ];
         let mesh = TriMesh { vertices, triangles: vec![[0, 1, 2], [3, 5, 4], [1, 3, 2]] };
-        assert_eq!(weld_within(&mesh, 1e-3).triangles, [[0, 1, 2], [1, 5, 2]]);
+        let Ok(welded) = weld_within(&mesh, 1e-3, || Ok::<(), std::convert::Infallible>(()));
+        assert_eq!(welded.triangles, [[0, 1, 2], [1, 5, 2]]);
+        assert_eq!(weld_within(&mesh, 1e-3, || Err("stopped")).err(), Some("stopped"));
     }
 }

@@ -9,7 +9,7 @@
 //! binary headers begin with the word `solid`. A binary file that ends early is refused; one with up to
 //! 4095 bytes after its last facet is read with a warning.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
 use grainpath_core::{DVec3, TriMesh, Warning, WarningId};
 
@@ -22,20 +22,19 @@ const HEADER: usize = 84;
 // Source: the same: 12 floats of 4 bytes and 2 bytes of attributes.
 const FACET: usize = 50;
 
-fn promised(bytes: &[u8]) -> Option<u64> {
-    let n: [u8; 4] = bytes.get(80..HEADER)?.try_into().ok()?;
+fn promised(head: &[u8]) -> Option<u64> {
+    let n: [u8; 4] = head.get(80..HEADER)?.try_into().ok()?;
     Some(u64::from(u32::from_le_bytes(n)))
 }
 
-/// Whether the size of the file is that of a binary STL with the number of facets that its header states.
-/// Up to 4095 bytes of padding are accepted.
-pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
-    promised(bytes).is_some_and(|n| {
-        let size = HEADER as u64 + FACET as u64 * n;
-        let spare = (bytes.len() as u64).checked_sub(size);
+/// Whether the size of a file is that of a binary STL with the number of facets that its header states. `head` holds its
+/// first bytes. Up to 4095 bytes of padding are accepted.
+pub(crate) fn has_binary_size(head: &[u8], n_bytes: u64) -> bool {
+    promised(head).is_some_and(|n| {
+        let spare = n_bytes.checked_sub(HEADER as u64 + FACET as u64 * n);
         // A text that begins with `solid` could match the size by chance if padding were accepted, so padding is accepted
         // only after other headers.
-        n > 0 && spare.is_some_and(|s| s == 0 || (s < 4096 && !bytes[..80].starts_with(b"solid")))
+        n > 0 && spare.is_some_and(|s| s == 0 || (s < 4096 && !head[..80].starts_with(b"solid")))
     })
 }
 
@@ -47,30 +46,27 @@ pub(crate) fn is_cut_short(bytes: &[u8], named_stl: bool) -> bool {
     named_stl && bytes.len() >= HEADER && (n == 0 || size > bytes.len() as u64)
 }
 
-pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    let promised = promised(bytes).ok_or(MeshError::Truncated { promised: 0, held: 0 })?;
+/// Reads a binary STL of `n_bytes` bytes facet by facet, so that the file is never in memory as a whole.
+pub(crate) fn read_binary(mut source: impl Read, n_bytes: u64) -> io::Result<Result<MeshFile, MeshError>> {
+    let mut head = [0; HEADER];
+    source.read_exact(&mut head)?;
+    let promised = promised(&head).unwrap_or(0);
     if promised == 0 {
-        return Err(MeshError::NoTriangles { hints: String::new() });
+        return Ok(Err(MeshError::NoTriangles { hints: String::new() }));
     }
-    let held = ((bytes.len() - HEADER) / FACET) as u64;
+    let held = (n_bytes - HEADER as u64) / FACET as u64;
     if held < promised {
-        return Err(MeshError::Truncated { promised, held });
+        return Ok(Err(MeshError::Truncated { promised, held }));
     }
-    let n = promised as usize;
-    let mut soup = SoupBuilder::with_capacity(n);
-    // Twelve bytes of normal come first and are skipped; the corners give the normal.
-    for (i, facet) in bytes[HEADER..].chunks_exact(FACET).take(n).enumerate() {
-        let float =
-            |k: usize| f64::from(f32::from_le_bytes([facet[k], facet[k + 1], facet[k + 2], facet[k + 3]]));
-        let mut corners = [0; 3];
-        for (c, corner) in corners.iter_mut().enumerate() {
-            let k = 12 + 12 * c;
-            let p = checked([float(k), float(k + 4), float(k + 8)], || format!("facet {i}"))?;
-            *corner = soup.index(p)?;
+    let mut soup = SoupBuilder::with_capacity(promised as usize);
+    let mut facet = [0; FACET];
+    for i in 0..promised {
+        source.read_exact(&mut facet)?;
+        if let Err(error) = add_facet(&mut soup, &facet, i) {
+            return Ok(Err(error));
         }
-        soup.push(corners)?;
     }
-    let spare = bytes.len() - HEADER - n * FACET;
+    let spare = n_bytes - HEADER as u64 - promised * FACET as u64;
     let warnings = if spare > 0 {
         vec![Warning::new(
             WarningId::MeshFileDamaged,
@@ -79,7 +75,20 @@ pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     } else {
         vec![]
     };
-    Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, modifiers: Vec::new(), warnings })
+    Ok(Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, modifiers: Vec::new(), warnings }))
+}
+
+fn add_facet(soup: &mut SoupBuilder, facet: &[u8; FACET], i: u64) -> Result<(), MeshError> {
+    let float =
+        |k: usize| f64::from(f32::from_le_bytes([facet[k], facet[k + 1], facet[k + 2], facet[k + 3]]));
+    let mut corners = [0; 3];
+    // Twelve bytes of normal come first and are skipped; the corners give the normal.
+    for (c, corner) in corners.iter_mut().enumerate() {
+        let k = 12 + 12 * c;
+        let p = checked([float(k), float(k + 4), float(k + 8)], || format!("facet {i}"))?;
+        *corner = soup.index(p)?;
+    }
+    soup.push(corners)
 }
 
 pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {

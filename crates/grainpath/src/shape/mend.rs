@@ -80,20 +80,20 @@ fn mend_body(
     found: &mut Found,
     diagnostics: &Diagnostics,
 ) -> Result<TriMesh, ShapeError> {
-    // Each step passes over the mesh once: 0.1 to 0.3 s for a million triangles.
     diagnostics.check()?;
     mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    let Some((mut health, mut edges, mut shells)) = examine(&mesh) else { return Ok(TriMesh::default()) };
+    let Some((mut health, mut edges, mut shells)) = examine(&mesh, diagnostics)? else {
+        return Ok(TriMesh::default());
+    };
     diagnostics.check()?;
     if health.open_edges > 0 {
         let open = health.open_edges;
         let (low, high) = health.bounds;
         // The distance is a millionth of the part's size. Rounding of single-precision coordinates
         // in a file is about a sixteenth of that.
-        let welded = weld_within(&mesh, 1e-6 * (high - low).max_element());
-        diagnostics.check()?;
+        let welded = weld_within(&mesh, 1e-6 * (high - low).max_element(), || diagnostics.check())?;
         // Merging is kept only if it closes edges; otherwise it would only move vertices.
-        if let Some(better) = examine(&welded).filter(|(h, ..)| h.open_edges < open) {
+        if let Some(better) = examine(&welded, diagnostics)?.filter(|(h, ..)| h.open_edges < open) {
             found.welded += open - better.0.open_edges;
             mesh = welded;
             (health, edges, shells) = better;
