@@ -5,6 +5,7 @@
 //! cover it. This is tested with masks instead of polygons. The accuracy of a cell is enough, because
 //! skins reach two cells under their cover anyway, and polygons would cost ten booleans a layer.
 
+use std::collections::VecDeque;
 use std::ops::Range;
 
 use grainpath_core::diagnostics::Interrupted;
@@ -47,7 +48,7 @@ pub struct SkinSplit {
     pub regions: Vec<SkinSplit>,
 }
 
-/// Number of layers whose masks are made together. Each chunk also makes the masks of layers next to
+/// Number of layers that one thread divides one after the other. Each chunk also makes the masks of layers next to
 /// it, which another chunk makes too. Source: chosen; it changes speed alone, never the result.
 const CHUNK: usize = 16;
 /// Number of cells between an octagon of three cells, pushed into a corner of sparse fill, and the corner's tip. Source:
@@ -87,16 +88,13 @@ pub fn split_window<T: Send>(
         .into_par_iter()
         .map(|first| {
             let end = (first + CHUNK).min(window.end);
-            // At least one layer below and above, because bridges and top surfaces need them even
-            // where no skins are asked for.
-            let lowest = first.saturating_sub(most_bottom.max(1));
-            let highest = (end + most_top.max(1)).min(sections.len());
-            let masks: Vec<Mask> =
-                sections[lowest..highest].iter().map(|l| Mask::from_region(grid, l.region())).collect();
-            let masks = Window { grid, masks, lowest, n_layers: sections.len() };
+            let mut masks = Window { grid, masks: VecDeque::new(), lowest: 0, sections };
             (first..end)
                 .map(|i| {
                     diagnostics.check()?;
+                    // At least one layer below and above, because bridges and top surfaces need them even
+                    // where no skins are asked for.
+                    masks.slide(i.saturating_sub(most_bottom.max(1))..i + most_top.max(1) + 1);
                     let k = i - window.start;
                     let divided = |(fill, settings): (&Vec<IslandPolygon>, &SkinSettings)| {
                         split(fill, masks.cover(i, settings), settings)
@@ -119,11 +117,11 @@ pub fn split_window<T: Send>(
 }
 
 /// The sections of some consecutive layers as masks.
-struct Window {
+struct Window<'a> {
     grid: Grid,
-    masks: Vec<Mask>,
+    masks: VecDeque<Mask>,
     lowest: usize,
-    n_layers: usize,
+    sections: &'a [Layer],
 }
 
 /// The masks of the sections over and under a layer.
@@ -136,18 +134,27 @@ struct Cover {
     below: Option<Mask>,
 }
 
-impl Window {
+impl Window<'_> {
+    /// Drops the masks of layers below `layers` and makes those that are missing. Ranges come in rising order.
+    fn slide(&mut self, layers: Range<usize>) {
+        self.masks.drain(..layers.start.saturating_sub(self.lowest).min(self.masks.len()));
+        self.lowest = layers.start;
+        for layer in &self.sections[self.lowest + self.masks.len()..layers.end.min(self.sections.len())] {
+            self.masks.push_back(Mask::from_region(self.grid, layer.region()));
+        }
+    }
+
     fn mask(&self, layer: usize) -> &Mask {
         &self.masks[layer - self.lowest]
     }
 
     fn cover(&self, i: usize, settings: &SkinSettings) -> Cover {
-        let fits = i + settings.top_layers < self.n_layers && i >= settings.bottom_layers;
+        let fits = i + settings.top_layers < self.sections.len() && i >= settings.bottom_layers;
         let inside = (!settings.dense && fits).then(|| {
             let over = (i + 1..=i + settings.top_layers).chain(i - settings.bottom_layers..i);
             over.fold(self.mask(i).clone(), |m, k| m.and(self.mask(k)))
         });
-        let above = (i + 1 < self.n_layers).then(|| self.mask(i + 1).clone());
+        let above = (i + 1 < self.sections.len()).then(|| self.mask(i + 1).clone());
         let below = (i > 0).then(|| self.mask(i - 1).clone());
         Cover { grid: self.grid, inside, above, below }
     }
