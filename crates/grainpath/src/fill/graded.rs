@@ -105,13 +105,17 @@ pub fn fill(
         }
     };
     if !pattern.follows_field() {
-        // Every other layer is turned by 90 degrees, as in skins.
-        let odd = (context.z_mid_mm / context.height_mm).floor().rem_euclid(2.0) >= 1.0;
-        let angle_rad = context.angle_rad + if odd { FRAC_PI_2 } else { 0.0 };
+        let turned = is_turned(context.z_mid_mm, context.height_mm);
+        let angle_rad = context.angle_rad + if turned { FRAC_PI_2 } else { 0.0 };
         let context = FillContext { density: Density::Dense, angle_rad, ..*context };
         dense.polygons.iter().for_each(|polygon| Solid.fill(&context, polygon, out));
     }
     fit(&mut out[first..], context, map, infill_region, apart);
+}
+
+/// Whether the parallel lines of a layer are turned by 90 degrees: in every other layer, as in skins.
+pub(crate) fn is_turned(z_mid_mm: f64, height_mm: f64) -> bool {
+    (z_mid_mm / height_mm).floor().rem_euclid(2.0) >= 1.0
 }
 
 /// The density of a level, and the least density at which its lines are laid.

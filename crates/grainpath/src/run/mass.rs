@@ -57,21 +57,28 @@ impl Steps<'_> {
             let m = if path.role == Role::Fibre { infill.fibre_material } else { infill.material };
             path.volume_mm3(height_mm) * 1e-3 * m.density_g_cm3 * m.flow
         };
-        let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
+        // Layers that the run copies have the mass of the layer that they are copied from.
+        let copies = self.duplicates(0, skins);
         let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
+            let own = |i: usize| if copies[i] == i { each(i) } else { 0.0 };
+            let masses: Vec<f64> = (0..copies.len()).into_par_iter().map(own).collect();
             // Masses are added in the order of the layers, so that the sum is the same for any number of threads.
-            layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
+            copies.iter().map(|&i| masses[i]).sum()
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
-        let fixed = sum(&|i| {
-            let walls = walls[i]
+        let of_walls = |i: usize| -> f64 {
+            let paths = walls[i]
                 .islands
                 .iter()
                 .flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
-            let mut mass: f64 = walls.map(|p| grams(p, height(i))).sum();
-            self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
-            mass
-        });
+            paths.map(|p| grams(p, height(i))).sum()
+        };
+        let fixed = (0..copies.len()).map(of_walls).sum::<f64>()
+            + sum(&|i| {
+                let mut mass = 0.0;
+                self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
+                mass
+            });
         let mass = |density: f64| {
             fixed
                 + sum(&|i| {

@@ -35,7 +35,7 @@ use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::shift::{Ends, TURNS};
-use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide};
+use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded};
 use crate::guide::Guide;
 use crate::guide::density::{DensityMap, GradedDensity};
 use crate::guide::field::FieldGuide;
@@ -662,15 +662,24 @@ impl<'a> Steps<'a> {
 
     /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own
     /// index where there is none. The two layers have the same infill region and the same field, and
-    /// their infill depends on nothing else. Only patterns that follow a field are compared.
-    fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
+    /// their infill depends on nothing else. Only patterns that follow a field and straight lines of graded
+    /// density are compared: others are cheap, or differ in every layer.
+    pub(super) fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
-        let guided = self.grain.is_some() || self.settings.infill.pattern.follows_field();
+        let pattern = self.settings.infill.pattern;
+        let guided = self.grain.is_some() || pattern.follows_field();
+        let straight =
+            matches!(pattern, Pattern::Rectilinear | Pattern::Aligned | Pattern::Grid | Pattern::Triangles);
         let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
-        // Other patterns are cheap, and their raster angle changes from layer to layer.
-        if !guided {
+        if !guided && !(straight && self.graded.is_some()) {
             return duplicate_of;
         }
+        // Angle of sparse lines, angle of dense ones, and whether graded density turns these.
+        let raster = |i: usize| {
+            let angle_rad = |density| self.angle_rad(i, density);
+            let turned = graded::is_turned(self.z_mid_mm(i), layers[i].height_mm());
+            (angle_rad(Density::Sparse(0.5)), angle_rad(Density::Dense), turned)
+        };
         for k in 1..skins.len() {
             let i = first + k;
             let same = |&other: &usize| {
@@ -684,6 +693,7 @@ impl<'a> Steps<'a> {
                     && (self.settings.infill.skin_angles.is_none()
                         || (skins[k].top.is_empty() && skins[k].solid.is_empty()))
                     && skins[k] == skins[other]
+                    && (guided || raster(i) == raster(j))
                     && self.shift(i) == self.shift(j)
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
