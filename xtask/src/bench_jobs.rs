@@ -29,23 +29,28 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
         let names = PARTS.map(|(name, _)| name).join(", ");
         return Err(format!("bench jobs knows {names}, not {unknown}"));
     }
-    crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
-    let jobs =
-        Jobs { program: crate::target().join("ci/grainpath"), folder: crate::target().join("bench/jobs") };
-    fs::create_dir_all(&jobs.folder).map_err(|e| format!("{}: {e}", jobs.folder.display()))?;
+    let jobs = Jobs::prepare("jobs")?;
     let chosen = PARTS.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name));
     chosen.into_iter().try_for_each(|(_, part)| part(&jobs))
 }
 
 /// The program, and the folder that jobs are written to.
-struct Jobs {
-    program: PathBuf,
-    folder: PathBuf,
+pub(crate) struct Jobs {
+    pub(crate) program: PathBuf,
+    pub(crate) folder: PathBuf,
 }
 
 impl Jobs {
+    /// Builds the program, and makes the folder of a bench.
+    pub(crate) fn prepare(bench: &str) -> Result<Self, String> {
+        crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
+        let folder = crate::target().join("bench").join(bench);
+        fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        Ok(Self { program: crate::target().join("ci/grainpath"), folder })
+    }
+
     /// The folder of an example of `grainpath new`, made anew.
-    fn example(&self, name: &str) -> Result<PathBuf, String> {
+    pub(crate) fn example(&self, name: &str) -> Result<PathBuf, String> {
         let folder = self.folder.join(name);
         let mut command = Command::new(&self.program);
         crate::run(command.args(["new", "--force", name]).arg(&folder).stdout(Stdio::null()))?;
@@ -53,7 +58,13 @@ impl Jobs {
     }
 
     /// What a command prints as JSON about jobs of a folder.
-    fn report(&self, verb: &str, folder: &Path, jobs: &[&str], sets: &[&str]) -> Result<Value, String> {
+    pub(crate) fn report(
+        &self,
+        verb: &str,
+        folder: &Path,
+        jobs: &[&str],
+        sets: &[&str],
+    ) -> Result<Value, String> {
         let mut command = Command::new(&self.program);
         command.args([verb, "--json"]).args(sets.iter().flat_map(|set| ["--set", set]));
         command.args(jobs.iter().map(|job| folder.join(job).with_extension("toml")));
@@ -69,11 +80,11 @@ impl Jobs {
     }
 }
 
-fn number(v: &Value) -> f64 {
+pub(crate) fn number(v: &Value) -> f64 {
     v.as_f64().unwrap_or(f64::NAN)
 }
 
-fn percent(v: &Value) -> String {
+pub(crate) fn percent(v: &Value) -> String {
     format!("{:.2}", 100.0 * number(v))
 }
 

@@ -203,7 +203,7 @@ impl Published {
 }
 
 /// How much more the first carries than the second, %: nominal, lowest and highest over the corners of the card.
-fn gain(of: &Value, to: &Value) -> [f64; 3] {
+pub(crate) fn gain(of: &Value, to: &Value) -> [f64; 3] {
     let over = |a: &Value, b: &Value| {
         100.0 * (a.as_f64().unwrap_or(f64::NAN) / b.as_f64().unwrap_or(f64::NAN) - 1.0)
     };

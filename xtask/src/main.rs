@@ -9,6 +9,7 @@ mod bench_continuous;
 mod bench_ct;
 mod bench_density;
 mod bench_fea;
+mod bench_gains;
 mod bench_jobs;
 mod bench_paths;
 mod bench_strength;
@@ -74,7 +75,9 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   bench density [PART...]  mass at equal peak load of the virtual test: even fills beside density and direction by the
-                   stress (bracket hook lever), with target/ci/grainpath
+                   stress (bracket hook lever two-holes hinge)
+  bench gains [PART...]  lines of several beads, staggered and extra walls at equal mass (lines), poses of a bracket in
+                   the virtual test (poses), graded plates beside solids (stiffness)
   bench studio [PATH]  the studio in Chromium: file to first layer, name under the pointer, cancel, bytes, frames
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
@@ -116,7 +119,8 @@ fn main() -> ExitCode {
         ["bench", "paths"] => bench_paths::run(),
         ["bench", "verification"] => bench_verification::run(),
         ["bench", "strength", parts @ ..] => bench_strength::run(parts),
-        ["bench", "density", parts @ ..] => bench_density::run(&target().join("ci/grainpath"), parts),
+        ["bench", "density", parts @ ..] => bench_density::run(parts),
+        ["bench", "gains", parts @ ..] => bench_gains::run(parts),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
