@@ -50,9 +50,9 @@ pub(crate) fn mesh_file(path: &Path, name: &str, diagnostics: &Diagnostics) -> R
 /// The mesh of a regular file that is a binary STL. `None` for every other file, and for one that cannot be read: reading
 /// it as a whole then tells why.
 fn binary_stl(path: &Path) -> Option<Result<MeshFile, MeshError>> {
-    // `-` is standard input.
-    let is_regular = |m: &fs::Metadata| m.is_file() && path != Path::new("-");
-    let metadata = fs::metadata(path).ok().filter(is_regular)?;
+    // `-` is standard input. Files over the limit are refused by name where they are read as a whole.
+    let is_taken = |m: &fs::Metadata| m.is_file() && m.len() <= files::MAX_BYTES && path != Path::new("-");
+    let metadata = fs::metadata(path).ok().filter(is_taken)?;
     read_binary_stl(fs::File::open(path).ok()?, metadata.len()).ok().flatten()
 }
 

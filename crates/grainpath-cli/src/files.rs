@@ -19,7 +19,7 @@ pub(crate) fn ending(path: &Path) -> &str {
 
 /// Size limit of a file that is read whole. Source: derived. A mesh needs about twice the memory of its file in addition
 /// to the file, 24 GiB in all here. With a larger limit the system may end the process without a message.
-const MAX_BYTES: u64 = 8 << 30;
+pub(crate) const MAX_BYTES: u64 = 8 << 30;
 /// Size limit of a pipe or a device, whose size is not known beforehand: `/dev/zero`, for example, would
 /// fill the memory. Source: chosen; a binary STL of 20 million triangles has this size.
 const MAX_STREAM_BYTES: u64 = 1 << 30;

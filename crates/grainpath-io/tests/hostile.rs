@@ -34,6 +34,26 @@ fn stl_that_is_written_is_read() {
 }
 
 #[test]
+fn binary_stl_from_a_file_is_that_from_memory() {
+    let sound = stl(&cube());
+    let mut padded = sound.clone();
+    padded.extend([0; 10]);
+    let mut broken = sound.clone();
+    broken[84 + 12..84 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
+    for bytes in [&sound, &padded, &broken] {
+        let read = grainpath_io::read_binary_stl(&bytes[..], bytes.len() as u64).expect("memory is read");
+        assert_eq!(read, Some(parse_mesh(bytes, Some("a.stl"))), "{} bytes", bytes.len());
+    }
+    // Other formats, and a file that is too short for its header, are read as a whole.
+    for other in [&b"solid a\nendsolid a\n"[..], b"v 0 0 0\n", &sound[..200], b"ply\n", b""] {
+        let read = grainpath_io::read_binary_stl(other, other.len() as u64).expect("memory is read");
+        assert_eq!(read, None, "{} bytes", other.len());
+    }
+    // The file lost its end after its size was asked.
+    assert!(grainpath_io::read_binary_stl(&sound[..300], sound.len() as u64).is_err());
+}
+
+#[test]
 fn damage_is_named() {
     let bytes = stl(&cube());
     assert_eq!(parse_mesh(&[], None), Err(MeshError::Empty));
