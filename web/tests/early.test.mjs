@@ -5,7 +5,8 @@ import { after, before, test } from "node:test";
 import { boxStl, choose, colours, far, folder, launch, settle, shaped, studio, visit } from "./bench.mjs";
 
 const WALL = [214, 93, 32];
-const LAYERS = 400;
+// Planning takes some seconds, so that it still goes on when a busy browser asks for the first time.
+const LAYERS = 900;
 let files, server, browser;
 before(async () => {
   const job = "[shape]\nmesh = \"high.stl\"\n[process]\nlayer_height_mm = 0.1\nfirst_layer_height_mm = 0.1\nskirt_loops = 0\n[fill]\npattern = \"gyroid\"\n";

@@ -671,7 +671,7 @@ impl<'a> Steps<'a> {
         let straight =
             matches!(pattern, Pattern::Rectilinear | Pattern::Aligned | Pattern::Grid | Pattern::Triangles);
         let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
-        if !guided && !(straight && self.graded.is_some()) {
+        if !(guided || straight && self.graded.is_some()) {
             return duplicate_of;
         }
         // Angle of sparse lines, angle of dense ones, and whether graded density turns these.
