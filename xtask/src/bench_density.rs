@@ -9,6 +9,8 @@
 //! Intervals are those of the corners of the material's card: at each corner a plan is held against the same corner of
 //! the plan with the asked load. Cost: 5 to 10 minutes a part on two cores.
 
+#![allow(clippy::disallowed_methods, reason = "masses and loads of a bench, told with three digits")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
