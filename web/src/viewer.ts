@@ -364,6 +364,7 @@ export class Viewer {
     const [first, end] = [this.beads.first[fromLayer]!, this.beads.first[toLayer + 1]!];
     for (const mesh of this.chunks.children as Mesh[]) {
       if ((mesh.userData.first as number) < end && (mesh.userData.end as number) > first) {
+        mesh.userData.hasCome = true;
         (mesh.geometry.getAttribute("a") as InterleavedBufferAttribute).data.needsUpdate = true;
       }
     }
@@ -385,7 +386,9 @@ export class Viewer {
     // A copy: what lies before the window is not drawn, and what lies behind it neither.
     if (isWindow) this.window.add(this.chunk(beads.words.slice(WORDS * first, WORDS * (last + 1)), first, false));
     for (const mesh of this.chunks.children) {
-      mesh.visible = !isWindow && (mesh.userData.first as number) <= last && (mesh.userData.end as number) > first;
+      // A chunk of which nothing has come yet is not sent to the graphics card: of a program of five million beads that takes a second.
+      const hasCome = mesh.userData.hasCome === true || (mesh.userData.first as number) < beads.first[beads.taken]!;
+      mesh.visible = hasCome && !isWindow && (mesh.userData.first as number) <= last && (mesh.userData.end as number) > first;
     }
     this.draw();
   }
