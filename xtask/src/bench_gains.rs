@@ -11,24 +11,15 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::bench_jobs::{Jobs, number, percent};
+use crate::bench_jobs::{Jobs, Part, number, percent, run_parts};
 use crate::bench_strength::gain;
 use crate::measured::Table;
-
-/// A part of the bench: its name on the command line, and what runs it.
-type Part = (&'static str, fn(&Jobs) -> Result<(), String>);
 
 const PARTS: [Part; 3] = [("lines", lines), ("poses", poses), ("stiffness", stiffness)];
 
 /// The named parts, or all.
 pub fn run(wanted: &[&str]) -> Result<(), String> {
-    if let Some(unknown) = wanted.iter().find(|w| PARTS.iter().all(|(name, _)| name != *w)) {
-        let names = PARTS.map(|(name, _)| name).join(", ");
-        return Err(format!("bench gains knows {names}, not {unknown}"));
-    }
-    let jobs = Jobs::prepare("gains")?;
-    let chosen = PARTS.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name));
-    chosen.into_iter().try_for_each(|(_, part)| part(&jobs))
+    run_parts("gains", &PARTS, wanted)
 }
 
 /// What all pieces of [`lines`] share: sparse infill, with walls and infill of about equal weight.

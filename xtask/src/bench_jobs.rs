@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::measured::Table;
 
 /// A part of the bench: its name on the command line, and what runs it.
-type Part = (&'static str, fn(&Jobs) -> Result<(), String>);
+pub(crate) type Part = (&'static str, fn(&Jobs) -> Result<(), String>);
 
 const PARTS: [Part; 5] = [
     ("fibre", fibre),
@@ -25,12 +25,17 @@ const PARTS: [Part; 5] = [
 
 /// The named parts, or all.
 pub fn run(wanted: &[&str]) -> Result<(), String> {
-    if let Some(unknown) = wanted.iter().find(|w| PARTS.iter().all(|(name, _)| name != *w)) {
-        let names = PARTS.map(|(name, _)| name).join(", ");
-        return Err(format!("bench jobs knows {names}, not {unknown}"));
+    run_parts("jobs", &PARTS, wanted)
+}
+
+/// Runs the named parts of a bench, or all.
+pub(crate) fn run_parts(bench: &str, parts: &[Part], wanted: &[&str]) -> Result<(), String> {
+    if let Some(unknown) = wanted.iter().find(|w| parts.iter().all(|(name, _)| name != *w)) {
+        let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+        return Err(format!("bench {bench} knows {}, not {unknown}", names.join(", ")));
     }
-    let jobs = Jobs::prepare("jobs")?;
-    let chosen = PARTS.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name));
+    let jobs = Jobs::prepare(bench)?;
+    let chosen = parts.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name));
     chosen.into_iter().try_for_each(|(_, part)| part(&jobs))
 }
 
@@ -42,7 +47,7 @@ pub(crate) struct Jobs {
 
 impl Jobs {
     /// Builds the program, and makes the folder of a bench.
-    pub(crate) fn prepare(bench: &str) -> Result<Self, String> {
+    fn prepare(bench: &str) -> Result<Self, String> {
         crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
         let folder = crate::target().join("bench").join(bench);
         fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
