@@ -238,8 +238,8 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     for (bench, found) in &all {
         bench.lighter(found, &lighter);
     }
-    println!("\nProcessor time of planning at these masses, graded over even; least of three runs each.");
-    let times = Table::new("density-time", &["part", "pattern", "even s", "graded s", "ratio"], 2);
+    println!("\nProcessor time of planning, graded over even, by densities and by mass; least of three runs each.");
+    let times = Table::new("density-time", &["part", "plan", "even s", "graded s", "ratio"], 2);
     all.iter().try_for_each(|(bench, found)| bench.times(found, &times))
 }
 
@@ -454,14 +454,27 @@ impl<'a> Bench<'a> {
         for pattern in GRADED {
             let of = |how: &str| found.iter().find(|f| f.what == format!("{pattern}, {how}"));
             let (Some(even), Some(graded)) = (of("even"), of("graded by the stress")) else { continue };
-            let (even_s, graded_s) = (seconds(&even.nearest)?, seconds(&graded.nearest)?);
-            table.row(&[
-                self.part.name.to_owned(),
-                pattern.to_owned(),
-                format!("{even_s:.2}"),
-                format!("{graded_s:.2}"),
-                format!("{:.2}", graded_s / even_s),
-            ]);
+            let to_mass = |found: &Found| {
+                let mut wanted = found.nearest.clone();
+                wanted.sets.retain(|set| !set.starts_with("fill.mass_g"));
+                let by_density = wanted.clone();
+                wanted.sets.push(format!("fill.mass_g={:.3}", found.mass_g));
+                // Even fills have no density where a mass is asked for.
+                wanted.sets.retain(|set| !set.starts_with("fill.density=0"));
+                [by_density, wanted]
+            };
+            for (way, (even, graded)) in
+                ["density given", "mass to find"].into_iter().zip(to_mass(even).iter().zip(&to_mass(graded)))
+            {
+                let (even_s, graded_s) = (seconds(even)?, seconds(graded)?);
+                table.row(&[
+                    self.part.name.to_owned(),
+                    format!("{pattern}, {way}"),
+                    format!("{even_s:.2}"),
+                    format!("{graded_s:.2}"),
+                    format!("{:.2}", graded_s / even_s),
+                ]);
+            }
         }
         Ok(())
     }

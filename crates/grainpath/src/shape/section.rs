@@ -21,6 +21,7 @@
 use grainpath_core::Bounds2;
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::poly::{FillRule, crosses_more_than, simplify_contour};
+use grainpath_core::segment;
 use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 
 use super::SliceSettings;
@@ -190,10 +191,29 @@ fn gridded(contours: &[Contour]) -> Region {
 /// always cuts it on the same side, so with a larger tolerance small holes and screws would lose size.
 const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
 
+/// Distance from a straight line below which a vertex lies on it, mm. Source: derived; a thousand times the rounding of
+/// coordinates of 1 m, and a thousandth of a nanometre.
+const ON_LINE_MM: f64 = 1e-10;
+
 fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     let extent_mm =
         Bounds2::around_points(contour.iter().copied()).map_or(0.0, |b| (b.max - b.min).max_element());
-    simplify_contour(contour, tolerance_mm.min(MAX_SIMPLIFY_SHARE * extent_mm))
+    simplify_contour(&straightened(contour), tolerance_mm.min(MAX_SIMPLIFY_SHARE * extent_mm))
+}
+
+/// A contour without the vertices on straight lines between their neighbours, where an edge divides a flat face. They move
+/// with the height of the plane, and simplification might keep one: all points of a side may be equally far from a chord
+/// that is parallel to it. Layers of a prism would then differ, and none could be copied.
+fn straightened(contour: &[DVec2]) -> Contour {
+    let mut kept: Contour = Vec::with_capacity(contour.len());
+    for (i, &p) in contour.iter().enumerate() {
+        let (before, after) = (kept.last().or(contour.last()), contour[(i + 1) % contour.len()]);
+        let on_line = |&a: &DVec2| segment::distance_squared_mm2(p, a, after) < ON_LINE_MM * ON_LINE_MM;
+        if !before.is_some_and(on_line) {
+            kept.push(p);
+        }
+    }
+    kept
 }
 
 fn segment(mesh: &TriMesh, triangle: [u32; 3], z: f64) -> Option<Segment> {
@@ -388,6 +408,39 @@ mod tests {
             }
         }
         mesh
+    }
+
+    #[test]
+    fn sections_of_a_prism_are_equal_at_every_height() {
+        // Two arcs joined by straight sides, as of a lever: the sides are parallel to the chord between the ends.
+        let half = |sign: f64| (0..=40).map(move |k| (sign, 0.5 * TAU * f64::from(k) / 40.0));
+        let points = |turn: f64| -> Vec<DVec2> {
+            let at = |(sign, a): (f64, f64)| {
+                let (s, c) = sin_cos(a);
+                DVec2::from_angle(turn).rotate(DVec2::new(sign * (30.0 + 12.0 * s), -sign * 12.0 * c))
+            };
+            half(1.0).chain(half(-1.0)).map(at).collect()
+        };
+        let settings = SliceSettings {
+            layer_height_mm: 0.3,
+            first_layer_height_mm: 0.3,
+            simplify_mm: 0.01,
+            adaptive: None,
+            gap_closing_mm: 0.1,
+        };
+        for degrees in [0.0, 37.0, 90.0] {
+            let outer = points(f64::to_radians(degrees));
+            let region = Region { polygons: vec![grainpath_core::Polygon { outer, holes: Vec::new() }] };
+            let mut mesh = TriMesh::default();
+            assert!(crate::shape::outline::prism(&region, 0.0, 8.0, &mut mesh).is_ok());
+            let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+            let at = |z: f64| section(&mesh, &all, z, &settings).0;
+            let first = at(0.15);
+            assert!(first.area_mm2() > 1000.0, "{degrees}");
+            for k in 1..26 {
+                assert_eq!(at(0.15 + 0.3 * f64::from(k)), first, "{degrees} degrees, layer {k}");
+            }
+        }
     }
 
     /// A mesh as a damaged file gives it: corners shifted, shuffled or torn off, coordinates wrong, faces repeated.
