@@ -238,7 +238,9 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     for (bench, found) in &all {
         bench.lighter(found, &lighter);
     }
-    println!("\nProcessor time of planning, graded over even, by densities and by mass; least of three runs each.");
+    println!(
+        "\nProcessor time of planning, graded over even, by densities and by mass; least of three runs each."
+    );
     let times = Table::new("density-time", &["part", "plan", "even s", "graded s", "ratio"], 2);
     all.iter().try_for_each(|(bench, found)| bench.times(found, &times))
 }

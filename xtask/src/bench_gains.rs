@@ -1,10 +1,11 @@
 //! What the virtual strength test gives for settings beside the pattern: several beads side by side (`fill.lines`),
 //! staggered and extra walls at equal mass (`lines`), the poses of a bracket (`poses`), and plates with graded density
-//! beside solids of the same beads (`stiffness`).
+//! beside solids of the same beads and beside `CalculiX` (`stiffness`).
 //!
 //! Numbers depend on the machine through rounding alone, so the `ci` profile does. Cost: about 10 minutes a part of the
 //! bench on two cores.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -122,30 +123,77 @@ fn poses(jobs: &Jobs) -> Result<(), String> {
     Ok(())
 }
 
-/// A bar bent in its plane with graded density: as a plate, whose layers are homogenised through the thickness, and as
-/// a solid of cells of a bead.
+/// A bar bent in its plane with graded density: as a plate, whose layers are homogenised through the thickness, as a solid
+/// of cells of a bead, and as the deck that `strength --deck` writes of the plate, solved by `CalculiX`.
 fn stiffness(jobs: &Jobs) -> Result<(), String> {
+    crate::setup::fea()?;
     write_bar(&jobs.folder)?;
-    let header = ["pattern", "mass g", "plate N/mm", "solid N/mm", "plate over solid %"];
+    let header = [
+        "pattern",
+        "mass g",
+        "plate N/mm",
+        "solid N/mm",
+        "CalculiX N/mm",
+        "plate over solid %",
+        "plate over CalculiX %",
+    ];
     let table = Table::new("stiffness", &header, 1);
     for pattern in ["rectilinear", "grid", "gyroid", "stripes"] {
         let pattern_set = format!("fill.pattern={pattern}");
-        let tested = ["plane", "voxels"].map(|fidelity| {
-            let fidelity = format!("strength.fidelity={fidelity}");
-            jobs.report("strength", &jobs.folder, &["graded-bar"], &[&pattern_set, &fidelity])
-        });
-        let [plate, solid] = tested.map(|found| found.map(|f| f["strength"].clone()));
-        let (plate, solid) = (plate?, solid?);
+        let job = jobs.folder.join("graded-bar.toml");
+        let deck = jobs.folder.join(format!("{pattern}.inp"));
+        let tested = |fidelity: &str, deck: Option<&Path>| -> Result<Value, String> {
+            let mut command = Command::new(&jobs.program);
+            command.args(["strength", "--json", "--set", &pattern_set, "--set"]);
+            command.arg(format!("strength.fidelity={fidelity}")).arg(&job);
+            if let Some(deck) = deck {
+                command.arg("--deck").arg(deck);
+            }
+            let found: Value =
+                serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+            Ok(found["strength"].clone())
+        };
+        let (plate, solid) = (tested("plane", Some(&deck))?, tested("voxels", None)?);
         let [of_plate, of_solid] = [&plate, &solid].map(|s| number(&s["stiffness_n_per_mm"]));
+        let of_peer = calculix_n_per_mm(&deck, number(&plate["job_load_n"]))?;
         table.row(&[
             pattern.to_owned(),
             format!("{:.2}", number(&plate["mass_g"])),
-            format!("{of_plate:.0}"),
-            format!("{of_solid:.0}"),
+            format!("{of_plate:.1}"),
+            format!("{of_solid:.1}"),
+            format!("{of_peer:.1}"),
             percent(&Value::from(of_plate / of_solid - 1.0)),
+            format!("{:+.2}", 100.0 * (of_plate / of_peer - 1.0)),
         ]);
     }
     Ok(())
+}
+
+/// Load over the displacement along it that `CalculiX` finds for a deck: the load squared over the work of all forces, N/mm.
+fn calculix_n_per_mm(deck: &Path, load_n: f64) -> Result<f64, String> {
+    let read = |path: &Path| fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));
+    crate::run(Command::new("ccx").arg(deck.with_extension("")).stdout(Stdio::null()))?;
+    // Rows of numbers: node and axis beside a force, node beside displacements.
+    let rows = |text: &str, separator: fn(char) -> bool, n: usize| -> Vec<Vec<f64>> {
+        let row = |line: &str| {
+            line.split(separator)
+                .filter(|w| !w.is_empty())
+                .map(str::parse)
+                .collect::<Result<Vec<f64>, _>>()
+                .ok()
+        };
+        text.lines().filter_map(row).filter(|row| row.len() == n).collect()
+    };
+    let text = read(deck)?;
+    let forces = text.split("*CLOAD\n").nth(1).and_then(|rest| rest.split('*').next()).unwrap_or_default();
+    let forces = rows(forces, |c| c == ',' || c == ' ', 3);
+    let moved = rows(&read(&deck.with_extension("dat"))?, char::is_whitespace, 4);
+    let moved: BTreeMap<u64, &Vec<f64>> = moved.iter().map(|row| (row[0] as u64, row)).collect();
+    let work = forces.iter().map(|force| {
+        let at = moved.get(&(force[0] as u64)).and_then(|row| row.get(force[1] as usize));
+        at.map_or(f64::NAN, |mm| mm * force[2])
+    });
+    Ok(load_n * load_n / work.sum::<f64>())
 }
 
 /// Writes the bar of [`stiffness`].

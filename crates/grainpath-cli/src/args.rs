@@ -277,6 +277,9 @@ pub(crate) struct Strength {
     /// Folder for pictures: damage.png, index.png, curve.svg
     #[arg(long, value_name = "DIR")]
     pub preview: Option<PathBuf>,
+    /// Write the plate before anything breaks as a CalculiX deck: a stiffness for each cell, fixtures and the load
+    #[arg(long, value_name = "FILE.inp")]
+    pub deck: Option<PathBuf>,
     #[command(flatten)]
     pub common: Common,
 }

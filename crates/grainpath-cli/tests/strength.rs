@@ -191,6 +191,48 @@ fn solids_break_between_their_layers_and_plates_as_solids_as_plates_do() {
 }
 
 #[test]
+fn a_plate_is_written_as_a_deck_with_its_load_and_its_stiffness() {
+    let dir = folder("strength deck");
+    bar(&dir);
+    let quick = ["--set", "strength.corners=false", "--set", "strength.check=false", "--json"];
+    let test = |job: &str| {
+        let deck = job.replace(".toml", ".inp");
+        let args: Vec<&str> = ["strength", job, "--deck", &deck].into_iter().chain(quick).collect();
+        let found = json(&grainpath(&dir, &args));
+        assert_eq!(found["outputs"]["deck"], deck.as_str(), "{found}");
+        (found["strength"].clone(), fs::read_to_string(dir.join(&deck)).expect("a deck"))
+    };
+    let (along, deck) = test("along.toml");
+    let (_, across) = test("across.toml");
+    let pull = |deck: &str| -> f64 {
+        let forces = deck.split("*CLOAD\n").nth(1).and_then(|rest| rest.split('*').next()).expect("forces");
+        let rows = forces.lines().map(|l| l.split(", ").collect::<Vec<_>>());
+        rows.filter(|row| row[1] == "1").map(|row| row[2].parse::<f64>().expect("a force")).sum()
+    };
+    assert!((pull(&deck) - number(&along, "job_load_n")).abs() < 1e-6, "{}", pull(&deck));
+    // Half of the materials are stiffer along x than this; beads along x make them so.
+    let median = |deck: &str| {
+        let first = |material: &str| material.split(',').next()?.parse::<f64>().ok();
+        let mut all: Vec<f64> = deck.split("TYPE=ANISO\n").skip(1).filter_map(first).collect();
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let (lengthwise, crosswise) = (median(&deck), median(&across));
+    assert!(lengthwise > 1.02 * crosswise && crosswise > 1000.0, "{lengthwise} {crosswise}");
+    // A deck never replaces an input, and a solid has none.
+    let refused = |args: &[&str], part: &str| {
+        let out = grainpath(&dir, args);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2), "{text}");
+        assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
+    };
+    refused(&["strength", "along.toml", "--deck", "bar.stl"], "an output never replaces an input");
+    let solid = ["strength", "along.toml", "--deck", "no.inp", "--set", "strength.fidelity=\"voxels\""];
+    refused(&solid, "has no plate to write");
+    assert!(!dir.join("no.inp").exists());
+}
+
+#[test]
 fn what_cannot_be_tested_is_said_in_a_line() {
     let dir = folder("strength errors");
     bar(&dir);

@@ -44,7 +44,7 @@ pub(crate) fn strength<'py>(
         let given = work.given(requests)?;
         let Work { settings, folder, name, .. } = work;
         let input = program.as_ref().map_or_else(|| PathBuf::from(&name), |p| PathBuf::from(&p.1));
-        let tested = TestedJob { settings, folder, name, given };
+        let tested = TestedJob { settings, folder, name, given, keep_model: false };
         tested.test(&input, program.as_ref().map(|p| &p.0[..]), diagnostics, &|_| {})
     })?;
     Ok(StrengthData { done: Arc::new(done) })

@@ -3,18 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use grainpath::guide::boundary_conditions;
-use grainpath::measure::strength::{PrintedPart, StrengthError, TestSetup, Tested, test_noting};
+use grainpath::measure::strength::{
+    PrintedPart, StrengthError, StrengthSettings, TestSetup, Tested, test_noting,
+};
 use grainpath::run::config::strength as strength_settings;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath_core::{DVec2, Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
+use grainpath_io::fe::{PlateDeck, write_plate_deck};
 use grainpath_job::Settings;
 use grainpath_view::strength::chart_svg;
 use serde_json::{Value, json};
 
 use crate::args::{Common, Strength};
+use crate::claims::Claims;
 use crate::inputs::{
-    Given, Handed, no_shape, plan_given, read_body, read_deck, read_settings, set_threads, shape_of,
+    Given, Handed, claim_inputs, no_shape, plan_given, read_body, read_deck, read_settings, set_threads,
+    shape_of,
 };
 use crate::{Failure, files, memory, outputs, progress};
 
@@ -33,7 +38,11 @@ pub struct Done {
 /// `grainpath strength`
 pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
-    let done = test_one(&args.input, args.job.as_deref(), &args.common, None, &|_| {})?;
+    let deck = args.deck.as_deref();
+    if let Some(path) = deck {
+        claim_deck(args, path)?;
+    }
+    let done = test_one(&args.input, args.job.as_deref(), &args.common, (None, deck.is_some()), &|_| {})?;
     let mut written = Value::Null;
     if let Some(folder) = &args.preview {
         for (name, picture) in outputs::strength_pictures(&done.tested) {
@@ -41,6 +50,10 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
         }
         outputs::save(&folder.join("curve.svg"), chart_svg(&done.tested.report).as_bytes())?;
         written = json!({ "preview": folder.display().to_string() });
+    }
+    if let Some(path) = deck {
+        write_deck(&done, path)?;
+        written["deck"] = json!(path.display().to_string());
     }
     if args.common.json {
         let mut value = json!({
@@ -54,9 +67,41 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
         files::print(&format!("{value}\n"));
     } else {
         let warnings: String = done.warnings.iter().map(|w| format!("\nwarning: {w}")).collect();
-        files::print(&format!("{}{warnings}\n", done.tested.report.summary()));
+        let deck = deck.map_or_else(String::new, |path| format!("\ndeck: {}", path.display()));
+        files::print(&format!("{}{warnings}{deck}\n", done.tested.report.summary()));
     }
     Ok(())
+}
+
+/// Compares the path of a deck with everything the test reads.
+fn claim_deck(args: &Strength, deck: &Path) -> Result<(), Failure> {
+    let mut claims = Claims::default();
+    let job = job_of(&args.input, args.job.as_deref())?;
+    let (settings, folder) = read_settings(job, &args.common.sets)?;
+    claims.read("job", job);
+    claims.read("program", &args.input);
+    let shape = shape_of(&settings, &folder).unwrap_or_default();
+    claim_inputs(&settings, &shape, &folder, &mut claims);
+    claims.write("--deck", deck);
+    claims.check()
+}
+
+/// Writes the plate of a test as a deck.
+fn write_deck(done: &Done, path: &Path) -> Result<(), Failure> {
+    let model = done.tested.model.as_ref().ok_or_else(|| failed(StrengthError::NoPlate))?;
+    let holds: Vec<(u32, DVec2)> = model.holds.iter().map(|h| (h.node, h.along)).collect();
+    let mut bytes = Vec::new();
+    let deck = PlateDeck {
+        title: &format!("{}, load case {}: laid beads as a plate", done.name, done.tested.report.case),
+        thickness_mm: done.tested.element_mm().z,
+        nodes_mm: &model.nodes_mm,
+        corners: &model.corners,
+        membranes_n_mm: &model.membranes_n_mm,
+        holds: &holds,
+        forces_n: &model.forces_n,
+    };
+    write_plate_deck(&deck, &mut bytes).map_err(|e| Failure::usage(format!("--deck: {e}")))?;
+    outputs::save(path, &bytes)
 }
 
 /// Whether a path has the ending of a job file.
@@ -75,13 +120,13 @@ pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a P
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
-/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted;
-/// `note` receives a first result early.
+/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted, beside
+/// it stands whether the result holds the model of a plate; `note` receives a first result early.
 pub(crate) fn test_one(
     input: &Path,
     job: Option<&Path>,
     common: &Common,
-    mass_g: Option<f64>,
+    (mass_g, keep_model): (Option<f64>, bool),
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Done, Failure> {
     let job = job_of(input, job)?;
@@ -89,7 +134,8 @@ pub(crate) fn test_one(
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
     let theirs = if is_job(input) { None } else { Some(files::read(input)?) };
-    let tested = TestedJob { settings, folder, name: job.display().to_string(), given: Given::default() };
+    let tested =
+        TestedJob { settings, folder, name: job.display().to_string(), given: Given::default(), keep_model };
     tested.test(input, theirs.as_deref(), &diagnostics, note)
 }
 
@@ -103,6 +149,8 @@ pub struct TestedJob {
     pub name: String,
     /// Inputs that the caller passes in memory, so that their files are not read.
     pub given: Given,
+    /// Whether the result holds the model of a plate.
+    pub keep_model: bool,
 }
 
 impl TestedJob {
@@ -123,14 +171,14 @@ impl TestedJob {
         let shape = named_shape.or_else(|| given.shape.is_some().then(|| PathBuf::from(&self.name)));
         let tested = match (program, shape) {
             (Some(program), None) => {
-                let tested = test_printed(settings, &program, diagnostics, note);
+                let tested = test_printed(settings, &self.wanted(), &program, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
             }
             (Some(program), Some(shape)) => {
                 let setup = self.setup_for_program(&shape, given, diagnostics)?;
                 // Another slicer may have placed the part anywhere on the bed, so no shift is given: the test
                 // then finds the part by itself.
-                let wanted = strength_settings(settings);
+                let wanted = self.wanted();
                 let tested = test_noting(&wanted, &setup, &program, None, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
             }
@@ -141,6 +189,11 @@ impl TestedJob {
         let warnings = warnings(diagnostics, &program);
         let name = input.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(Done { name, tested, warnings, program })
+    }
+
+    /// What is wanted of the test.
+    fn wanted(&self) -> StrengthSettings {
+        StrengthSettings { keep_model: self.keep_model, ..strength_settings(&self.settings) }
     }
 
     /// The test setup (mesh, layers, fixtures and loads of the part) for another slicer's program.
@@ -190,7 +243,7 @@ impl TestedJob {
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         let program = read(&self.settings, &bytes, input)?;
         let shift = planned.plan.plate_from_part_mm.truncate();
-        let wanted = strength_settings(&self.settings);
+        let wanted = self.wanted();
         let tested = test_noting(&wanted, setup, &program, Some(shift), diagnostics, note);
         Ok((tested.map_err(failed)?, program))
     }
@@ -199,6 +252,7 @@ impl TestedJob {
 /// Tests a program without a model: the part is what the program prints, in the program's coordinates.
 fn test_printed(
     settings: &Settings,
+    wanted: &StrengthSettings,
     program: &Program,
     diagnostics: &Diagnostics,
     note: &(dyn Fn(&str) + Sync),
@@ -208,9 +262,8 @@ fn test_printed(
     }
     let part = PrintedPart::new(program)?;
     let conditions = part.conditions(&grainpath::run::config::loads(settings, None))?;
-    let wanted = strength_settings(settings);
-    let setup = TestSetup::new(&wanted, &part.mesh, &part.stack, conditions)?;
-    test_noting(&wanted, &setup, program, Some(DVec2::ZERO), diagnostics, note)
+    let setup = TestSetup::new(wanted, &part.mesh, &part.stack, conditions)?;
+    test_noting(wanted, &setup, program, Some(DVec2::ZERO), diagnostics, note)
 }
 
 fn failed(error: StrengthError) -> Failure {

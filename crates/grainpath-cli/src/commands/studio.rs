@@ -247,8 +247,13 @@ impl Engine for Commands {
         allowed(&claims, roots)?;
         let bytes = program.map(|p| files::read(&roots.readable(p)?).map_err(refusal)).transpose()?;
         let input = program.unwrap_or(Path::new(&job.name)).to_owned();
-        let tested =
-            TestedJob { settings, folder: job.folder.clone(), name: job.name.clone(), given: self.given() };
+        let tested = TestedJob {
+            settings,
+            folder: job.folder.clone(),
+            name: job.name.clone(),
+            given: self.given(),
+            keep_model: false,
+        };
         let done = tested.test(&input, bytes.as_deref(), diagnostics, &|_| {}).map_err(refusal)?;
         let size_mm = done.tested.element_mm();
         let cells = done.tested.broken();

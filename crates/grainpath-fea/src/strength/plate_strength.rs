@@ -49,6 +49,22 @@ pub struct PlateTest<'a> {
     pub cancel: CancelFlag,
 }
 
+/// A plate before anything breaks, for other programs: square elements with a membrane stiffness each, fixtures and the
+/// unit load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlateModel {
+    /// Positions of the nodes, mm.
+    pub nodes_mm: Vec<DVec2>,
+    /// Corners of each element, counter-clockwise.
+    pub corners: Vec<[u32; 4]>,
+    /// Membrane stiffness of each element: force over length for a strain in Voigt order (x, y, shear angle), N/mm.
+    pub membranes_n_mm: Vec<PlaneStiffness>,
+    /// Directions in which nodes are held.
+    pub holds: Vec<GridHold>,
+    /// Force at each node, N.
+    pub forces_n: Vec<DVec2>,
+}
+
 /// A wall ends at a cell that is filled to less than this share of the height. Source: derived. [`MIN_CELLS_ACROSS`] has
 /// a margin of half a cell; four such cells on either side change the sum over a wall by a sixth of a cell at most.
 const MIN_FILL: f64 = 0.02;
@@ -76,6 +92,22 @@ impl PlateTest<'_> {
         let mut plate = self.loaded()?;
         let cell_mm = self.elements.grid.cell_mm;
         run_to_failure(&mut plate, self.cards, [cell_mm; 2], self.load_n, &STEP_CONTROL, &self.cancel)
+    }
+
+    /// The plate as it is before anything breaks.
+    ///
+    /// # Errors
+    /// [`Unstable`] for elastic constants that no stable material has.
+    pub fn model(&self) -> Result<PlateModel, Unstable> {
+        let elastic = |p: usize| damaged_plane_stiffness(&self.cards[self.material(p)].elastic, [0.0; 2]);
+        let membranes = (0..self.elements.cells.len()).into_par_iter().map(|e| self.membrane(e, elastic));
+        Ok(PlateModel {
+            nodes_mm: (0..self.elements.places.len()).map(|i| self.elements.node(i)).collect(),
+            corners: self.elements.corners.clone(),
+            membranes_n_mm: membranes.collect::<Result<_, _>>()?,
+            holds: self.holds.to_vec(),
+            forces_n: self.forces_n.to_vec(),
+        })
     }
 
     /// How much bending of thin walls the cells fail to resolve. It takes one solution for the unit load if there are

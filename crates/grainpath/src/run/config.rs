@@ -434,6 +434,7 @@ pub fn strength(s: &Settings) -> StrengthSettings {
         filament_mm: s.printer.filament_mm,
         material: s.material.clone(),
         fibre: s.fibre.enabled.then(|| s.fibre_material.clone()),
+        keep_model: false,
     }
 }
 

@@ -19,7 +19,7 @@ use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
-use grainpath_fea::strength::plate_strength::PlateTest;
+use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
 use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
@@ -51,6 +51,10 @@ pub enum StrengthError {
         "strength.fidelity = \"plane\" needs loads and fixtures in the layers' plane, but one has a component out of it"
     )]
     NotFlat,
+    #[error(
+        "the part is tested as a solid, which has no plate to write; a part of one section under loads in its plane has"
+    )]
+    NoPlate,
     #[error(
         "a part with fibre is tested as a plate: loads in the layers' plane, strength.fidelity = \"plane\""
     )]
@@ -158,6 +162,8 @@ pub struct StrengthSettings {
     pub material: MaterialSection,
     /// The card of the fibre, if the job lays fibre.
     pub fibre: Option<MaterialSection>,
+    /// Whether the result holds the model of a plate ([`Tested::model`]).
+    pub keep_model: bool,
 }
 
 impl StrengthSettings {
@@ -304,6 +310,8 @@ pub struct Tested {
     pub outcome: Outcome,
     /// Position of the elements.
     pub map: Map,
+    /// The plate before anything breaks, if the settings ask for it; a solid has none.
+    pub model: Option<PlateModel>,
     /// The orientation of the elements' grid.
     frame: Frame,
     /// Vector from part coordinates to program coordinates, mm.
@@ -634,6 +642,9 @@ fn test_case(
     let start_s = diagnostics.now_s();
     // The strengths are checked first, so that a missing one is not found only after minutes of work.
     let nominal = settings.cards(CORNERS[0])?;
+    if settings.keep_model && setup.fidelity != Fidelity::Plane {
+        return Err(StrengthError::NoPlate);
+    }
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let (sheets, program_from_part_mm) = setup.sheets(program, plate_from_part)?;
     let frame = Frame::new(&sheets);
@@ -719,7 +730,13 @@ fn test_case(
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
     };
     let heights_mm = [setup.low.z, setup.high.z - setup.low.z];
-    Ok(Tested { report, outcome, map: prepared.map(), frame, program_from_part_mm, heights_mm })
+    let model = match &prepared {
+        LoadedPart::Plane(p) if settings.keep_model => {
+            Some(plate_test(p, &nominal, limits).model().map_err(TestError::from)?)
+        }
+        _ => None,
+    };
+    Ok(Tested { report, outcome, map: prepared.map(), model, frame, program_from_part_mm, heights_mm })
 }
 
 /// Mass of the part's beads, without skirt, brim and support, g.
