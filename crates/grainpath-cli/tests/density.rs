@@ -46,6 +46,20 @@ fn a_bent_plate_gets_its_material_where_it_is_bent_most() {
 
 /// A few lines of infill make up this plate, so its mass changes in steps of a line.
 #[test]
+fn every_pattern_lays_its_density_cell_by_cell() {
+    let dir = plate("graded patterns");
+    // Crossing lines lean, and need some height to pass over a cell.
+    fs::write(dir.join("plate.stl"), box_stl([60.0, 20.0, 8.0])).expect("written");
+    for pattern in ["rectilinear", "grid", "triangles", "gyroid", "honeycomb", "stripes", "streamlines"] {
+        let report = run(&dir, &[&format!("fill.pattern={pattern}")]);
+        let graded = &report["graded"];
+        let number = |key: &str| graded[key].as_f64().unwrap_or_else(|| panic!("{pattern}: {graded}"));
+        assert!(number("cells") > 30.0, "{pattern}: {graded}");
+        assert!(number("mean_error") < 0.03 && number("worst_error") < 0.1, "{pattern}: {graded}");
+    }
+}
+
+#[test]
 fn a_mass_between_two_numbers_of_lines_warns() {
     let dir = folder("mass of few lines");
     fs::write(dir.join("plate.stl"), box_stl([30.0, 6.0, 0.3])).expect("written");

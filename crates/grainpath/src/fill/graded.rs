@@ -4,11 +4,12 @@
 //!
 //! - straight lines (`rectilinear`, `aligned`, `grid`, `triangles`) lie on rasters whose distances double
 //!   from level to level. The coarsest raster covers the whole region. Where the density is above a level,
-//!   lines of the next finer level are added halfway between. So no line is shifted where levels meet, and
-//!   the lines of all layers lie above each other;
+//!   lines of the next finer level are added halfway between. So no line is shifted where levels meet. Lines
+//!   of one direction lie above each other. Crossing lines lean, as in the pattern that slicers call cubic, so
+//!   that a cell narrower than the distance of two lines holds its share of them over the layers;
 //! - `gyroid` is traced as the zero line of one function, which changes from a period to half of it where
 //!   levels meet, so that the walls continue;
-//! - `honeycomb` is laid level by level, cut where levels meet;
+//! - `honeycomb` is laid level by level, cut where levels meet, and leans too;
 //! - `stripes` and `streamlines` are evenly spaced streamlines, whose distance follows the local density, and
 //!   stripes where the density is high.
 //!
@@ -21,20 +22,19 @@
 //! ```
 //!
 //! Where the density is above `DENSE_FROM`, straight parallel lines are laid instead of crossing ones. At
-//! last the widths are fitted: in a window around each point, with a side of `WINDOW_MM` or two distances
-//! between lines, whichever is larger, the beads get the volume that the density asks for, within the widths
-//! that a nozzle can lay.
+//! last the widths are fitted: in a window around each point, with a side of `WINDOW_MM`, the beads get the
+//! volume that the density asks for, within the widths that a nozzle can lay.
 //!
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area.
 
-use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::Join;
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{
-    BeadWidth, DVec2, DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath,
+    BeadWidth, Bounds2, DVec2, DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath,
 };
 use grainpath_job::choices::Pattern;
 
@@ -80,12 +80,8 @@ pub fn fill(
         there.opened(s).closed(s).intersection(&whole)
     };
     let rest = if dense.is_empty() { whole } else { whole.difference(&dense) };
-    // Distance between lines at density 1, in beads; it sets the size of the window.
-    let apart = match pattern {
-        Pattern::Stripes | Pattern::Streamlines => {
-            along_field(context, map, &rest, &dense, range, out);
-            1.0
-        }
+    match pattern {
+        Pattern::Stripes | Pattern::Streamlines => along_field(context, map, &rest, &dense, range, out),
         Pattern::Rectilinear | Pattern::Aligned => levels(context, map, &rest, 1, 1.0, range, out),
         Pattern::Triangles => levels(context, map, &rest, 3, FINEST, range, out),
         Pattern::Gyroid => {
@@ -93,24 +89,20 @@ pub fn fill(
             for polygon in &rest.polygons {
                 gyroid::graded(context, map, polygon, &densities, out);
             }
-            2.0
         }
-        Pattern::Honeycomb => {
-            bands(context, map, &rest, range, out);
-            2.0
-        }
+        Pattern::Honeycomb => bands(context, map, &rest, range, out),
         // The job's reader refuses a graded density for the last three.
         Pattern::Grid | Pattern::Concentric | Pattern::SeedLines | Pattern::Continuous => {
             levels(context, map, &rest, 2, FINEST, range, out)
         }
-    };
+    }
     if !pattern.follows_field() {
         let turned = is_turned(context.z_mid_mm, context.height_mm);
         let angle_rad = context.angle_rad + if turned { FRAC_PI_2 } else { 0.0 };
         let context = FillContext { density: Density::Dense, angle_rad, ..*context };
         dense.polygons.iter().for_each(|polygon| Solid.fill(&context, polygon, out));
     }
-    fit(&mut out[first..], context, map, infill_region, apart);
+    fit(&mut out[first..], context, map, infill_region);
 }
 
 /// Whether the parallel lines of a layer are turned by 90 degrees: in every other layer, as in skins.
@@ -129,8 +121,7 @@ fn coarsest(finest: f64, least: f64) -> i32 {
     (0..16).find(|&k| level(finest, k).1 <= least).unwrap_or(16)
 }
 
-/// Lays straight lines in this number of directions, at distances that double from level to level. Returns
-/// the distance between lines at density 1, in beads.
+/// Lays straight lines in this number of directions, at distances that double from level to level.
 fn levels(
     context: &FillContext<'_>,
     map: &DensityMap,
@@ -139,20 +130,25 @@ fn levels(
     finest: f64,
     [least, most]: [f64; 2],
     out: &mut Vec<Toolpath>,
-) -> f64 {
-    let Some(bounds) = region.bounds() else { return 1.0 };
+) {
+    let Some(bounds) = region.bounds() else { return };
     let n = directions as f64;
     let last = coarsest(finest, least);
     let step_mm = |k: i32| n * context.spacing_mm() / level(finest, k).0;
     let angles = || (0..directions).map(|d| context.angle_rad + PI * d as f64 / n);
+    let lean =
+        |angle_rad: f64| if directions == 1 { *context } else { leaning(context, angle_rad + FRAC_PI_2) };
     for angle in angles() {
-        region.polygons.iter().for_each(|polygon| sparse(context, polygon, angle, step_mm(last), 1, out));
+        region
+            .polygons
+            .iter()
+            .for_each(|polygon| sparse(&lean(angle), polygon, angle, step_mm(last), 1, out));
     }
     for k in (0..last).filter(|&k| most >= level(finest, k).1) {
         let there = map.at_least(level(finest, k).1, bounds, context.z_mid_mm).intersection(region);
         for (angle_rad, polygon) in angles().flat_map(|a| there.polygons.iter().map(move |p| (a, p))) {
             // These lines lie halfway between those of the next coarser level.
-            let first_mm = rotated(context.part.centre(), direction(-angle_rad)).y + step_mm(k);
+            let first_mm = rotated(lean(angle_rad).part.centre(), direction(-angle_rad)).y + step_mm(k);
             let lines = Lines { angle_rad, first_mm, step_mm: 2.0 * step_mm(k) };
             // Ends are not joined, because a joint would cross a line of the coarser level.
             let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0 };
@@ -164,7 +160,17 @@ fn levels(
             }
         }
     }
-    n
+}
+
+/// How far crossing lines and hexagons move for each mm of height. Source: derived; the edges of cubes that stand on a corner
+/// lean so (the pattern that slicers call cubic). Beads of a layer of half their width rest on three quarters of the bead below.
+const LEAN: f64 = FRAC_1_SQRT_2;
+
+/// A context whose raster has moved to one side with the height.
+fn leaning<'a>(context: &FillContext<'a>, towards_rad: f64) -> FillContext<'a> {
+    let by = LEAN * context.z_mid_mm * direction(towards_rad);
+    let part = Bounds2 { min: context.part.min + by, max: context.part.max + by };
+    FillContext { part, ..*context }
 }
 
 /// Lays hexagons whose sides double from level to level.
@@ -184,7 +190,8 @@ fn bands(
         }
         let there = map.at_least(from, bounds, context.z_mid_mm).intersection(&rest);
         let here = if from <= least { rest.clone() } else { there };
-        let context = FillContext { density: Density::Sparse(density), ..*context };
+        let context =
+            FillContext { density: Density::Sparse(density), ..leaning(context, context.angle_rad) };
         here.polygons.iter().for_each(|polygon| Honeycomb.fill(&context, polygon, out));
         rest = rest.difference(&here);
     }
@@ -264,14 +271,8 @@ impl Sums {
 }
 
 /// Sets the widths of beads so that the volume around each of their points matches the density map, within
-/// the printable widths. `apart` is the distance between lines at density 1, in beads.
-fn fit(
-    paths: &mut [Toolpath],
-    context: &FillContext<'_>,
-    map: &DensityMap,
-    infill_region: &Polygon,
-    apart: f64,
-) {
+/// the printable widths.
+fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infill_region: &Polygon) {
     let area = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
     let Some(bounds) = area.bounds() else { return };
     let (h, nominal) = (context.height_mm, context.bead_width_mm);
@@ -307,8 +308,7 @@ fn fit(
             let points = &path.points;
             let BeadWidth::PerVertex(widths) = &mut path.width else { continue };
             for (p, width) in points.iter().zip(widths) {
-                let window_mm = WINDOW_MM.max(2.0 * apart * context.spacing_mm() / at(*p));
-                let (q, half) = ((*p - origin) / cell_mm, 0.5 * window_mm / cell_mm);
+                let (q, half) = ((*p - origin) / cell_mm, 0.5 * WINDOW_MM / cell_mm);
                 let factor = asked.around(q, half) / laid.around(q, half).max(1e-9);
                 let strip = (factor * bead_spacing_mm(*width, h)).clamp(0.01, 10.0 * nominal);
                 *width = bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
@@ -348,7 +348,7 @@ fn divide(path: &mut Toolpath) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::{Bounds2, Role, UniformField};
+    use grainpath_core::{Role, UniformField};
     use grainpath_job::choices::{BeadEnds, BeadWidths, Choice};
 
     static FIELD: UniformField = UniformField { axis_rad: 0.3 };

@@ -668,8 +668,7 @@ impl<'a> Steps<'a> {
         let layers = self.stack.layers();
         let pattern = self.settings.infill.pattern;
         let guided = self.grain.is_some() || pattern.follows_field();
-        let straight =
-            matches!(pattern, Pattern::Rectilinear | Pattern::Aligned | Pattern::Grid | Pattern::Triangles);
+        let straight = matches!(pattern, Pattern::Rectilinear | Pattern::Aligned);
         let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
         if !(guided || straight && self.graded.is_some()) {
             return duplicate_of;
