@@ -95,9 +95,8 @@ impl Grid {
     /// lies to the left. At a saddle the mean of the four corners decides.
     pub fn contours(&self) -> Vec<Contour> {
         let w = self.nx + 2;
-        // Each grid edge is left by at most one segment, so an array of successors holds all contours.
-        let mut next = vec![NONE; 2 * self.values.len()];
-        let mut starts = Vec::new();
+        // Segments from grid edge to grid edge. Each edge is left by at most one segment.
+        let mut segments: Vec<(u32, u32)> = Vec::new();
         for j in 0..=self.ny {
             let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
             // The code of a cell moves along the row: two of its four bits come from the cell before.
@@ -115,10 +114,7 @@ impl Grid {
                 // along y.
                 let (bottom, left) = (2 * p, 2 * p + 1);
                 let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
-                let mut link = |from: u32, to: u32| {
-                    next[from as usize] = to;
-                    starts.push(from);
-                };
+                let mut link = |from: u32, to: u32| segments.push((from, to));
                 let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
                 match code {
                     1 => link(bottom, left),
@@ -153,14 +149,19 @@ impl Grid {
                 }
             }
         }
+        // Successors are searched: an array over all edges would take eight bytes a pixel, while contours cross few pixels.
+        let mut successors = segments.clone();
+        successors.sort_unstable();
         let mut out = Vec::new();
         // Following successors uses them up, so each contour is found once.
-        for start in starts {
+        for (start, _) in segments {
             let mut at = start;
             let mut contour = Vec::new();
-            while next[at as usize] != NONE {
+            while let Ok(k) = successors.binary_search_by_key(&at, |s| s.0)
+                && successors[k].1 != NONE
+            {
                 contour.push(self.point(at));
-                at = std::mem::replace(&mut next[at as usize], NONE);
+                at = std::mem::replace(&mut successors[k].1, NONE);
             }
             // A value of exactly zero puts two crossings on the same pixel.
             contour.dedup();

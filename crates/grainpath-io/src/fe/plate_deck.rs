@@ -31,7 +31,7 @@ pub struct PlateDeck<'a> {
     pub forces_n: &'a [DVec2],
 }
 
-/// Items in a line of a set; CalculiX reads at most 16.
+/// Items in a line of a set. Source: CalculiX's manual, *ELSET, which allows 16.
 const IN_LINE: usize = 16;
 
 /// Writes a deck with one linear static step.
