@@ -172,7 +172,9 @@ fn stiffness(jobs: &Jobs) -> Result<(), String> {
 /// Load over the displacement along it that `CalculiX` finds for a deck: the load squared over the work of all forces, N/mm.
 fn calculix_n_per_mm(deck: &Path, load_n: f64) -> Result<f64, String> {
     let read = |path: &Path| fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));
-    crate::run(Command::new("ccx").arg(deck.with_extension("")).stdout(Stdio::null()))?;
+    // CalculiX leaves a log in the folder where it runs.
+    let folder = deck.parent().unwrap_or(Path::new("."));
+    crate::output(Command::new("ccx").arg(deck.with_extension("")).current_dir(folder))?;
     // Rows of numbers: node and axis beside a force, node beside displacements.
     let rows = |text: &str, separator: fn(char) -> bool, n: usize| -> Vec<Vec<f64>> {
         let row = |line: &str| {
