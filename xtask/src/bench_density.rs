@@ -456,19 +456,16 @@ impl<'a> Bench<'a> {
         for pattern in GRADED {
             let of = |how: &str| found.iter().find(|f| f.what == format!("{pattern}, {how}"));
             let (Some(even), Some(graded)) = (of("even"), of("graded by the stress")) else { continue };
-            let to_mass = |found: &Found| {
-                let mut wanted = found.nearest.clone();
-                wanted.sets.retain(|set| !set.starts_with("fill.mass_g"));
-                let by_density = wanted.clone();
-                wanted.sets.push(format!("fill.mass_g={:.3}", found.mass_g));
-                // Even fills have no density where a mass is asked for.
-                wanted.sets.retain(|set| !set.starts_with("fill.density=0"));
-                [by_density, wanted]
-            };
-            for (way, (even, graded)) in
-                ["density given", "mass to find"].into_iter().zip(to_mass(even).iter().zip(&to_mass(graded)))
-            {
-                let (even_s, graded_s) = (seconds(even)?, seconds(graded)?);
+            let of = |found: &Found, sets: Vec<String>| Wanted { sets, ..found.nearest.clone() };
+            // Graded plans name their range first and their mass after it.
+            let range = graded.nearest.sets[..1].to_vec();
+            let to_mass = |found: &Found| format!("fill.mass_g={:.3}", found.mass_g);
+            let graded_to_mass = vec![range[0].clone(), to_mass(graded)];
+            for (way, even, graded) in [
+                ("density given", even.nearest.clone(), of(graded, range)),
+                ("mass to find", of(even, vec![to_mass(even)]), of(graded, graded_to_mass)),
+            ] {
+                let (even_s, graded_s) = (seconds(&even)?, seconds(&graded)?);
                 table.row(&[
                     self.part.name.to_owned(),
                     format!("{pattern}, {way}"),

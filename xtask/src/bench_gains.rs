@@ -6,6 +6,7 @@
 //! bench on two cores.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -140,20 +141,14 @@ fn stiffness(jobs: &Jobs) -> Result<(), String> {
     let table = Table::new("stiffness", &header, 1);
     for pattern in ["rectilinear", "grid", "gyroid", "stripes"] {
         let pattern_set = format!("fill.pattern={pattern}");
-        let job = jobs.folder.join("graded-bar.toml");
         let deck = jobs.folder.join(format!("{pattern}.inp"));
-        let tested = |fidelity: &str, deck: Option<&Path>| -> Result<Value, String> {
-            let mut command = Command::new(&jobs.program);
-            command.args(["strength", "--json", "--set", &pattern_set, "--set"]);
-            command.arg(format!("strength.fidelity={fidelity}")).arg(&job);
-            if let Some(deck) = deck {
-                command.arg("--deck").arg(deck);
-            }
-            let found: Value =
-                serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+        let tested = |fidelity: &str, options: &[&OsStr]| -> Result<Value, String> {
+            let sets = [pattern_set.as_str(), &format!("strength.fidelity={fidelity}")];
+            let found = jobs.report_with("strength", &jobs.folder, &["graded-bar"], &sets, options)?;
             Ok(found["strength"].clone())
         };
-        let (plate, solid) = (tested("plane", Some(&deck))?, tested("voxels", None)?);
+        let plate = tested("plane", &["--deck".as_ref(), deck.as_os_str()])?;
+        let solid = tested("voxels", &[])?;
         let [of_plate, of_solid] = [&plate, &solid].map(|s| number(&s["stiffness_n_per_mm"]));
         let of_peer = calculix_n_per_mm(&deck, number(&plate["job_load_n"]))?;
         table.row(&[

@@ -4,6 +4,7 @@
 //! Numbers are those of the jobs' own reports; fills of given directions are measured by the outside checks. None
 //! depends on the machine but through rounding, so the `ci` profile does. Cost: about ten minutes of one core.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -70,8 +71,20 @@ impl Jobs {
         jobs: &[&str],
         sets: &[&str],
     ) -> Result<Value, String> {
+        self.report_with(verb, folder, jobs, sets, &[])
+    }
+
+    /// As [`Self::report`], with options beside the settings.
+    pub(crate) fn report_with(
+        &self,
+        verb: &str,
+        folder: &Path,
+        jobs: &[&str],
+        sets: &[&str],
+        options: &[&OsStr],
+    ) -> Result<Value, String> {
         let mut command = Command::new(&self.program);
-        command.args([verb, "--json"]).args(sets.iter().flat_map(|set| ["--set", set]));
+        command.args([verb, "--json"]).args(sets.iter().flat_map(|set| ["--set", set])).args(options);
         command.args(jobs.iter().map(|job| folder.join(job).with_extension("toml")));
         serde_json::from_str(&crate::output(&mut command)?)
             .map_err(|e| format!("{verb} {}: {e}", jobs.join(" ")))

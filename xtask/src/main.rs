@@ -42,6 +42,7 @@ mod wasm;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <command>
   test             everything CI checks: format, invariants, counts, licences, lints, docs, G-code hashes, tests, fuzzers.
@@ -193,7 +194,8 @@ impl TestOptions {
 /// Checks that passed, and those that could not run here.
 #[derive(Default)]
 struct Checks {
-    passed: usize,
+    /// Name and time of each, s.
+    passed: Vec<(String, f64)>,
     not_run: Vec<String>,
 }
 
@@ -201,18 +203,22 @@ impl Checks {
     /// Runs a check; the first failure ends the run.
     fn run(&mut self, name: &str, check: impl FnOnce() -> Outcome) -> Outcome {
         println!("\n== {name}");
+        let start = Instant::now();
         check()?;
-        self.passed += 1;
+        self.passed.push((name.to_owned(), start.elapsed().as_secs_f64()));
         Ok(())
     }
 
-    /// Prints the last line and gives the result.
+    /// Prints where the time went and the last line, and gives the result.
     fn finish(self, allow_missing: bool) -> Outcome {
         println!();
+        for (name, seconds) in &self.passed {
+            println!("{seconds:7.0} s  {name}");
+        }
         for what in &self.not_run {
             println!("NOT RUN: {what}");
         }
-        println!("xtask: {} checks passed, {} not run", self.passed, self.not_run.len());
+        println!("xtask: {} checks passed, {} not run", self.passed.len(), self.not_run.len());
         if self.not_run.is_empty() || allow_missing {
             return Ok(());
         }

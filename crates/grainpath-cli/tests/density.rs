@@ -44,7 +44,6 @@ fn a_bent_plate_gets_its_material_where_it_is_bent_most() {
     assert!(report["mass_g"].as_f64() > uniform["mass_g"].as_f64());
 }
 
-/// A few lines of infill make up this plate, so its mass changes in steps of a line.
 #[test]
 fn every_pattern_lays_its_density_cell_by_cell() {
     let dir = plate("graded patterns");
@@ -59,6 +58,7 @@ fn every_pattern_lays_its_density_cell_by_cell() {
     }
 }
 
+/// A few lines of infill make up this plate, so its mass changes in steps of a line.
 #[test]
 fn a_mass_between_two_numbers_of_lines_warns() {
     let dir = folder("mass of few lines");

@@ -38,7 +38,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
             }
         };
         note("planning");
-        let mut done = test_one(input, args.job.as_deref(), &args.common, (mass_g, false), &note)?;
+        let mut done = test_one(input, args.job.as_deref(), &args.common, mass_g, None, &note)?;
         // The beads take most of a program's memory, and the table does not need them.
         done.program.layers = Vec::new();
         let report = &done.tested.report;

@@ -39,10 +39,7 @@ pub struct Done {
 pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let deck = args.deck.as_deref();
-    if let Some(path) = deck {
-        claim_deck(args, path)?;
-    }
-    let done = test_one(&args.input, args.job.as_deref(), &args.common, (None, deck.is_some()), &|_| {})?;
+    let done = test_one(&args.input, args.job.as_deref(), &args.common, None, deck, &|_| {})?;
     let mut written = Value::Null;
     if let Some(folder) = &args.preview {
         for (name, picture) in outputs::strength_pictures(&done.tested) {
@@ -71,19 +68,6 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
         files::print(&format!("{}{warnings}{deck}\n", done.tested.report.summary()));
     }
     Ok(())
-}
-
-/// Compares the path of a deck with everything the test reads.
-fn claim_deck(args: &Strength, deck: &Path) -> Result<(), Failure> {
-    let mut claims = Claims::default();
-    let job = job_of(&args.input, args.job.as_deref())?;
-    let (settings, folder) = read_settings(job, &args.common.sets)?;
-    claims.read("job", job);
-    claims.read("program", &args.input);
-    let shape = shape_of(&settings, &folder).unwrap_or_default();
-    claim_inputs(&settings, &shape, &folder, &mut claims);
-    claims.write("--deck", deck);
-    claims.check()
 }
 
 /// Writes the plate of a test as a deck.
@@ -120,22 +104,32 @@ pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a P
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
-/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted, beside
-/// it stands whether the result holds the model of a plate; `note` receives a first result early.
+/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted, and
+/// `deck` the file to which the caller will write the plate; `note` receives a first result early.
 pub(crate) fn test_one(
     input: &Path,
     job: Option<&Path>,
     common: &Common,
-    (mass_g, keep_model): (Option<f64>, bool),
+    mass_g: Option<f64>,
+    deck: Option<&Path>,
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Done, Failure> {
     let job = job_of(input, job)?;
     let (mut settings, folder) = read_settings(job, &common.sets)?;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
+    if let Some(deck) = deck {
+        let mut claims = Claims::default();
+        claims.read("job", job);
+        claims.read("program", input);
+        let shape = shape_of(&settings, &folder).unwrap_or_default();
+        claim_inputs(&settings, &shape, &folder, &mut claims);
+        claims.write("--deck", deck);
+        claims.check()?;
+    }
     let diagnostics = progress::diagnostics();
     let theirs = if is_job(input) { None } else { Some(files::read(input)?) };
-    let tested =
-        TestedJob { settings, folder, name: job.display().to_string(), given: Given::default(), keep_model };
+    let (name, given, keep_model) = (job.display().to_string(), Given::default(), deck.is_some());
+    let tested = TestedJob { settings, folder, name, given, keep_model };
     tested.test(input, theirs.as_deref(), &diagnostics, note)
 }
 

@@ -8,9 +8,9 @@
 //!
 //! # Units, cost and limits
 //! Contours are in pixels, with the centre of the first at (0.5, 0.5); outlines run counter-clockwise and
-//! holes clockwise. Cost is linear in the number of pixels. A part that extends beyond the picture ends
-//! half a pixel outside. A face that lies in the plane of the slice has values near zero over an area;
-//! `with_flats` makes it present or absent as a whole instead of torn by noise.
+//! holes clockwise. Cost is linear in the number of pixels, and n log n in the segments of contours, which take
+//! 16 bytes each. A part that extends beyond the picture ends half a pixel outside. A face that lies in the plane
+//! of the slice has values near zero over an area; `with_flats` makes it present or absent as a whole instead of torn by noise.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::simplify_contour;

@@ -136,19 +136,17 @@ fn levels(
     let last = coarsest(finest, least);
     let step_mm = |k: i32| n * context.spacing_mm() / level(finest, k).0;
     let angles = || (0..directions).map(|d| context.angle_rad + PI * d as f64 / n);
-    let lean =
+    let raster =
         |angle_rad: f64| if directions == 1 { *context } else { leaning(context, angle_rad + FRAC_PI_2) };
     for angle in angles() {
-        region
-            .polygons
-            .iter()
-            .for_each(|polygon| sparse(&lean(angle), polygon, angle, step_mm(last), 1, out));
+        let context = raster(angle);
+        region.polygons.iter().for_each(|polygon| sparse(&context, polygon, angle, step_mm(last), 1, out));
     }
     for k in (0..last).filter(|&k| most >= level(finest, k).1) {
         let there = map.at_least(level(finest, k).1, bounds, context.z_mid_mm).intersection(region);
         for (angle_rad, polygon) in angles().flat_map(|a| there.polygons.iter().map(move |p| (a, p))) {
             // These lines lie halfway between those of the next coarser level.
-            let first_mm = rotated(lean(angle_rad).part.centre(), direction(-angle_rad)).y + step_mm(k);
+            let first_mm = rotated(raster(angle_rad).part.centre(), direction(-angle_rad)).y + step_mm(k);
             let lines = Lines { angle_rad, first_mm, step_mm: 2.0 * step_mm(k) };
             // Ends are not joined, because a joint would cross a line of the coarser level.
             let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0 };
@@ -162,8 +160,8 @@ fn levels(
     }
 }
 
-/// How far crossing lines and hexagons move for each mm of height. Source: derived; the edges of cubes that stand on a corner
-/// lean so (the pattern that slicers call cubic). Beads of a layer of half their width rest on three quarters of the bead below.
+/// How far crossing lines and hexagons move for each mm of height. Source: derived; the faces of cubes that stand on a corner
+/// lean so (the pattern that slicers call cubic). In layers half as high as beads are wide, a bead moves by 0.35 of its width.
 const LEAN: f64 = FRAC_1_SQRT_2;
 
 /// A context whose raster has moved to one side with the height.

@@ -662,15 +662,15 @@ impl<'a> Steps<'a> {
 
     /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own
     /// index where there is none. The two layers have the same infill region and the same field, and
-    /// their infill depends on nothing else. Only patterns that follow a field and straight lines of graded
+    /// their infill depends on nothing else. Only patterns that follow a field and parallel lines of graded
     /// density are compared: others are cheap, or differ in every layer.
     pub(super) fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
         let pattern = self.settings.infill.pattern;
         let guided = self.grain.is_some() || pattern.follows_field();
-        let straight = matches!(pattern, Pattern::Rectilinear | Pattern::Aligned);
+        let parallel = matches!(pattern, Pattern::Rectilinear | Pattern::Aligned);
         let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
-        if !(guided || straight && self.graded.is_some()) {
+        if !(guided || parallel && self.graded.is_some()) {
             return duplicate_of;
         }
         // Angle of sparse lines, angle of dense ones, and whether graded density turns these.

@@ -21,8 +21,7 @@
 use grainpath_core::Bounds2;
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::poly::{FillRule, crosses_more_than, simplify_contour};
-use grainpath_core::segment;
-use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
+use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId, segment};
 
 use super::SliceSettings;
 
@@ -191,8 +190,8 @@ fn gridded(contours: &[Contour]) -> Region {
 /// always cuts it on the same side, so with a larger tolerance small holes and screws would lose size.
 const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
 
-/// Distance from a straight line below which a vertex lies on it, mm. Source: derived; a thousand times the rounding of
-/// coordinates of 1 m, and a thousandth of a nanometre.
+/// Distance from a straight line below which a vertex lies on it, mm. Source: derived; some hundred times the rounding of
+/// coordinates of 1 m (2e-13 mm), and far less than the last digit of any mesh file.
 const ON_LINE_MM: f64 = 1e-10;
 
 fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
