@@ -49,7 +49,9 @@ fn every_pattern_lays_its_density_cell_by_cell() {
     let dir = plate("graded patterns");
     // Crossing lines lean, and need some height to pass over a cell.
     fs::write(dir.join("plate.stl"), box_stl([60.0, 20.0, 8.0])).expect("written");
-    for pattern in ["rectilinear", "grid", "triangles", "gyroid", "honeycomb", "stripes", "streamlines"] {
+    let along_field = ["stripes", "streamlines", "continuous"];
+    for pattern in ["rectilinear", "grid", "triangles", "gyroid", "honeycomb"].into_iter().chain(along_field)
+    {
         let report = run(&dir, &[&format!("fill.pattern={pattern}")]);
         let graded = &report["graded"];
         let number = |key: &str| graded[key].as_f64().unwrap_or_else(|| panic!("{pattern}: {graded}"));
@@ -114,7 +116,7 @@ fn a_file_of_densities_is_laid_or_refused_in_one_line() {
         (vec!["guide.kind=none".to_owned(), stress.clone()], 2, "by = \"stress\" needs a stress"),
         (vec![file("nan.csv")], 3, "sample 2: the density should be from 0 to 1, is NaN"),
         (vec![file("off.csv")], 3, "the densities lie from (100.00, 0.00, 0.00)"),
-        (vec!["fill.pattern=continuous".to_owned(), stress], 2, "not for fill.pattern = \"continuous\""),
+        (vec!["fill.pattern=concentric".to_owned(), stress], 2, "not for fill.pattern = \"concentric\""),
         (
             vec!["fill.density={ min = 0.5, max = 0.2, by = \"stress\" }".to_owned()],
             2,

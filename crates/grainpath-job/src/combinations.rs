@@ -206,10 +206,10 @@ fn check_graded(s: &Settings) -> Result<(), String> {
     let Some(graded) = s.fill.density.graded() else { return Ok(()) };
     let of_mesh = s.ct.path.is_empty() && s.photo.files.is_empty();
     let problem = match (s.fill.pattern, graded.by) {
-        (Pattern::Continuous | Pattern::SeedLines | Pattern::Concentric, _) => {
+        (Pattern::SeedLines | Pattern::Concentric, _) => {
             return Err(format!(
                 "fill.density as a table is not for fill.pattern = {:?}, whose lines cannot end or begin along the way; use \
-                 \"stripes\" or \"streamlines\" along a guide, or \"rectilinear\", \"grid\", \"triangles\", \"gyroid\" or \"honeycomb\"",
+                 \"stripes\", \"streamlines\" or \"continuous\" along a guide, or \"rectilinear\", \"grid\", \"triangles\", \"gyroid\" or \"honeycomb\"",
                 s.fill.pattern.name()
             ));
         }

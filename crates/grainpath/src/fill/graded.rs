@@ -11,7 +11,9 @@
 //!   levels meet, so that the walls continue;
 //! - `honeycomb` is laid level by level, cut where levels meet, and leans too;
 //! - `stripes` and `streamlines` are evenly spaced streamlines, whose distance follows the local density, and
-//!   stripes where the density is high.
+//!   stripes where the density is high;
+//! - `continuous` has a band for each level, filled with strips at its distance, and rings of neighbouring bands are
+//!   joined to one path.
 //!
 //! ```text
 //!    -------------------------   level 2, everywhere
@@ -38,10 +40,11 @@ use grainpath_core::{
 };
 use grainpath_job::choices::Pattern;
 
+use super::continuous::necks;
 use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
 use super::hatch::{Hatch, Joints, Lines};
 use super::rectilinear::sparse;
-use super::{FillContext, Honeycomb, Infill, Solid, Streamlines, gyroid};
+use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, Streamlines, gyroid};
 use crate::guide::density::DensityMap;
 
 /// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at a
@@ -91,7 +94,7 @@ pub fn fill(
             }
         }
         Pattern::Honeycomb => bands(context, map, &rest, range, out),
-        // The job's reader refuses a graded density for the last three.
+        // The job's reader refuses a graded density for `concentric` and `seed-lines`; `continuous` is laid by `one_path`.
         Pattern::Grid | Pattern::Concentric | Pattern::SeedLines | Pattern::Continuous => {
             levels(context, map, &rest, 2, FINEST, range, out)
         }
@@ -103,6 +106,54 @@ pub fn fill(
         dense.polygons.iter().for_each(|polygon| Solid.fill(&context, polygon, out));
     }
     fit(&mut out[first..], context, map, infill_region);
+}
+
+/// Fills the infill regions of an island as one path for each, at the densities of a map.
+pub fn one_path(
+    continuous: &Continuous,
+    context: &FillContext<'_>,
+    map: &DensityMap,
+    infill_regions: &[&Polygon],
+    out: &mut Vec<Toolpath>,
+    notes: &mut Vec<Note>,
+) {
+    let regions: Vec<Polygon> = infill_regions.iter().map(|&r| r.clone()).collect();
+    necks(&regions, context.bead_width_mm, notes);
+    for infill_region in &regions {
+        let first = out.len();
+        let bands = bands_of_strips(context, map, infill_region);
+        continuous.lay_bands(context, infill_region, &bands, out, notes);
+        fit(&mut out[first..], context, map, infill_region);
+    }
+}
+
+/// Divides the area of an infill region into bands, from the densest to the sparsest; from band to band the density halves.
+/// Beads are as wide as the density needs within a band, from half to one and a half of its strip.
+fn bands_of_strips(
+    context: &FillContext<'_>,
+    map: &DensityMap,
+    infill_region: &Polygon,
+) -> Vec<(Density, Region)> {
+    let mut rest = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
+    let mut bands = Vec::new();
+    let Some(bounds) = rest.bounds() else { return bands };
+    let [least, _] = map.range_in(bounds, context.z_mid_mm);
+    let last = coarsest(1.0, least);
+    for k in 0..=last {
+        let (density, from) = level(1.0, k);
+        let spacing_mm = context.spacing_mm() / density;
+        // A band is at least one strip wide. Places too narrow for two beads of the next band belong to it too.
+        let there = map.at_least(from, bounds, context.z_mid_mm).opened(spacing_mm);
+        let narrowest_mm = 2.0 * spacing_mm + context.bead_width_mm;
+        let left =
+            if k == last { Region::default() } else { rest.difference(&there).opened(0.5 * narrowest_mm) };
+        let here = rest.difference(&left);
+        rest = left;
+        if !here.is_empty() {
+            bands.push((Density::new(density), here));
+        }
+    }
+    bands
 }
 
 /// Whether the parallel lines of a layer are turned by 90 degrees: in every other layer, as in skins.
@@ -387,17 +438,24 @@ mod tests {
             Pattern::Gyroid,
             Pattern::Honeycomb,
             Pattern::Streamlines,
+            Pattern::Continuous,
         ] {
             // Volume in columns of 5 mm over the height of the part, in 25 layers.
             let mut laid = [0.0f64; 16];
-            let layers = if pattern == Pattern::Streamlines { 1 } else { 24 };
+            let layers = if pattern.follows_field() { 1 } else { 24 };
             for layer in 0..layers {
                 let mut paths = Vec::new();
                 let mut context = context(0.2 * f64::from(layer) + 0.1);
                 if pattern == Pattern::Rectilinear && layer % 2 == 1 {
                     context.angle_rad = -context.angle_rad;
                 }
-                fill(pattern, &context, &map, region, &mut paths);
+                if pattern == Pattern::Continuous {
+                    let mut notes = Vec::new();
+                    one_path(&Continuous::DEFAULT, &context, &map, &[region], &mut paths, &mut notes);
+                    assert!(paths.len() == 1 && paths[0].closed && notes.is_empty(), "{notes:?}");
+                } else {
+                    fill(pattern, &context, &map, region, &mut paths);
+                }
                 for (path, k) in paths.iter().flat_map(|p| (0..p.n_segments()).map(move |k| (p, k))) {
                     let (a, b, width) = path.segment(k);
                     assert!((0.6 * 0.45 - 1e-9..=1.6 * 0.45 + 1e-9).contains(&width), "{width}");

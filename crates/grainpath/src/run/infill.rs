@@ -260,7 +260,11 @@ impl Steps<'_> {
     ) {
         if asked.one_path {
             let mut notes = Vec::new();
-            self.settings.infill.continuous.lay_island(context, regions, out, &mut notes);
+            let continuous = &self.settings.infill.continuous;
+            match asked.graded {
+                Some(map) => graded::one_path(continuous, context, map, regions, out, &mut notes),
+                None => continuous.lay_island(context, regions, out, &mut notes),
+            }
             self.note(i, context.role, notes);
             return;
         }

@@ -45,6 +45,7 @@ use super::{FillContext, Infill};
 use cells::Taken;
 use rings::Rings;
 pub use tree::TreeKind;
+pub(super) use verify::necks;
 pub use verify::{Note, Problem};
 
 /// One closed path, along the field wherever it can.
@@ -149,8 +150,46 @@ impl Continuous {
         out: &mut Vec<Toolpath>,
         notes: &mut Vec<Note>,
     ) {
+        let rings = self.joined(context, infill_region, context.spacing_mm() / context.density.fraction());
+        self.lay_rings(rings, context, infill_region, out, notes);
+    }
+
+    /// Lays one infill region whose density differs from band to band as one path. Each of the `bands`, from the densest to
+    /// the sparsest, has its density and its region, which reaches to the walls.
+    pub(super) fn lay_bands(
+        &self,
+        context: &FillContext<'_>,
+        infill_region: &Polygon,
+        bands: &[(Density, Region)],
+        out: &mut Vec<Toolpath>,
+        notes: &mut Vec<Note>,
+    ) {
+        let spacing = |density: Density| context.spacing_mm() / density.fraction();
+        let mut rings = Vec::new();
+        for &(density, ref band) in bands {
+            let context = FillContext { density, ..*context };
+            for polygon in band.offset(-0.5 * spacing(density), Join::Miter(3.0)).polygons {
+                rings.extend(self.joined(&context, &polygon, spacing(density)));
+            }
+        }
+        // Rings of two bands lie half of both spacings apart.
+        for &(density, _) in bands {
+            rings = rejoined(rings, infill_region, spacing(density));
+        }
+        let density = bands.first().map_or(context.density, |band| band.0);
+        self.lay_rings(rings, &FillContext { density, ..*context }, infill_region, out, notes);
+    }
+
+    /// Makes beads of the rings of a region.
+    fn lay_rings(
+        &self,
+        mut rings: Vec<Vec<DVec2>>,
+        context: &FillContext<'_>,
+        infill_region: &Polygon,
+        out: &mut Vec<Toolpath>,
+        notes: &mut Vec<Note>,
+    ) {
         let spacing = context.spacing_mm() / context.density.fraction();
-        let mut rings = self.joined(context, infill_region, spacing);
         // The longest ring is the path. Rings that could not be joined to it follow, unless they
         // are too short to print.
         rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));
@@ -188,20 +227,24 @@ impl Continuous {
         let mut taken = Taken::new(&rings, 0.25 * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, context.shift, &mut taken);
         let exchanges = tree::join(&rings, &cells, self.tree, spacing, context.shift, &axis, &mut taken);
-        let mut joined = rings.exchanged(&exchanges);
-        // A small ring has little space for joints. Once it is part of a large ring, the stretches
-        // it took up are free again, so the search is repeated until nothing more is joined.
-        let mut apart = joined.len();
-        while apart > 1 {
-            let rings = Rings::around_short(joined, infill_region, spacing);
-            let rest = tree::join_rest(&rings, spacing);
-            joined = rings.exchanged(&rest);
-            // Rings too short to print are dropped later and need no joint.
-            let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS * spacing).count();
-            apart = if rest.is_empty() { 0 } else { left };
-        }
-        joined
+        rejoined(rings.exchanged(&exchanges), infill_region, spacing)
     }
+}
+
+/// Joins rings that are still apart, as far as they face each other.
+fn rejoined(mut joined: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
+    // A small ring has little space for joints. Once it is part of a large ring, the stretches
+    // it took up are free again, so the search is repeated until nothing more is joined.
+    let mut apart = joined.len();
+    while apart > 1 {
+        let rings = Rings::around_short(joined, infill_region, spacing);
+        let rest = tree::join_rest(&rings, spacing);
+        joined = rings.exchanged(&rest);
+        // Rings too short to print are dropped later and need no joint.
+        let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS * spacing).count();
+        apart = if rest.is_empty() { 0 } else { left };
+    }
+    joined
 }
 
 #[cfg(test)]

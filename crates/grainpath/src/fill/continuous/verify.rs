@@ -92,7 +92,7 @@ pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64
 
 /// Notes the necks between the infill regions of one island: for each region the place where it comes
 /// nearest to the regions before it.
-pub(super) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
+pub(in crate::fill) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);
         for p in infill_regions[k].contours().flatten() {
