@@ -93,8 +93,9 @@ pub(super) struct ClosedBead {
 }
 
 impl ClosedBead {
-    /// The bead as a path; `thinned` leaves out spikes and points on a straight line.
-    pub(super) fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
+    /// The bead as a path; `thinned` leaves out spikes and points on a straight line. `None` for a bead that is one spike,
+    /// as in a sliver of a region: no points are left of it.
+    pub(super) fn path(&self, thinned: bool, context: &FillContext<'_>) -> Option<Toolpath> {
         let nominal = context.bead_width_mm;
         let mut points = self.line.points.clone();
         let mut widths = self.widths.clone().unwrap_or_else(|| vec![nominal; points.len()]);
@@ -102,8 +103,12 @@ impl ClosedBead {
             leave_out_spikes(&mut points, &mut widths);
             (points, widths) = simplified(&points, &widths, true);
         }
-        let path = Toolpath::new(points, nominal, context.role, true);
-        if self.widths.is_some() { Toolpath { width: BeadWidth::PerVertex(widths), ..path } } else { path }
+        let path = (points.len() > 2).then(|| Toolpath::new(points, nominal, context.role, true))?;
+        Some(if self.widths.is_some() {
+            Toolpath { width: BeadWidth::PerVertex(widths), ..path }
+        } else {
+            path
+        })
     }
 }
 
@@ -476,4 +481,39 @@ fn unspiked(points: &[DVec2], thin_mm: f64) -> Vec<bool> {
         a.dot(b) < 0.0 && cross(a, b).abs() <= thin_mm * a.length().max(b.length())
     };
     (0..n).map(|v| !is_spike(v)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::{Bounds2, Density, Role};
+    use grainpath_job::choices::{BeadEnds, BeadWidths};
+
+    #[test]
+    fn a_bead_that_is_one_spike_is_no_path() {
+        let context = FillContext {
+            z_mid_mm: 0.1,
+            height_mm: 0.2,
+            bead_width_mm: 0.45,
+            density: Density::Sparse(0.3),
+            angle_rad: 0.0,
+            part: Bounds2 { min: DVec2::ZERO, max: DVec2::ONE },
+            role: Role::SparseFill,
+            border_mm: 0.2,
+            ends: BeadEnds::Joined,
+            shift: crate::fill::Shift::NONE,
+            widths: BeadWidths::Variable,
+            field: None,
+        };
+        let path = |points: &[DVec2]| {
+            let line = Line { points: points.to_vec(), closed: true };
+            ClosedBead { line, widths: None }.path(true, &context)
+        };
+        // From a gap between two teeth of a pinion.
+        let spike =
+            [DVec2::new(-4.07518, 8.2822), DVec2::new(-4.03931, 8.28306), DVec2::new(-4.1312, 8.2822)];
+        assert_eq!(path(&spike), None);
+        let ring = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(4.0, 4.0)];
+        assert_eq!(path(&ring).map(|p| p.points.len()), Some(3));
+    }
 }

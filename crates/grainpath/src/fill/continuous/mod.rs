@@ -138,7 +138,7 @@ impl Continuous {
         let whole = Region { polygons: infill_regions.iter().map(|&r| r.clone()).collect() };
         // Insetting by this distance may split a region; each part becomes a path of its own.
         let infill_regions = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
-        verify::necks(&infill_regions, context.bead_width_mm, notes);
+        necks(&infill_regions, context.bead_width_mm, notes);
         infill_regions.iter().for_each(|infill_region| self.lay(context, infill_region, out, notes));
     }
 
@@ -197,15 +197,16 @@ impl Continuous {
         rings.truncate(1 + kept);
         let border = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(3.0));
         let beads = finish::lay(rings, infill_region, &border, self.variable, context);
-        let checked = |paths: Vec<Toolpath>| {
+        let checked = |thinned: bool| {
+            let paths: Vec<Toolpath> = beads.iter().filter_map(|b| b.path(thinned, context)).collect();
             let found = verify::check(&paths, infill_region, spacing);
             (paths, found)
         };
-        let (mut paths, mut found) = checked(beads.iter().map(|b| b.path(true, context)).collect());
+        let (mut paths, mut found) = checked(true);
         if found.iter().any(|n| matches!(n.what, Problem::Crossing | Problem::Outside)) {
             // Beads that nearly touch may cross after points have been left out. In that case all points
             // are kept.
-            (paths, found) = checked(beads.iter().map(|b| b.path(false, context)).collect());
+            (paths, found) = checked(false);
         }
         notes.extend(found);
         out.extend(paths);
