@@ -255,7 +255,13 @@ fn test(options: &TestOptions) -> Outcome {
             .env("RUSTDOCFLAGS", "-D warnings");
         run(&mut command)
     })?;
-    checks.run("G-code hashes", || hashes::run(&[]))?;
+    // Tests bring features of libraries with them. So the program that they drive serves the checks below too; a build of
+    // the program alone would compile all crates once more.
+    checks.run("build of programs and tests", || {
+        cargo(&["test", "--workspace", "--profile", "ci", "--no-run", "--quiet"])
+    })?;
+    let program = target().join("ci/grainpath");
+    checks.run("G-code hashes", || hashes::run(&["--binary", &program.to_string_lossy()]))?;
     checks.run("tests", || tests(&[]))?;
     if let Some(found) = &found {
         // Tests that need files run only where the files are; the others are listed by name, not skipped
@@ -275,10 +281,7 @@ fn test(options: &TestOptions) -> Outcome {
         }
         let browser = setup::browser(options.install);
         if page::has_npm() && browser.is_ok() {
-            checks.run("the studio in a browser", || {
-                cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
-                page::test_in_browser(&target().join("ci/grainpath"))
-            })?;
+            checks.run("the studio in a browser", || page::test_in_browser(&program))?;
         } else {
             let how = browser.err().unwrap_or_else(|| "npm is missing".to_owned());
             checks.not_run.push(format!("the studio in a browser: {how}"));
