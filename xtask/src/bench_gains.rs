@@ -91,6 +91,9 @@ fn poses(jobs: &Jobs) -> Result<(), String> {
         "reserve",
         "reserve low",
         "reserve high",
+        "of the plan",
+        "of the plan low",
+        "of the plan high",
         "first failure",
         "peak",
         "peak low",
@@ -104,14 +107,20 @@ fn poses(jobs: &Jobs) -> Result<(), String> {
         let rotation = format!("shape.rotate_deg={}", pose["rotate_deg"]);
         let sets = [frame, rotation.as_str(), "strength.cell_mm=0.9", "strength.check=false"];
         let tested = jobs.report("strength", &folder, &["bracket"], &sets)?["strength"].clone();
+        // On its own cells, of a bead's width.
+        let planned = jobs.report("run", &folder, &["bracket"], &[frame, rotation.as_str()])?;
         let factor = |key: &str| format!("{:.2}", number(&tested[key]) / number(&tested["job_load_n"]));
-        let reserve = |i: usize| format!("{:.2}", number(&pose["reserve"]["first_failure"][i]));
+        let of = |report: &Value, i: usize| format!("{:.2}", number(&report["reserve"]["first_failure"][i]));
+        let [reserve, plan] = [pose, &planned].map(|report| move |i: usize| of(report, i));
         table.row(&[
             (k + 1).to_string(),
             pose["rotate_deg"].to_string(),
             reserve(1),
             reserve(0),
             reserve(2),
+            plan(1),
+            plan(0),
+            plan(2),
             factor("first_n"),
             factor("peak_load_n"),
             factor("low_n"),

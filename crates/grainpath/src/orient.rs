@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::guide::{Guide, ResultMesh};
-use crate::measure::strength::{StrengthError, StrengthSettings, convex_hull};
+use crate::measure::strength::{StrengthError, StrengthSettings, convex_hull, digits, interval};
 
 /// Number of directions in which the farthest vertex is taken for the hull. Source: derived. Spread evenly over a sphere,
 /// they are 3 degrees apart, which is less than the tilt of `LEAST_TILT_RAD` that a pose has to withstand.
@@ -246,7 +246,8 @@ fn reach(corners: &[DVec2], p: DVec2) -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct PoseReserve {
-    /// The factors on the loads at first failure with the low, nominal and high strengths of the material.
+    /// The factors on the loads at first failure with the low, nominal and high strengths of the material; the interval
+    /// also holds what mesh and method may miss, as that of a planned part.
     pub first_failure: [f64; 3],
     pub case: String,
     pub mode: &'static str,
@@ -296,7 +297,10 @@ pub fn reserve(
             least = Some(found);
         }
     }
-    Ok(least.map(|least| PoseReserve { across_layers_mpa: across_mpa, ..least }))
+    Ok(least.map(|least| {
+        let first_failure = interval(guide, least.first_failure).map(digits);
+        PoseReserve { first_failure, across_layers_mpa: across_mpa, ..least }
+    }))
 }
 
 fn of_case(
@@ -339,12 +343,11 @@ fn of_case(
     let found = first_failure_of_bricks(&bricks, cards, &|cell| Some(stress[cell]))
         .map_err(|e| StrengthError::Test(e.into()))?;
     let [Some(low), Some(nominal), Some(high)] = found else { return Ok(None) };
-    let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
     let mut across: Vec<f64> = stress.iter().map(|s| s[2]).collect();
     across.sort_by(f64::total_cmp);
     let covered = ((n as f64 - 1.0) * COVERED) as usize;
     Ok(Some(PoseReserve {
-        first_failure: [low, nominal, high].map(|f| digits(1.0 / f.index.max(1e-12))),
+        first_failure: [low, nominal, high].map(|f| 1.0 / f.index.max(1e-12)),
         case: result.name.clone(),
         mode: nominal.mode.name(),
         at_mm: result.nodes[free[nominal.cell]].to_array().map(|v| (v * 100.0).round() * 0.01),

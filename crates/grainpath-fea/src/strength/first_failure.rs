@@ -171,7 +171,23 @@ fn strain<const K: usize>(stiffness: &[[f64; K]; K], stress: [f64; K]) -> [f64; 
 /// What the mean stiffness of a brick depends on: the directions of its plies, the share of the second, and the bond.
 type BrickKey = [u8; 4];
 
-fn key(bricks: &Bricks, cell: usize) -> BrickKey {
+/// For each cell, the share of the layers' area that rests on the layer below, as the mean over the cells beside it.
+/// Load moves around a cell that has less contact than those beside it: the given stress does not act on its contact alone.
+fn bonds_around(bricks: &Bricks) -> Vec<f32> {
+    let [nx, ny, _] = bricks.n;
+    let around = |cell: usize| {
+        let (i, j, layer) = (cell % nx, cell / nx % ny, cell / (nx * ny) * nx * ny);
+        let beside = (j.saturating_sub(1)..=(j + 1).min(ny - 1))
+            .flat_map(|j| (i.saturating_sub(1)..=(i + 1).min(nx - 1)).map(move |i| layer + j * nx + i));
+        let [resting, filled] = beside.fold([0.0f32; 2], |[resting, filled], k| {
+            [resting + bricks.filled[k] * bricks.bond[k], filled + bricks.filled[k]]
+        });
+        if bricks.filled[cell] > 0.0 { resting / filled } else { 0.0 }
+    };
+    (0..bricks.filled.len()).into_par_iter().map(around).collect()
+}
+
+fn key(bricks: &Bricks, bond: f32, cell: usize) -> BrickKey {
     let plies = bricks.plies_in(cell);
     let turn = |a: f64| (a / std::f64::consts::PI * DIRECTIONS).round().rem_euclid(DIRECTIONS) as u8;
     let second = plies.get(1);
@@ -179,7 +195,7 @@ fn key(bricks: &Bricks, cell: usize) -> BrickKey {
         plies.first().map_or(0, |p| turn(p.angle_rad)),
         second.map_or(0, |p| turn(p.angle_rad)),
         second.map_or(0, |p| (p.share * SHARE_STEPS).round().max(1.0) as u8),
-        (f64::from(bricks.bond[cell]) * SHARE_STEPS).round().max(1.0) as u8,
+        (f64::from(bond) * SHARE_STEPS).round().max(1.0) as u8,
     ]
 }
 
@@ -206,21 +222,23 @@ pub fn first_failure_of_bricks<const N: usize>(
 ) -> Result<OfCards<N>, Unstable> {
     let elastic = &cards[0].elastic;
     let n = bricks.filled.len();
+    let bonds = bonds_around(bricks);
     let mut known: BTreeMap<BrickKey, Stiffness> = BTreeMap::new();
     for cell in (0..n).filter(|c| bricks.filled[*c] > 0.0) {
-        let key = key(bricks, cell);
+        let key = key(bricks, bonds[cell], cell);
         if let Entry::Vacant(free) = known.entry(key) {
             free.insert(mean_stiffness(elastic, key)?);
         }
     }
     Ok(worst((0..n).into_par_iter().map(|cell| {
         let mut worst = [None; N];
-        let Some(mean) = known.get(&key(bricks, cell)).filter(|_| bricks.filled[cell] > 0.0) else {
+        let Some(mean) = known.get(&key(bricks, bonds[cell], cell)).filter(|_| bricks.filled[cell] > 0.0)
+        else {
             return worst;
         };
         let Some(stress) = stress(cell) else { return worst };
         let mean = strain(mean, stress);
-        let bond = f64::from(bricks.bond[cell]).max(1.0 / SHARE_STEPS);
+        let bond = f64::from(bonds[cell]).max(1.0 / SHARE_STEPS);
         let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
         // The strengths are those of whole material, so the stress is taken on the area that is in contact.
         let remaining = remaining_shares([0.0; 3], bond);
@@ -232,8 +250,13 @@ pub fn first_failure_of_bricks<const N: usize>(
             let plane = [stress[0], stress[1], stress[3]];
             for (worst, card) in worst.iter_mut().zip(cards) {
                 let ([through, between], mode) = card.indices(plane);
-                // All plies of a brick separate from the layer below together, so only the first is tested.
-                let apart = if k == 0 { card.layer_index([stress[2], stress[4], stress[5]]).0 } else { 0.0 };
+                // All plies of a brick separate from the layer below together, so only the first is tested. A brick over
+                // air has nothing to separate from.
+                let apart = if k == 0 && bricks.bond[cell] > 0.0 {
+                    card.layer_index([stress[2], stress[4], stress[5]]).0
+                } else {
+                    0.0
+                };
                 let mode = mode_of([through, between, apart], card.is_sliding(plane), mode);
                 let index = through.max(between).max(apart);
                 let found = FirstFailure { index, cell, angle_rad: ply.angle_rad, mode };
@@ -342,6 +365,32 @@ mod tests {
         let (found, low) = (found.expect("a cell"), low.expect("a cell"));
         assert_eq!((found.mode, low.mode), (FailureMode::Layers, FailureMode::Layers));
         assert!((found.index - 0.2).abs() < 1e-3 && (low.index - 0.8).abs() < 4e-3, "{found:?} {low:?}");
+    }
+
+    #[test]
+    fn a_place_of_little_contact_is_judged_with_what_lies_around_it() {
+        let whole = Bricks::from_layers(&sheets(&[0.0; 4]), 0.4, 0.0).expect("cells");
+        let [nx, ny, _] = whole.n;
+        let stress =
+            |cell: usize| middle(whole.centre(cell).truncate()).then_some([0.0, 0.0, 8.0, 0.0, 0.0, 0.0]);
+        let layer = nx * ny;
+        let centre = layer + ny / 2 * nx + nx / 2;
+        let index = |contact: &dyn Fn(usize) -> f32| {
+            let bond = (0..whole.bond.len()).map(contact).collect();
+            let [found] = first_failure_of_bricks(&Bricks { bond, ..whole.clone() }, &[pla()], &stress)
+                .expect("stable");
+            found.expect("a cell").index
+        };
+        let full = index(&|_| 1.0);
+        assert!(
+            (index(&|_| 0.25) / full - 4.0).abs() < 0.1,
+            "lines that cross carry the load on their crossings"
+        );
+        let one = index(&|cell| if cell == centre { 0.1 } else { 1.0 });
+        // The mean of nine cells is 0.9; stiffnesses are rounded to eighths.
+        assert!((1.0..1.2).contains(&(one / full)), "{one} {full}");
+        let over_air = index(&|cell| if cell >= layer { 0.0 } else { 1.0 });
+        assert!((over_air / full - 1.0).abs() < 1e-6, "{over_air} {full}");
     }
 
     #[test]

@@ -33,6 +33,7 @@ pub(crate) use frame::convex_hull;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;
+pub(crate) use reserve::interval;
 pub use reserve::{CaseReserve, ReserveReport, StressedPart, reserve};
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
@@ -905,7 +906,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
 }
 
 /// Rounds to five significant digits, which is more precise than a test can be.
-fn digits(v: f64) -> f64 {
+pub(crate) fn digits(v: f64) -> f64 {
     format!("{v:.4e}").parse().unwrap_or(v)
 }
 

@@ -3,8 +3,8 @@
 //!
 //! Method: the guide's stress, which was solved for a solid part, is applied to the written beads. The beads become the
 //! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The stress of a cell is the stress at its
-//! centre, divided by the filled share of the part around the cell;
-//! [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells near fixtures and
+//! centre, divided by the filled share of the part around the cell, and in solids by the contact with the layer below
+//! around it; [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells near fixtures and
 //! loads (closer than 1.5 mm plus 1.75 cells) do not count, because the test does not let them fail. The report states
 //! three factors, for the low, nominal and high strengths of the material's card. The low and the high factor are moved
 //! apart by the mesh error of the stress and by `METHOD`.
@@ -96,6 +96,12 @@ impl ReserveReport {
         };
         all.iter().map(row).collect()
     }
+}
+
+/// The factors for the low, nominal and high strengths of a card, with the interval widened by mesh error and method.
+pub(crate) fn interval(guide: &Guide, [low, nominal, high]: [f64; 3]) -> [f64; 3] {
+    let missed = guide.summary.error_estimate.min(1.0);
+    [low * (1.0 - METHOD[0]) * (1.0 - missed), nominal, high * (1.0 + METHOD[1]) * (1.0 + missed)]
 }
 
 /// A planned part whose stress was solved.
@@ -273,10 +279,7 @@ impl<'a> LaidCells<'a> {
         let factor = |f: Option<FirstFailure>| f.filter(|f| f.index > 0.0).map(|f| 1.0 / f.index);
         let first = nominal?;
         let (at, layer) = place(&first);
-        let missed = guide.summary.error_estimate.min(1.0);
-        let low = factor(low)? * (1.0 - METHOD[0]) * (1.0 - missed);
-        let high = factor(high)? * (1.0 + METHOD[1]) * (1.0 + missed);
-        let first_failure = [low, factor(nominal)?, high].map(digits);
+        let first_failure = interval(guide, [factor(low)?, factor(nominal)?, factor(high)?]).map(digits);
         let round = |v: f64| (v * 100.0).round() / 100.0;
         Some(CaseReserve {
             first_failure,
