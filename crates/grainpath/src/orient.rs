@@ -21,11 +21,12 @@ use grainpath_fea::principal::plane_principal;
 use grainpath_fea::strength::bricks::{BrickPly, Bricks};
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::first_failure_of_bricks;
+use grainpath_fea::strength::frame::convex_hull;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::guide::{Guide, ResultMesh};
-use crate::measure::strength::{StrengthError, StrengthSettings, convex_hull, digits, interval};
+use crate::measure::strength::{StrengthError, StrengthSettings, digits, interval};
 
 /// Number of directions in which the farthest vertex is taken for the hull. Source: derived. Spread evenly over a sphere,
 /// they are 3 degrees apart, which is less than the tilt of `LEAST_TILT_RAD` that a pose has to withstand.

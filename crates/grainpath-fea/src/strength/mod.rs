@@ -16,6 +16,7 @@ pub mod card;
 pub mod damage;
 pub mod elements;
 pub mod first_failure;
+pub mod frame;
 mod fronts;
 pub mod laminate;
 mod load_stepping;

@@ -5,7 +5,6 @@
 //! of the material's strengths, and its change when the cells are halved.
 
 mod brick_setup;
-mod frame;
 mod printed;
 mod reserve;
 mod setup;
@@ -18,6 +17,7 @@ use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
+use grainpath_fea::strength::frame::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
@@ -28,8 +28,6 @@ use serde::Serialize;
 use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
-use frame::Frame;
-pub(crate) use frame::convex_hull;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;

@@ -20,11 +20,11 @@ use grainpath_core::{DVec2, DVec3, Density, Diagnostics, LayerStack};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
+use grainpath_fea::strength::frame::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, Laminate};
 use grainpath_gcode::Program;
 use serde::Serialize;
 
-use super::frame::Frame;
 use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};

@@ -8,7 +8,8 @@
 
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, DVec3};
-use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet};
+
+use super::laminate::{BeadPiece, BeadSheet};
 
 /// Sides of the hull whose directions differ by less than this count as parallel, rad. Source: derived. G-code rounds both
 /// ends of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
@@ -19,7 +20,7 @@ const MIN_ANGLE_RAD: f64 = 1e-5;
 
 /// The rotation about z between the part and the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
+pub struct Frame {
     /// Direction of the grid's first axis.
     x: DVec2,
 }
@@ -32,7 +33,7 @@ impl Default for Frame {
 
 impl Frame {
     /// Finds the frame that is aligned with these beads.
-    pub(super) fn new(sheets: &[BeadSheet]) -> Self {
+    pub fn new(sheets: &[BeadSheet]) -> Self {
         let ends = sheets.iter().flat_map(|s| &s.beads).flat_map(|b| [b.a, b.b]);
         let hull = convex_hull(ends.filter(|p| p.is_finite()).collect());
         let sides: Vec<DVec2> = (0..hull.len()).map(|i| hull[(i + 1) % hull.len()] - hull[i]).collect();
@@ -56,27 +57,27 @@ impl Frame {
     }
 
     /// Transforms a vector from grid to part coordinates.
-    pub(super) fn to_part(self, p: DVec2) -> DVec2 {
+    pub fn to_part(self, p: DVec2) -> DVec2 {
         self.x * p.x + self.x.perp() * p.y
     }
 
     /// Transforms a vector from part to grid coordinates.
-    pub(super) fn to_grid(self, p: DVec2) -> DVec2 {
+    pub fn to_grid(self, p: DVec2) -> DVec2 {
         DVec2::new(self.x.dot(p), self.x.perp().dot(p))
     }
 
     /// [`Frame::to_part`] in space.
-    pub(super) fn to_part_3d(self, p: DVec3) -> DVec3 {
+    pub fn to_part_3d(self, p: DVec3) -> DVec3 {
         self.to_part(p.truncate()).extend(p.z)
     }
 
     /// [`Frame::to_grid`] in space.
-    pub(super) fn to_grid_3d(self, p: DVec3) -> DVec3 {
+    pub fn to_grid_3d(self, p: DVec3) -> DVec3 {
         self.to_grid(p.truncate()).extend(p.z)
     }
 
     /// The beads in grid coordinates.
-    pub(super) fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
+    pub fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
         let bead = |b: &BeadPiece| BeadPiece { a: self.to_grid(b.a), b: self.to_grid(b.b), ..*b };
         let sheet =
             |s: &BeadSheet| BeadSheet { height_mm: s.height_mm, beads: s.beads.iter().map(bead).collect() };
@@ -85,7 +86,7 @@ impl Frame {
 }
 
 /// Corners of the convex hull, counter-clockwise (`andrew1979` in docs/references.bib).
-pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+pub fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     let mut hull: Vec<DVec2> = Vec::new();
