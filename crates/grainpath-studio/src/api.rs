@@ -565,6 +565,7 @@ fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event
         let mut last = last;
         loop {
             let state = studio.runs.state(&run);
+            // A look follows each event at once, so in a long stage events come as fast as steps are counted.
             // If only the time has changed, one event a second is enough: the page counts the time itself.
             let news = |old: &RunState| {
                 let still = RunState { elapsed_s: old.elapsed_s, ..state.clone() } == *old;

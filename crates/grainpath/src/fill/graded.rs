@@ -121,6 +121,7 @@ pub fn one_path(
     necks(&regions, context.bead_width_mm, notes);
     for infill_region in &regions {
         let first = out.len();
+        // Rings of different bands become one path before widths are fitted, so that joints get their share too.
         let bands = bands_of_strips(context, map, infill_region);
         continuous.lay_bands(context, infill_region, &bands, out, notes);
         fit(&mut out[first..], context, map, infill_region);

@@ -168,6 +168,7 @@ impl Continuous {
         let mut rings = Vec::new();
         for &(density, ref band) in bands {
             let context = FillContext { density, ..*context };
+            // Beads at the border of a band keep half of its spacing, so that the two bands share the room between them.
             for polygon in band.offset(-0.5 * spacing(density), Join::Miter(3.0)).polygons {
                 rings.extend(self.joined(&context, &polygon, spacing(density)));
             }
@@ -176,6 +177,7 @@ impl Continuous {
         for &(density, _) in bands {
             rings = rejoined(rings, infill_region, spacing(density));
         }
+        // Beads are centred and short rings left out by the spacing of the densest band: wider gaps are no gaps to fill.
         let density = bands.first().map_or(context.density, |band| band.0);
         self.lay_rings(rings, &FillContext { density, ..*context }, infill_region, out, notes);
     }
