@@ -280,7 +280,7 @@ impl<'a> Bench<'a> {
             part.conditions, part.name
         );
         fs::write(&job, text).map_err(|e| format!("{}: {e}", job.display()))?;
-        Ok(Self { part, program: crate::target().join("ci/grainpath"), folder: folder.to_owned(), job })
+        Ok(Self { part, program: crate::ci_program(), folder: folder.to_owned(), job })
     }
 
     fn command(&self, verb: &str, wanted: &Wanted, more: &[&str]) -> Command {

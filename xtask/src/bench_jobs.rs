@@ -52,7 +52,7 @@ impl Jobs {
         crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
         let folder = crate::target().join("bench").join(bench);
         fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-        Ok(Self { program: crate::target().join("ci/grainpath"), folder })
+        Ok(Self { program: crate::ci_program(), folder })
     }
 
     /// The folder of an example of `grainpath new`, made anew.

@@ -81,7 +81,7 @@ fn make() -> Result<(), String> {
             write(&page, &moved)?;
         }
     }
-    let program = crate::target().join("ci/grainpath");
+    let program = crate::ci_program();
     write(&source.join("cli.md"), &options(&program)?)?;
     let planner = crate::wasm::built_page();
     if planner.exists() {
@@ -211,7 +211,7 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
 /// write to where the pages show them.
 fn run_blocks(only: &[&str], renew: bool) -> Result<(), String> {
     let docs = crate::root().join("docs");
-    let program = crate::target().join("ci/grainpath");
+    let program = crate::ci_program();
     let path = std::env::var("PATH").unwrap_or_default();
     let path = format!("{}:{path}", program.parent().unwrap_or(Path::new(".")).display());
     let python = crate::target().join("python/bin");

@@ -90,7 +90,7 @@ const MOST_BYTES: u64 = 20_000_000;
 
 /// Plans and draws the parts with these names, or all.
 pub fn run(words: &[&str]) -> Result<(), String> {
-    let program = crate::target().join("ci/grainpath");
+    let program = crate::ci_program();
     if !program.exists() {
         return Err("build the program first: cargo build --profile ci -p grainpath-cli".to_owned());
     }

@@ -207,7 +207,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         Some(path) => path.canonicalize().map_err(|e| format!("{}: {e}", path.display()))?,
         None => {
             crate::cargo(&["build", "--quiet", "--profile", "ci", "--package", "grainpath-cli"])?;
-            crate::target().join("ci").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX))
+            crate::ci_program()
         }
     };
     let made = hash_all(&binary)?;

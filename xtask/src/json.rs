@@ -89,7 +89,7 @@ gcode = "texture.gcode"
 
 /// Runs the jobs and compares.
 pub fn check() -> Result<(), String> {
-    let program = crate::target().join("ci/grainpath");
+    let program = crate::ci_program();
     let folder = crate::target().join("json");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).map_err(|e| e.to_string())?;

@@ -128,7 +128,7 @@ fn main() -> ExitCode {
         ["bench", "quality"] => bench::quality(),
         ["bench", "python", words @ ..] => python::bench(words),
         ["bench", "photo"] => photo::bench(),
-        ["bench", "studio"] => page::bench(&target().join("ci/grainpath")),
+        ["bench", "studio"] => page::bench(&ci_program()),
         ["bench", "studio", path] => {
             std::path::absolute(path).map_err(|e| format!("{path}: {e}")).and_then(|path| page::bench(&path))
         }
@@ -141,7 +141,7 @@ fn main() -> ExitCode {
         ["release", words @ ..] => release::run(words),
         ["sbom", words @ ..] => sbom::run(words),
         ["wasm", words @ ..] => wasm::run(words),
-        ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
+        ["page", "test"] => page::test_in_browser(&ci_program()),
         ["page", "test", path] => std::path::absolute(path)
             .map_err(|e| format!("{path}: {e}"))
             .and_then(|path| page::test_in_browser(&path)),
@@ -260,7 +260,7 @@ fn test(options: &TestOptions) -> Outcome {
     checks.run("build of programs and tests", || {
         cargo(&["test", "--workspace", "--profile", "ci", "--no-run", "--quiet"])
     })?;
-    let program = target().join("ci/grainpath");
+    let program = ci_program();
     checks.run("G-code hashes", || hashes::run(&["--binary", &program.to_string_lossy()]))?;
     checks.run("tests", || tests(&[]))?;
     if let Some(found) = &found {
@@ -320,6 +320,11 @@ fn root() -> PathBuf {
 /// The folder that cargo builds in.
 fn target() -> PathBuf {
     std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root().join("target"), PathBuf::from)
+}
+
+/// The program of the profile `ci`, which tests drive.
+fn ci_program() -> PathBuf {
+    target().join("ci").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// A program of the release profile.

@@ -106,7 +106,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         Some(path) => path,
         None => {
             crate::cargo(&["build", "--quiet", "--profile", "ci", "--package", "grainpath-cli"])?;
-            crate::target().join("ci").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX))
+            crate::ci_program()
         }
     };
     let page = page(&binary, &packed)?;

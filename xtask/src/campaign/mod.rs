@@ -122,7 +122,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         _ => return Err("usage: cargo xtask campaign [MINUTES]".to_owned()),
     };
     crate::cargo(&["build", "--profile", "ci", "-p", "grainpath-cli", "--features", "all-formats"])?;
-    let program = crate::target().join("ci/grainpath");
+    let program = crate::ci_program();
     let folder = crate::target().join("campaign");
     let _ = fs::remove_dir_all(&folder);
     make(&folder)?;

@@ -168,9 +168,6 @@ fn strain<const K: usize>(stiffness: &[[f64; K]; K], stress: [f64; K]) -> [f64; 
     solve_spd(*stiffness, stress.map(|s| [s])).map(|[e]| e)
 }
 
-/// What the mean stiffness of a brick depends on: the directions of its plies, the share of the second, and the bond.
-type BrickKey = [u8; 4];
-
 /// For each cell, the share of the layers' area that rests on the layer below, as the mean over the cells beside it.
 /// Load moves around a cell that has less contact than those beside it: the given stress does not act on its contact alone.
 fn bonds_around(bricks: &Bricks) -> Vec<f32> {
@@ -186,6 +183,9 @@ fn bonds_around(bricks: &Bricks) -> Vec<f32> {
     };
     (0..bricks.filled.len()).into_par_iter().map(around).collect()
 }
+
+/// What the mean stiffness of a brick depends on: the directions of its plies, the share of the second, and the bond.
+type BrickKey = [u8; 4];
 
 fn key(bricks: &Bricks, bond: f32, cell: usize) -> BrickKey {
     let plies = bricks.plies_in(cell);

@@ -140,20 +140,18 @@ fn bands_of_strips(
     let Some(bounds) = rest.bounds() else { return bands };
     let [least, _] = map.range_in(bounds, context.z_mid_mm);
     let last = coarsest(1.0, least);
-    for k in 0..=last {
+    for k in 0..last {
         let (density, from) = level(1.0, k);
         let spacing_mm = context.spacing_mm() / density;
         // A band is at least one strip wide. Places too narrow for two beads of the next band belong to it too.
         let there = map.at_least(from, bounds, context.z_mid_mm).opened(spacing_mm);
         let narrowest_mm = 2.0 * spacing_mm + context.bead_width_mm;
-        let left =
-            if k == last { Region::default() } else { rest.difference(&there).opened(0.5 * narrowest_mm) };
-        let here = rest.difference(&left);
+        let left = rest.difference(&there).opened(0.5 * narrowest_mm);
+        bands.push((Density::new(density), rest.difference(&left)));
         rest = left;
-        if !here.is_empty() {
-            bands.push((Density::new(density), here));
-        }
     }
+    bands.push((Density::new(level(1.0, last).0), rest));
+    bands.retain(|(_, band)| !band.is_empty());
     bands
 }
 

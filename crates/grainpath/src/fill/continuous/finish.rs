@@ -103,7 +103,10 @@ impl ClosedBead {
             leave_out_spikes(&mut points, &mut widths);
             (points, widths) = simplified(&points, &widths, true);
         }
-        let path = (points.len() > 2).then(|| Toolpath::new(points, nominal, context.role, true))?;
+        if points.len() < 3 {
+            return None;
+        }
+        let path = Toolpath::new(points, nominal, context.role, true);
         Some(if self.widths.is_some() {
             Toolpath { width: BeadWidth::PerVertex(widths), ..path }
         } else {
@@ -486,25 +489,13 @@ fn unspiked(points: &[DVec2], thin_mm: f64) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::{Bounds2, Density, Role};
-    use grainpath_job::choices::{BeadEnds, BeadWidths};
+    use crate::fill::continuous::tests::context;
+    use grainpath_core::UniformField;
 
     #[test]
     fn a_bead_that_is_one_spike_is_no_path() {
-        let context = FillContext {
-            z_mid_mm: 0.1,
-            height_mm: 0.2,
-            bead_width_mm: 0.45,
-            density: Density::Sparse(0.3),
-            angle_rad: 0.0,
-            part: Bounds2 { min: DVec2::ZERO, max: DVec2::ONE },
-            role: Role::SparseFill,
-            border_mm: 0.2,
-            ends: BeadEnds::Joined,
-            shift: crate::fill::Shift::NONE,
-            widths: BeadWidths::Variable,
-            field: None,
-        };
+        let part = Region::rectangle(DVec2::ZERO, DVec2::ONE);
+        let context = context(&part, 0.45, &UniformField { axis_rad: 0.0 });
         let path = |points: &[DVec2]| {
             let line = Line { points: points.to_vec(), closed: true };
             ClosedBead { line, widths: None }.path(true, &context)

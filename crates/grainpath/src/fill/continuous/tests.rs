@@ -31,7 +31,7 @@ fn disc(centre: DVec2, radius: f64, n: usize) -> Region {
     Region::from(Polygon { outer, holes: Vec::new() })
 }
 
-fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionField) -> FillContext<'a> {
+pub(super) fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionField) -> FillContext<'a> {
     FillContext {
         z_mid_mm: 0.1,
         height_mm: HEIGHT,
