@@ -70,6 +70,7 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
     const since = setInterval(() => tell(), 200);
     let last = begun;
     let asked = 0;
+    let early: Promise<void> = Promise.resolve();
     const tell = () => {
       const seconds = fixed((Date.now() - shown) / 1000, 1);
       if (last.phase === "waiting") words.textContent = `Waits for ${last.ahead} other${last.ahead === 1 ? "" : "s"} · ${seconds} s`;
@@ -83,13 +84,15 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
       // The first layers come on screen while the others are planned, and all while they are measured and drawn.
       if (now.kind === "plan" && now.phase === "running" && now.ready > asked && active !== "strength" && (asked === 0 || current === now.id)) {
         asked = now.ready;
-        show(now.id, false).catch((e: Error) => say(e.message, true));
+        early = show(now.id, false).catch((e: Error) => say(e.message, true));
       }
     }).finally(() => clearInterval(since));
     // A message that came while the run went on stays until the user closes it.
     if (words.isConnected) box.hidden = true;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
+    // The first layers are on screen before what follows asks for the rest: numbers and angles are added to them.
+    if (end.phase === "done") await early;
     return end.phase === "done" ? end : null;
   } catch (error) {
     say((error as Error).message, true);

@@ -564,8 +564,14 @@ fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event
         }
         let mut last = last;
         loop {
+            // Wait before looking again: in a long stage, steps are counted between any two looks.
+            if last.is_some() {
+                tokio::select! {
+                    _ = phases.changed() => {}
+                    () = tokio::time::sleep(EVENT_INTERVAL) => {}
+                }
+            }
             let state = studio.runs.state(&run);
-            // A look follows each event at once, so in a long stage events come as fast as steps are counted.
             // If only the time has changed, one event a second is enough: the page counts the time itself.
             let news = |old: &RunState| {
                 let still = RunState { elapsed_s: old.elapsed_s, ..state.clone() } == *old;
@@ -577,10 +583,6 @@ fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event
                 // The state holds only numbers and texts, so turning it into JSON cannot fail.
                 let event = event.unwrap_or_default();
                 return Some((Ok(event), (studio, run, phases, last, n + 1)));
-            }
-            tokio::select! {
-                _ = phases.changed() => {}
-                () = tokio::time::sleep(EVENT_INTERVAL) => {}
             }
         }
     })
