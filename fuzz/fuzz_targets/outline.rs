@@ -4,7 +4,7 @@
 use grainpath_io::{OutlineOptions, parse_outline};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let options = OutlineOptions { unit: None, tolerance_mm: 0.01, even_odd: bytes.len() % 2 == 0 };
+    let options = OutlineOptions { unit: None, tolerance_mm: 0.01, even_odd: bytes.len().is_multiple_of(2) };
     let _ = parse_outline(bytes, &options);
     let wrapped = [
         (&b"<svg viewBox='0 0 90 60'><path d='"[..], &b"'/></svg>"[..]),

@@ -377,7 +377,7 @@ fn sweep(
         Measure::Support => SUPPORT_HEADER,
     };
     let mut text = format!("## {}\n\n{header}", row.name);
-    let own = value_in_sources(row.name)?;
+    let own = value_in_sources(row.name, &tuned_in_sources()?)?;
     for &value in row.values {
         // With its own value a constant leaves the program as it is, so rows of the same pieces share the line.
         let kept = (row.pieces.as_ptr() as usize, row.measure as usize);
@@ -562,10 +562,10 @@ fn number(value: &Value) -> Result<f64, String> {
     value.as_f64().ok_or_else(|| format!("{value} should be a number"))
 }
 
-/// The value that a tuned number has in the sources.
-fn value_in_sources(name: &str) -> Result<f64, String> {
-    let found = tuned_in_sources()?.into_iter().find(|(known, _)| known == name);
-    let value = found.map(|(_, value)| value).or_else(|| default_of(name));
+/// The value of a tuned number in the sources, of which `tuned` lists all, or the default of a setting.
+fn value_in_sources(name: &str, tuned: &[(String, f64)]) -> Result<f64, String> {
+    let found = tuned.iter().find(|(known, _)| known == name);
+    let value = found.map(|(_, value)| *value).or_else(|| default_of(name));
     value.ok_or_else(|| format!("{name} is no tuned number of the sources and no setting with a number"))
 }
 
@@ -623,12 +623,13 @@ mod tests {
         let page = fs::read_to_string(page_path()).expect("docs/constants.md");
         let tables = tables(&page);
         let listed = page.split_once(NOT_MEASURED).map_or("", |parts| parts.1);
+        let tuned = tuned_in_sources().expect("sources");
         for row in ROWS {
             let Some(table) = tables.get(row.name) else {
                 assert!(listed.contains(&format!("\n- `{}`", row.name)), "{} is not on the page", row.name);
                 continue;
             };
-            let own = value_in_sources(row.name).expect("a value");
+            let own = value_in_sources(row.name, &tuned).expect("a value");
             assert!(table.contains(&format!("| **{own}** |")), "{}: its value is now {own}", row.name);
             for value in row.values {
                 let line = [format!("\n| {value} |"), format!("\n| **{value}** |")];

@@ -85,6 +85,14 @@ pub fn command(words: &[&str], usage: &str) -> Result<(), String> {
     }
 }
 
+/// Compiles all targets as a check alone, which takes seconds; building and running them belongs to the nightly run.
+pub fn check() -> Result<(), String> {
+    // In the folder and the profile of the other lints, whose checked libraries serve again.
+    let mut command = Command::new("cargo");
+    command.args(["clippy", "--manifest-path", "fuzz/Cargo.toml", "--bins", "--locked", "--profile", "ci"]);
+    crate::run(command.arg("--target-dir").arg(crate::target()).args(["--", "-D", "warnings"]))
+}
+
 /// Runs every target for `seconds`, and adds its executions to the page where that is asked for; a crash, a hang over
 /// 10 s or more than 1 GiB fails.
 pub fn run(seconds: u64, record: bool) -> Result<(), String> {

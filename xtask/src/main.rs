@@ -37,6 +37,7 @@ mod release;
 mod sbom;
 mod setup;
 mod source;
+mod test_programs;
 mod texts;
 mod wasm;
 
@@ -45,11 +46,12 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <command>
-  test             everything CI checks: format, invariants, counts, licences, lints, docs, G-code hashes, tests, fuzzers.
+  test             everything CI checks: format, invariants, counts, licences, lints, docs, G-code hashes, tests, the page.
                    Says first what is missing and how to install it; what needs no rights goes below target/.
                    --install        installs system packages too
                    --allow-missing  what cannot run here is no failure
-                   --quick          leaves out fuzzers and tests that need files or programs
+                   --tests          builds and runs the tests alone, as many programs at once as there are cores
+                   --quick          leaves out fuzz targets and tests that need files or programs
   nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify;
                    goes on after a failure, and where it stopped when it is started again on the same commit
   invariants       dependencies of crates, the invariants of ARCHITECTURE.md, and the terms of docs/glossary.md
@@ -107,6 +109,7 @@ fn main() -> ExitCode {
     let records = words.first() == Some(&"bench") && words.contains(&"--record");
     words.retain(|word| !records || *word != "--record");
     let outcome = match words.as_slice() {
+        ["test", "--tests"] => test_programs::run(&[]),
         ["test", words @ ..] => TestOptions::parse(words).and_then(|options| test(&options)),
         ["nightly"] => nightly::run(),
         ["invariants"] => arrows::check().and_then(|()| invariants::check()).and_then(|()| glossary::check()),
@@ -166,19 +169,17 @@ type Outcome = Result<(), String>;
 
 /// Options of `test`.
 struct TestOptions {
-    /// Leaves out fuzzers and all that needs installing.
+    /// Leaves out fuzz targets and all that needs installing.
     quick: bool,
     /// System packages may be installed.
     install: bool,
     /// Checks that cannot run here are no failure.
     allow_missing: bool,
-    /// Time for each fuzz target, s, where they run.
-    fuzz_seconds: Option<u64>,
 }
 
 impl TestOptions {
     fn parse(words: &[&str]) -> Result<Self, String> {
-        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: Some(4) };
+        let mut options = Self { quick: false, install: false, allow_missing: false };
         for word in words {
             match *word {
                 "--quick" => options.quick = true,
@@ -262,7 +263,8 @@ fn test(options: &TestOptions) -> Outcome {
     })?;
     let program = ci_program();
     checks.run("G-code hashes", || hashes::run(&["--binary", &program.to_string_lossy()]))?;
-    checks.run("tests", || tests(&[]))?;
+    checks.run("tests", || test_programs::run(&[]))?;
+    checks.run("examples of the documentation", test_programs::run_examples)?;
     if let Some(found) = &found {
         // Tests that need files run only where the files are; the others are listed by name, not skipped
         // in silence.
@@ -271,7 +273,7 @@ fn test(options: &TestOptions) -> Outcome {
         if !here.is_empty() {
             let names: Vec<&str> = here.iter().map(|t| t.name.as_str()).collect();
             checks.run(&format!("{} tests that need files or programs", here.len()), || {
-                tests(&[&["--ignored", "--exact"], names.as_slice()].concat())
+                test_programs::run(&[&["--ignored", "--exact"], names.as_slice()].concat())
             })?;
         }
         if page::has_npm() {
@@ -291,25 +293,9 @@ fn test(options: &TestOptions) -> Outcome {
             Ok(()) => checks.run("Python package", || python::check(false))?,
             Err(problem) => checks.not_run.push(format!("the Python package: {problem}")),
         }
-        if let Some(seconds) = options.fuzz_seconds {
-            checks.run("fuzz targets", || fuzz::run(seconds, false))?;
-        }
+        checks.run("fuzz targets, compiled", fuzz::check)?;
     }
     checks.finish(options.allow_missing || options.quick)
-}
-
-/// All tests of the workspace, with these arguments for each test binary.
-fn tests(words: &[&str]) -> Outcome {
-    let mut command = Command::new("cargo");
-    command.args(["test", "--workspace", "--profile", "ci"]);
-    if !words.is_empty() {
-        // Doc tests have other names, and would fail on these.
-        command.args(["--lib", "--bins", "--tests", "--"]).args(words);
-    }
-    // A fixed seed makes property tests try the same cases on each run; `cargo test` alone draws new
-    // ones. Snapshots are compared and not rewritten.
-    command.env("PROPTEST_RNG_SEED", "20").env("INSTA_UPDATE", "no");
-    run(setup::export(&mut command))
 }
 
 /// The repository's top folder.

@@ -22,11 +22,7 @@ type Check = (&'static str, fn() -> Outcome);
 
 /// In this order: what needs a quiet machine stands together.
 const CHECKS: &[Check] = &[
-    ("all of test", || {
-        let everything =
-            TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: None };
-        crate::test(&everything)
-    }),
+    ("all of test", || crate::test(&TestOptions { quick: false, install: true, allow_missing: false })),
     ("Python package from its source distribution", || crate::python::command(&["--release"])),
     ("slow tests", slow_tests),
     ("fill along the stress", crate::bench_paths::run),
@@ -50,7 +46,7 @@ const CHECKS: &[Check] = &[
 fn slow_tests() -> Outcome {
     let ignored = ignored::find(&source::read(&crate::root())?.tests)?;
     let names = ignored.iter().filter(|t| t.reason.starts_with("slow")).map(|t| t.name.as_str());
-    crate::tests(&["--ignored", "--exact"].into_iter().chain(names).collect::<Vec<_>>())
+    crate::test_programs::run(&["--ignored", "--exact"].into_iter().chain(names).collect::<Vec<_>>())
 }
 
 /// Runs what has not passed yet on this commit.
