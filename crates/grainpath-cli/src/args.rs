@@ -30,7 +30,7 @@ pub(crate) enum Command {
     Run(RunArguments),
     /// Slice a mesh, a drawing, a scan or a photograph with default settings, without a job file
     #[command(
-        after_help = "Examples:\n  grainpath slice part.stl\n  grainpath slice plate.svg --set shape.thickness_mm=4 -o plate.gcode"
+        after_help = "Examples:\n  grainpath slice part.stl\n  grainpath slice part.stl --hold f:03a06 --load f:83a02=200,-100,0\n  grainpath slice plate.svg --set shape.thickness_mm=4 -o plate.gcode"
     )]
     Slice(Slice),
     /// Write a commented example job with its input
@@ -181,6 +181,18 @@ pub(crate) struct Slice {
     /// G-code file [default: the model's name with .gcode]
     #[arg(short, long, value_name = "FILE.gcode")]
     pub output: Option<PathBuf>,
+    /// Face of a mesh that is held, by its name from `grainpath inspect --faces`; needs --load
+    #[arg(long, value_name = "FACE", requires = "loads")]
+    pub hold: Vec<String>,
+    /// Face of a mesh that is loaded, and the force on it in N; beads then follow the stress. Needs --hold
+    #[arg(
+        long = "load",
+        id = "loads",
+        value_name = "FACE=X,Y,Z",
+        requires = "hold",
+        allow_hyphen_values = true
+    )]
+    pub loads: Vec<String>,
     #[command(flatten)]
     pub common: Common,
 }

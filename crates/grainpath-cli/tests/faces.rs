@@ -126,6 +126,44 @@ fn a_part_of_a_face_is_loaded_up_to_the_plane_that_cuts_it() {
 }
 
 #[test]
+fn slice_plans_a_part_along_the_load_on_its_faces_as_the_job_does() {
+    let dir = folder("faces-sliced");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let names = names(&json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"])));
+    let load = format!("{}=0,-20,0", names[1]);
+    let told = json(&grainpath(&dir, &["slice", "bar.stl", "--hold", &names[0], "--load", &load, "--json"]));
+    let number = |v: &Value| v.as_f64().expect("a number");
+    assert!((number(&told["stress"]["loads"][0]["force_n"][1]) + 20.0).abs() < 1e-6, "{told}");
+    assert!(number(&told["reserve"]["first_failure"][1]) > 0.0, "{told}");
+    let job = format!(
+        "[shape]\nmesh = \"bar.stl\"\n[fill]\npattern = \"stripes\"\ndensity = 1\n[guide]\nkind = \"stress\"\n\
+         [[guide.fixture]]\non = {{ face = {:?} }}\nfix = \"xyz\"\n[[guide.load]]\non = {{ face = {:?} }}\n\
+         force_n = [0, -20, 0]\n[output]\ngcode = \"job.gcode\"\n",
+        names[0], names[1]
+    );
+    std::fs::write(dir.join("job.toml"), job).expect("a job");
+    assert!(grainpath(&dir, &["run", "job.toml"]).status.success());
+    // The header names files; moves are the same.
+    let moves = |file: &str| {
+        let text = std::fs::read_to_string(dir.join(file)).expect("a program");
+        text.lines().filter(|line| !line.starts_with(';')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(moves("bar.gcode").len() > 500 && moves("bar.gcode") == moves("job.gcode"));
+    // Half of a load, a force of two numbers, a face that is not there.
+    for (options, words) in [
+        (vec!["--hold", names[0].as_str()], "--load"),
+        (vec!["--hold", &names[0], "--load", "f:12=1,2"], "--load f:9c1e=0,0,-50"),
+        (vec!["--hold", "f:ffffff", "--load", &load], "f:ffffff"),
+    ] {
+        let refused =
+            grainpath(&dir, &[&["slice", "bar.stl", "-o", "none.gcode"], options.as_slice()].concat());
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(!refused.status.success() && told.contains(words), "{told}");
+        assert!(!dir.join("none.gcode").exists());
+    }
+}
+
+#[test]
 fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
     let dir = folder("faces-turned-box");
     std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");

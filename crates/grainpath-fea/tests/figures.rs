@@ -102,7 +102,13 @@ fn the_figure_of_plates() {
     let active: Vec<bool> = (0..n[0] * n[1]).map(|c| grid.centre(c).length() > 1.5).collect();
     for active in &active {
         if *active {
-            laminate.plies.push(Ply { thickness_mm: 1.0, angle_rad: 0.0, coherence: 1.0, material: 0 });
+            laminate.plies.push(Ply {
+                thickness_mm: 1.0,
+                angle_rad: 0.0,
+                coherence: 1.0,
+                material: 0,
+                joined: 1.0,
+            });
         }
         laminate.starts.push(laminate.plies.len() as u32);
     }

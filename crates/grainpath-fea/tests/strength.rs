@@ -259,7 +259,13 @@ fn plate_with_hole(
         });
         let thickness_mm = inside.count() as f64 / f64::from(n * n);
         if thickness_mm > 0.0 {
-            plies.push(Ply { thickness_mm, angle_rad: angle_rad(c), coherence: 1.0, material: 0 });
+            plies.push(Ply {
+                thickness_mm,
+                angle_rad: angle_rad(c),
+                coherence: 1.0,
+                material: 0,
+                joined: 1.0,
+            });
         }
         starts.push(plies.len() as u32);
     }
@@ -501,4 +507,46 @@ fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
     println!("half touching: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
     assert!((outcome.peak_load_n / want - 1.0).abs() < 0.15, "{} {want}", outcome.peak_load_n);
     assert_eq!(outcome.mode(), FailureMode::Layers);
+}
+
+#[test]
+fn lines_that_lean_are_as_stiff_in_a_plate_as_in_a_solid() {
+    // Lines 2.4 mm apart at 45 and at -45 degrees, all of them in each layer, that move by 0.7 mm a mm of height.
+    let (size, apart_mm) = (DVec2::new(24.0, 9.6), 2.4);
+    let leaning = |k: usize| {
+        let mut beads = Vec::new();
+        for deg in [45.0, -45.0] {
+            let whole = raster(size, deg);
+            let across = direction(f64::to_radians(deg)).perp();
+            let is_kept = |b: &BeadPiece| {
+                let moved = across.dot(b.a) - 0.7 * HEIGHT_MM * k as f64;
+                (moved / BEAD_MM).round().rem_euclid(apart_mm / BEAD_MM) == 0.0
+            };
+            beads.extend(whole.beads.into_iter().filter(is_kept));
+        }
+        BeadSheet { height_mm: HEIGHT_MM, beads }
+    };
+    // A rail along each side, as walls are, and two beads across each end, by which the piece is held and pulled.
+    let rails = |mut sheet: BeadSheet| {
+        let mut lay = |a: DVec2, b: DVec2| {
+            let volume_mm3 = a.distance(b) * BEAD_MM * HEIGHT_MM;
+            sheet.beads.push(BeadPiece { a, b, volume_mm3, material: 0 });
+        };
+        for y in [0.2, 9.4] {
+            lay(DVec2::new(0.0, y), DVec2::new(size.x, y));
+        }
+        for x in [0.2, 0.6, 23.4, 23.8] {
+            lay(DVec2::new(x, 0.4), DVec2::new(x, 9.2));
+        }
+        sheet
+    };
+    let sheets: Vec<BeadSheet> = (0..16).map(|k| rails(leaning(k))).collect();
+    let (plate, mut laminate) = pull(&sheets, 0.4, &pla());
+    let plate = plate.stiffness_n_per_mm;
+    let solid = pull_bricks(&sheets, 0.4, 0, &pla()).0.stiffness_n_per_mm;
+    laminate.plies.iter_mut().for_each(|ply| ply.joined = 1.0);
+    let summed = pull_laminate(&laminate, &pla(), &|_| true).stiffness_n_per_mm;
+    println!("leaning lines: plate {plate:.0} N/mm, all joined {summed:.0} N/mm, solid {solid:.0} N/mm");
+    assert!((plate / solid - 1.0).abs() < 0.1, "plate {plate} N/mm, solid {solid} N/mm");
+    assert!(summed > 1.1 * solid, "all joined {summed} N/mm, solid {solid} N/mm");
 }

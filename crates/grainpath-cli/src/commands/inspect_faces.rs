@@ -50,6 +50,10 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     if faces.len() > shown {
         let _ = writeln!(text, "and {} smaller faces", faces.len() - shown);
     }
+    if shown > 0 {
+        let _ =
+            writeln!(text, "to plan along a load, N: grainpath slice {name} --hold FACE --load FACE=X,Y,Z");
+    }
     files::print(&text);
     Ok(())
 }

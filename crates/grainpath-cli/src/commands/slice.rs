@@ -1,5 +1,6 @@
 //! `grainpath slice`: plans a mesh, a drawing, a scan or a photograph with default settings.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::args::Slice;
@@ -58,6 +59,29 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     Ok((String::new(), None))
 }
 
+/// The part of a job that holds and loads a mesh at its faces, with beads along the stress.
+fn loaded_job(holds: &[String], loads: &[String]) -> Result<String, Failure> {
+    let mut job = String::from("[fill]\npattern = \"stripes\"\ndensity = 1\n\n[guide]\nkind = \"stress\"\n");
+    let face = |name: &str| serde_json::Value::from(name.trim());
+    for name in holds {
+        writeln!(job, "\n[[guide.fixture]]\non = {{ face = {} }}\nfix = \"xyz\"", face(name)).expect("text");
+    }
+    for load in loads {
+        let force = load.split_once('=').and_then(|(name, force)| {
+            let force_n: Vec<f64> = force.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+            (force_n.len() == 3).then_some((name, force_n))
+        });
+        let (name, force_n) = force.ok_or_else(|| {
+            let words =
+                "is no face with its force; write --load f:9c1e=0,0,-50: N along x, y and z of the part";
+            Failure::usage(format!("--load {load} {words}"))
+        })?;
+        writeln!(job, "\n[[guide.load]]\non = {{ face = {} }}\nforce_n = {force_n:?}", face(name))
+            .expect("text");
+    }
+    Ok(job)
+}
+
 /// The text of a job that plans a file as [`slice`] does, with the default profiles named in it; `None` for a file that
 /// is not a mesh, drawing, photograph or scan.
 #[cfg(feature = "studio")]
@@ -112,7 +136,16 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     } else if is_picture(&args.model) {
         return Err(Failure::input(format!("{name}: no such file or directory")));
     }
-    let (job, assumed) = job_of(&args.model)?;
+    let (mut job, mut assumed) = job_of(&args.model)?;
+    if !args.loads.is_empty() {
+        if assumed.is_some() {
+            return Err(Failure::usage(format!(
+                "{name}: --hold and --load name faces of a mesh, which it is not"
+            )));
+        }
+        job = loaded_job(&args.hold, &args.loads)?;
+        assumed = Some("a part with a load on its faces: dense stripes along the stress");
+    }
     let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;
     if args.model == Path::new("-") && args.output.is_none() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));

@@ -47,6 +47,13 @@ pub fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Resul
     Ok([[s[2] / det, -s[1] / det, 0.0], [-s[1] / det, s[0] / det, 0.0], [0.0, 0.0, g]])
 }
 
+/// The damage in the plane of a ply of which only the share `joined` carries across its beads ([`Ply::joined`]).
+///
+/// [`Ply::joined`]: super::laminate::Ply::joined
+pub fn with_joined(damage: [f64; 2], joined: f64) -> [f64; 2] {
+    [damage[0], 1.0 - (1.0 - damage[1]) * joined]
+}
+
 /// The share of each of the stresses 11, 22, 33, 12, 23, 13 that remains. `damage` is given along the beads,
 /// between beads and between layers; `bond` is the share of a layer that rests on the one below.
 pub fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use super::brick_strength::{DIRECTIONS, SHARE_STEPS};
 use super::bricks::Bricks;
 use super::card::{FailureMode, StrengthCard};
-use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares};
-use super::laminate::Laminate;
+use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares, with_joined};
+use super::laminate::{Laminate, Ply};
 use crate::material::{
     Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane, strain_along,
 };
@@ -84,8 +84,16 @@ pub fn first_failure_of_plate<const N: usize>(
     cards: &[Vec<StrengthCard>; N],
     stress: &(dyn Fn(usize) -> Option<[f64; 3]> + Sync),
 ) -> Result<OfCards<N>, Unstable> {
-    let own: Vec<PlaneStiffness> =
-        cards[0].iter().map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2])).collect::<Result<_, _>>()?;
+    let own = |ply: &Ply| {
+        damaged_plane_stiffness(
+            &cards[0][usize::from(ply.material)].elastic,
+            with_joined([0.0; 2], ply.joined),
+        )
+    };
+    // Constants that are stable for whole plies are so for those that are joined in part.
+    for card in &cards[0] {
+        damaged_plane_stiffness(&card.elastic, [0.0; 2])?;
+    }
     let n = laminate.grid.nx * laminate.grid.ny;
     Ok(worst((0..n).into_par_iter().map(|cell| {
         let plies = laminate.plies_in(cell);
@@ -95,13 +103,16 @@ pub fn first_failure_of_plate<const N: usize>(
             return worst;
         }
         let Some(stress) = stress(cell) else { return worst };
+        let stiffness: Vec<PlaneStiffness> = plies.iter().map(|p| own(p).unwrap_or_default()).collect();
         let mean = mean_stiffness_of_plies(
-            plies.iter().map(|p| (&own[usize::from(p.material)], p.angle_rad, p.thickness_mm / thickness_mm)),
+            plies.iter().zip(&stiffness).map(|(p, own)| (own, p.angle_rad, p.thickness_mm / thickness_mm)),
         );
         let mean = strain(&mean, stress);
-        for ply in plies {
+        for (ply, own) in plies.iter().zip(&stiffness) {
             let material = usize::from(ply.material);
-            let stress = stress_of_ply(&own[material], mean, ply.angle_rad);
+            // Strengths are those of whole beads, so the stress is taken on the share that carries.
+            let [along, across, shear] = stress_of_ply(own, mean, ply.angle_rad);
+            let stress = [along, across / ply.joined, shear / ply.joined];
             for (worst, cards) in worst.iter_mut().zip(cards) {
                 let card = &cards[material];
                 let ([through, between], mode) = card.indices(stress);

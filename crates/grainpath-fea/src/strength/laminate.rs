@@ -5,12 +5,19 @@
 //! eight fans of 22.5 degrees; within a fan the mean axis is found from the double angle, whose sum does not depend on
 //! the sign of an axis. The plies of all layers are added up, one for each fan and material.
 //!
+//! Adding up layers joins beads that never touch: lines that move from layer to layer fill the cells between them, as
+//! seen from above, with nothing across in any layer. So each ply tells how much of it is joined ([`Ply::joined`]): the
+//! share with material on both sides in its own layer or in one beside it, where the cells there are filled at all. Across
+//! its beads a ply carries by that share. Lines that stand still have empty cells beside them and need no such share.
+//! Measured by `cargo xtask bench gains stiffness`: the bent bar of graded `grid` is 6 % stiffer than the solid of cells
+//! of a bead, and 15 % without the share.
+//!
 //! Real beads overlap at turns and at walls. A cell that would hold more than the layer's height gives the rest to its
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
 //! ribbons cover.
 
 use grainpath_core::DVec2;
-use grainpath_core::math::{atan2, cross};
+use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::segment;
 use grainpath_core::tuned::Tuned;
 use rayon::prelude::*;
@@ -228,7 +235,14 @@ pub struct Ply {
     pub coherence: f64,
     /// Its material: the number of its card.
     pub material: u8,
+    /// Share of it that carries across its beads, from [`LEAST_JOINED`] to 1: the rest has no material beside it in its
+    /// own layer, where other layers have some.
+    pub joined: f64,
 }
+
+/// The least [`Ply::joined`]. Source: derived. Lines that lean by 0.7 mm a mm of height (`fill::LEAN`) form a wall at 35
+/// degrees from upright, whose stiffness along the plate is that of the wall times the sine to the power of four, 0.11.
+pub const LEAST_JOINED: f64 = 0.1;
 
 /// All layers of a part added up over the thickness, as plies in each cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -289,6 +303,9 @@ impl Laminate {
         let all = sheets.iter().flat_map(|s| &s.beads);
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
         let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();
+        let joined = (0..layers.len()).into_par_iter().map(|k| joined_mm(&grid, n_fans, sheets, &layers, k));
+        let joined: Vec<Vec<f32>> = joined.collect();
+        let layers: Vec<(Vec<Share>, Vec<f32>)> = layers.into_iter().zip(joined).collect();
         Ok(Self::stacked(grid, n_fans, sheets, &layers, laid_mm3))
     }
 
@@ -296,27 +313,38 @@ impl Laminate {
         grid: CellGrid,
         n_fans: usize,
         sheets: &[BeadSheet],
-        layers: &[Vec<Share>],
+        layers: &[(Vec<Share>, Vec<f32>)],
         laid_mm3: f64,
     ) -> Self {
         let n = grid.nx * grid.ny;
         let mut starts = vec![0u32; n + 1];
-        let mut fans = vec![[0f32; 3]; n * n_fans];
-        for s in layers.iter().flatten() {
-            let fan = &mut fans[s.slot as usize];
-            (0..3).for_each(|k| fan[k] += s.sum[k]);
+        // Thickness, its products with cosine and sine, and the thickness that is joined in its own layer.
+        let mut fans = vec![[0f32; 4]; n * n_fans];
+        let mut held = vec![0f32; n];
+        for (share, joined) in layers.iter().flat_map(|(shares, joined)| shares.iter().zip(joined)) {
+            let fan = &mut fans[share.slot as usize];
+            (0..3).for_each(|k| fan[k] += share.sum[k]);
+            fan[3] += joined;
+            held[share.slot as usize / n_fans] += share.sum[0];
         }
+        let width_mm = mean_width_mm(sheets);
         let mut plies = Vec::new();
         let mut volume = 0.0;
         for cell in 0..n {
             for (k, fan) in fans[cell * n_fans..(cell + 1) * n_fans].iter().enumerate() {
-                let [t, c, s] = fan.map(f64::from);
+                let [t, c, s, joined] = fan.map(f64::from);
                 if t > 0.0 {
                     volume += t;
                     let angle_rad = 0.5 * atan2(s, c);
                     let coherence = ((c * c + s * s).sqrt() / t).min(1.0);
                     let material = (k / FANS) as u8;
-                    plies.push(Ply { thickness_mm: t, angle_rad, coherence, material });
+                    // How much the cells beside the beads hold, over this one: nothing where no layer fills them.
+                    let beside = sides_mm(&grid, cell, angle_rad, width_mm, 1.0)
+                        .map(|at| held_at(&grid, &held, at) / f64::from(held[cell]))
+                        .fold(1.0, f64::min);
+                    let joined = joined / t;
+                    let joined = (joined + (1.0 - joined) * (1.0 - beside)).clamp(LEAST_JOINED, 1.0);
+                    plies.push(Ply { thickness_mm: t, angle_rad, coherence, material, joined });
                 }
             }
             starts[cell + 1] = plies.len() as u32;
@@ -374,6 +402,101 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Sh
     spread(grid, n_fans, height_mm as f32, &mut held, &mut fans);
     let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
     shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
+}
+
+/// The mean width of the beads of some layers, mm.
+fn mean_width_mm(sheets: &[BeadSheet]) -> f64 {
+    let usable = sheets.iter().flat_map(|s| s.beads.iter().filter(|b| is_usable(s, b)).map(move |b| (s, b)));
+    let (area, length) = usable.fold((0.0, 0.0), |(area, length), (s, b)| {
+        let long = b.a.distance(b.b);
+        (area + long * width(b, s.height_mm), length + long)
+    });
+    if length > 0.0 { area / length } else { 0.0 }
+}
+
+/// The two places on either side of a bead through the middle of a cell, this share of a bead's width away, mm.
+fn sides_mm(
+    grid: &CellGrid,
+    cell: usize,
+    angle_rad: f64,
+    width_mm: f64,
+    share: f64,
+) -> impl Iterator<Item = DVec2> {
+    let (middle, across) = (grid.centre(cell), direction(angle_rad).perp() * (share * width_mm));
+    [middle - across, middle + across].into_iter()
+}
+
+/// What cells hold at a place, linear between the middles of cells and nothing outside.
+fn held_at(grid: &CellGrid, held: &[f32], at_mm: DVec2) -> f64 {
+    let at = (at_mm - grid.low) / grid.cell_mm - 0.5;
+    let (first, part) = (at.floor(), at - at.floor());
+    let value = |di: f64, dj: f64| {
+        let (i, j) = (first.x + di, first.y + dj);
+        let is_inside = i >= 0.0 && j >= 0.0 && i < grid.nx as f64 && j < grid.ny as f64;
+        if is_inside { f64::from(held[j as usize * grid.nx + i as usize]) } else { 0.0 }
+    };
+    let row = |dj: f64| value(0.0, dj) * (1.0 - part.x) + value(1.0, dj) * part.x;
+    row(0.0) * (1.0 - part.y) + row(1.0) * part.y
+}
+
+/// Places on each side of a bead, in bead widths from it, of which the emptiest tells whether the bead is joined. Source:
+/// derived. The middle of a cell may lie half a width off the bead's line; from there the first place still lies in a gap
+/// of half a width, and the last reaches past the bead.
+const BESIDE_WIDTHS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// A place beside a bead joins nothing when it is filled to less than this share, and all when filled to twice as much.
+/// Source: derived. Cells as wide as a bead are half filled where its edge runs through their middle.
+const GAP_FILL: f64 = 0.25;
+
+/// The thickness of each share of a layer that has material on both sides of its beads, in its own layer or in one beside
+/// it that rests on them, mm.
+fn joined_mm(
+    grid: &CellGrid,
+    n_fans: usize,
+    sheets: &[BeadSheet],
+    layers: &[Vec<Share>],
+    at: usize,
+) -> Vec<f32> {
+    // How full each cell of a layer is, 0 to 1.
+    let filled = |k: usize| {
+        let mut filled = vec![0f32; grid.nx * grid.ny];
+        let height_mm = sheets[k].height_mm as f32;
+        layers[k].iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
+        filled
+    };
+    let own = filled(at);
+    let width_mm = mean_width_mm(std::slice::from_ref(&sheets[at]));
+    // Where no place beside a bead can lie in a gap, none is looked at: nearly everywhere in dense layers.
+    let reach = (width_mm / grid.cell_mm).ceil() as usize;
+    let is_dense = |cell: usize| {
+        let (i, j) = (cell % grid.nx, cell / grid.nx);
+        let is_inside = i >= reach && j >= reach && i + reach < grid.nx && j + reach < grid.ny;
+        is_inside
+            && (j - reach..=j + reach).all(|j| {
+                let row = &own[j * grid.nx + i - reach..=j * grid.nx + i + reach];
+                row.iter().all(|filled| f64::from(*filled) >= 2.0 * GAP_FILL)
+            })
+    };
+    let least = |filled: &[f32], share: &Share| {
+        let cell = share.slot as usize / n_fans;
+        let angle_rad = 0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1]));
+        let places = BESIDE_WIDTHS.into_iter().flat_map(|w| sides_mm(grid, cell, angle_rad, width_mm, w));
+        places.map(|at| held_at(grid, filled, at)).fold(f64::from(filled[cell]), f64::min)
+    };
+    let mut most: Vec<f64> = layers[at]
+        .iter()
+        .map(|share| if is_dense(share.slot as usize / n_fans) { 1.0 } else { least(&own, share) })
+        .collect();
+    for beside in [at.checked_sub(1), Some(at + 1).filter(|k| *k < layers.len())].into_iter().flatten() {
+        if most.iter().all(|filled| *filled >= 2.0 * GAP_FILL) {
+            break;
+        }
+        let filled = filled(beside);
+        for (most, share) in most.iter_mut().zip(&layers[at]).filter(|(most, _)| **most < 2.0 * GAP_FILL) {
+            *most = most.max(least(&filled, share));
+        }
+    }
+    let joined = |(share, most): (&Share, f64)| share.sum[0] * (most / GAP_FILL - 1.0).clamp(0.0, 1.0) as f32;
+    layers[at].iter().zip(most).map(joined).collect()
 }
 
 /// Passes in which overfull cells give to their neighbours. Measured: row `fea.strength.laminate.PASSES` of `cargo xtask
@@ -511,7 +634,7 @@ mod tests {
     fn cells_hold_what_was_laid_whichever_way() {
         let beads: Vec<BeadPiece> = (0..40)
             .map(|k| {
-                let d = grainpath_core::math::direction(f64::from(k) * 0.37);
+                let d = direction(f64::from(k) * 0.37);
                 let p = DVec2::new(f64::from(k % 7) * 2.1, f64::from(k / 7) * 1.9);
                 bead(p.into(), (p + d * (0.3 + 0.25 * f64::from(k))).into(), 0.08)
             })
@@ -526,7 +649,7 @@ mod tests {
     #[test]
     fn a_dense_raster_fills_its_cells_and_knows_its_direction() {
         for deg in [0.0, 30.0, 45.0, 90.0, 135.0f64] {
-            let d = grainpath_core::math::direction(deg.to_radians());
+            let d = direction(deg.to_radians());
             let n = DVec2::new(-d.y, d.x);
             let line = |k: i32| {
                 let p = n * (f64::from(k) * 0.4);
@@ -590,8 +713,7 @@ mod tests {
             }
         }
         // A ring is closed where it begins.
-        let around =
-            |k: i32| grainpath_core::math::direction(f64::from(k % 60) * std::f64::consts::TAU / 60.0);
+        let around = |k: i32| direction(f64::from(k % 60) * std::f64::consts::TAU / 60.0);
         let ring: Vec<DVec2> = (0..=60).map(|k| 2.0 * around(k)).collect();
         let grid = CellGrid { low: DVec2::new(-3.0, -3.0), cell_mm: 0.05, nx: 120, ny: 120 };
         for (cell, covered) in covered(&path(&ring, 0.08), &grid).iter().enumerate() {
@@ -606,7 +728,7 @@ mod tests {
         // Reversals, spikes, wiggles finer than the bead, and pieces far shorter than it is wide.
         let mut places = vec![DVec2::ZERO];
         for k in 0..400 {
-            let turn = grainpath_core::math::direction(f64::from(k * k % 97) * 0.8);
+            let turn = direction(f64::from(k * k % 97) * 0.8);
             let last = places[places.len() - 1];
             places.push(last + turn * [3.0, 0.02, 0.3, 0.004, 1.0][k as usize % 5]);
             if k % 50 == 0 {
@@ -632,6 +754,39 @@ mod tests {
         let worst = (0..laminate.grid.nx * laminate.grid.ny).map(|c| laminate.thickness_mm(c));
         let worst = worst.fold(0.0, f64::max);
         assert!(worst < 0.22, "hardly anything is overfull: {worst}");
+    }
+
+    /// The least share that is joined of the plies along x in the middle of a plate whose lines of 0.4 mm lie 1.6 mm apart
+    /// and move by `shift_mm` from layer to layer, alone or in turn with lines across.
+    fn least_joined(shift_mm: f64, spacing_mm: f64, is_crossed: bool) -> f64 {
+        let sheet = |k: usize| {
+            let n = (8.0 / spacing_mm) as i32;
+            let beads = (-n..=n).map(|i| {
+                let at = f64::from(i) * spacing_mm + (k as f64 * shift_mm) % spacing_mm;
+                let is_across = is_crossed && k % 2 == 1;
+                let place = |along: f64| if is_across { (at, along) } else { (along, at) };
+                bead(place(-8.0), place(8.0), 0.08)
+            });
+            BeadSheet { height_mm: 0.2, beads: beads.collect() }
+        };
+        let sheets: Vec<BeadSheet> = (0..16).map(sheet).collect();
+        let laminate = Laminate::from_layers(&sheets, 0.2).expect("beads");
+        let grid = laminate.grid;
+        let inner = (0..grid.nx * grid.ny).filter(|c| grid.centre(*c).abs().max_element() < 4.0);
+        let plies = inner.flat_map(|c| laminate.plies_in(c)).filter(|p| p.angle_rad.abs() < 0.1);
+        plies.map(|p| p.joined).fold(1.0, f64::min)
+    }
+
+    #[test]
+    fn lines_that_move_from_layer_to_layer_are_not_joined_by_adding_layers_up() {
+        assert_eq!(least_joined(0.0, 0.4, false), 1.0, "dense");
+        assert_eq!(least_joined(0.2, 0.4, false), 1.0, "dense, in bond");
+        assert!(least_joined(0.0, 1.6, false) > 0.9, "standing still: cells between them are empty");
+        assert!(
+            least_joined(0.4, 1.6, false) < 0.2,
+            "moving: layers fill all cells, and none joins two lines"
+        );
+        assert!(least_joined(0.0, 1.6, true) > 0.5, "crossing: each line rests on those across");
     }
 
     #[test]

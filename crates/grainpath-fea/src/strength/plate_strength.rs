@@ -15,7 +15,7 @@ use grainpath_core::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::card::StrengthCard;
-use super::damage::damaged_plane_stiffness;
+use super::damage::{damaged_plane_stiffness, with_joined};
 use super::elements::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::laminate::Laminate;
 use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
@@ -99,8 +99,8 @@ impl PlateTest<'_> {
     /// # Errors
     /// [`Unstable`] for elastic constants that no stable material has.
     pub fn model(&self) -> Result<PlateModel, Unstable> {
-        let elastic = |p: usize| damaged_plane_stiffness(&self.cards[self.material(p)].elastic, [0.0; 2]);
-        let membranes = (0..self.elements.cells.len()).into_par_iter().map(|e| self.membrane(e, elastic));
+        let elements = (0..self.elements.cells.len()).into_par_iter();
+        let membranes = elements.map(|e| self.membrane(e, |_| [0.0; 2]));
         Ok(PlateModel {
             nodes_mm: (0..self.elements.places.len()).map(|i| self.elements.node(i)).collect(),
             corners: self.elements.corners.clone(),
@@ -123,9 +123,8 @@ impl PlateTest<'_> {
         plate.solve()?;
         let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
         let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
-        let stiffness = |p: usize| damaged_plane_stiffness(&self.cards[self.material(p)].elastic, [0.0; 2]);
         let membranes: Vec<PlaneStiffness> =
-            (0..plate.n_elements()).map(|e| self.membrane(e, stiffness)).collect::<Result<_, _>>()?;
+            (0..plate.n_elements()).map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
         unresolved_bending(&plate.bending(&states, &membranes))
     }
 
@@ -152,18 +151,11 @@ impl PlateTest<'_> {
     }
 
     fn loaded(&self) -> Result<LoadedPlate<'_>, TestError> {
-        let whole: Vec<PlaneStiffness> = self
-            .cards
-            .iter()
-            .map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2]))
-            .collect::<Result<_, _>>()?;
         let n = self.elements.cells.len();
         // The 9 numbers of the membrane stiffness of each element are kept instead of the 64 of its stiffness matrix,
         // because memory is scarcest while the system is factored.
-        let membranes: Vec<PlaneStiffness> = (0..n)
-            .into_par_iter()
-            .map(|e| self.membrane(e, |p| Ok(whole[self.material(p)])))
-            .collect::<Result<_, _>>()?;
+        let membranes: Vec<PlaneStiffness> =
+            (0..n).into_par_iter().map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
         let stiffness = |e: usize| square(&membranes[e]);
         let mut system = PlateSystem::new(self.elements, &stiffness, self.holds, &forces, self.max_mib)?;
@@ -183,24 +175,18 @@ impl PlateTest<'_> {
         self.laminate.starts[cell] as usize..self.laminate.starts[cell + 1] as usize
     }
 
-    fn stiffness(
-        &self,
-        element: usize,
-        own: impl Fn(usize) -> Result<PlaneStiffness, Unstable>,
-    ) -> Result<[[f64; 8]; 8], Unstable> {
-        Ok(square(&self.membrane(element, own)?))
-    }
-
-    /// Membrane stiffness of an element, summed over its plies, N/mm.
+    /// Membrane stiffness of an element, summed over its plies with their damage along and between beads, N/mm.
     fn membrane(
         &self,
         element: usize,
-        own: impl Fn(usize) -> Result<PlaneStiffness, Unstable>,
+        damage: impl Fn(usize) -> [f64; 2],
     ) -> Result<PlaneStiffness, Unstable> {
         let mut sum: PlaneStiffness = [[0.0; 3]; 3];
         for p in self.range(element) {
             let ply = &self.laminate.plies[p];
-            let c = rotated_plane(&own(p)?, ply.angle_rad);
+            let elastic = &self.cards[self.material(p)].elastic;
+            let own = damaged_plane_stiffness(elastic, with_joined(damage(p), ply.joined))?;
+            let c = rotated_plane(&own, ply.angle_rad);
             (0..9).for_each(|k| sum[k / 3][k % 3] += ply.thickness_mm * c[k / 3][k % 3]);
         }
         Ok(sum)
@@ -238,8 +224,9 @@ impl LoadedPlate<'_> {
     ) -> Vec<FailureIndices> {
         let test = self.test;
         let each = |p: usize| {
-            let own = plane_strain_along(strain, test.laminate.plies[p].angle_rad);
-            let damage = in_plane(states[p].damage());
+            let ply = &test.laminate.plies[p];
+            let own = plane_strain_along(strain, ply.angle_rad);
+            let damage = with_joined(in_plane(states[p].damage()), ply.joined);
             let card = &test.cards[test.material(p)];
             let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
             // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
@@ -344,10 +331,8 @@ impl LoadedPart for LoadedPlate<'_> {
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {
         let test = self.test;
-        let own = |p: usize| {
-            damaged_plane_stiffness(&test.cards[test.material(p)].elastic, in_plane(states[p].damage()))
-        };
-        let stiffness = |&e: &usize| Ok((e, test.stiffness(e, own)?));
+        let damage = |p: usize| in_plane(states[p].damage());
+        let stiffness = |&e: &usize| Ok((e, square(&test.membrane(e, damage)?)));
         let new: Vec<(usize, [[f64; 8]; 8])> =
             elements.par_iter().map(stiffness).collect::<Result<_, Unstable>>()?;
         new.iter().for_each(|(e, k)| self.system.change(*e, k));
