@@ -240,8 +240,9 @@ pub struct Ply {
     pub joined: f64,
 }
 
-/// The least [`Ply::joined`]. Source: derived. Lines that lean by 0.7 mm a mm of height (`LEAN` of graded fills) form a wall at 35
-/// degrees from upright, whose stiffness along the plate is that of the wall times the sine to the power of four, 0.11.
+/// The least [`Ply::joined`]. Source: derived. Lines that lean by 0.7 mm a mm of height (`LEAN` of graded fills) form a wall
+/// at 35 degrees from upright, whose stiffness along the plate is that of the wall times the sine to the power of four,
+/// 0.11.
 pub const LEAST_JOINED: f64 = 0.1;
 
 /// All layers of a part added up over the thickness, as plies in each cell.
