@@ -114,9 +114,8 @@ pub fn run(seconds: u64, record: bool) -> Result<(), String> {
     // repeat themselves.
     let seed = 1 + before.values().map(|row| row.executions).sum::<u64>() % 1_000_000_000;
     // Each run is one thread: as many targets at once as there are cores.
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let mut all = BTreeMap::new();
-    for together in targets.chunks(cores) {
+    for together in targets.chunks(crate::cores()) {
         println!("-- fuzz {}, {seconds} s", together.join(" and "));
         let outcomes: Vec<Result<Known, String>> = std::thread::scope(|scope| {
             let runs: Vec<_> = together

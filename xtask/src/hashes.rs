@@ -319,7 +319,6 @@ fn hash_all(binary: &Path) -> Result<Table, String> {
             }
         }
     };
-    let n_workers = std::thread::available_parallelism().map_or(1, usize::from);
     // The first job runs alone, the others side by side.
     match jobs.first() {
         Some(job) => {
@@ -330,7 +329,7 @@ fn hash_all(binary: &Path) -> Result<Table, String> {
         None => return Ok(Table::new()),
     }
     std::thread::scope(|scope| {
-        for _ in 0..n_workers {
+        for _ in 0..crate::cores() {
             scope.spawn(work);
         }
     });

@@ -308,6 +308,11 @@ fn target() -> PathBuf {
     std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root().join("target"), PathBuf::from)
 }
 
+/// The number of cores.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// The program of the profile `ci`, which tests drive.
 fn ci_program() -> PathBuf {
     target().join("ci").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX))

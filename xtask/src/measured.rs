@@ -123,7 +123,7 @@ pub fn save() -> Result<(), String> {
 
 /// Processors and memory of this machine, as a reader needs them beside a time.
 fn machine() -> String {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = crate::cores();
     let memory = fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let kib = memory.split_whitespace().nth(1).and_then(|w| w.parse::<f64>().ok());
     let memory = kib.map_or_else(String::new, |kib| format!(", {:.0} GiB", kib / 1024.0 / 1024.0));

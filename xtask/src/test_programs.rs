@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::{Outcome, cargo, output, root, setup};
+use crate::{Outcome, cargo, cores, output, root, setup};
 
 /// A test program.
 struct Program {
@@ -25,13 +25,14 @@ struct Program {
 /// Builds all test programs and runs them with these arguments. Programs that fail do not keep the others from running.
 pub fn run(words: &[&str]) -> Outcome {
     let programs = programs()?;
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (next, passed) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
         let mut failed = Vec::new();
         while let Some(program) = programs.get(next.fetch_add(1, Ordering::Relaxed)) {
             match program.run(words) {
-                Ok(n) => drop(passed.fetch_add(n, Ordering::Relaxed)),
+                Ok(n) => {
+                    passed.fetch_add(n, Ordering::Relaxed);
+                }
                 Err(problem) => {
                     println!("{problem}");
                     failed.push(program.name.as_str());
@@ -41,7 +42,7 @@ pub fn run(words: &[&str]) -> Outcome {
         failed
     };
     let failed: Vec<&str> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        let workers: Vec<_> = (0..cores()).map(|_| scope.spawn(work)).collect();
         workers.into_iter().flat_map(|w| w.join().expect("no worker panics")).collect()
     });
     if !failed.is_empty() {

@@ -152,7 +152,7 @@ fn mutants(program: &Path, folder: &Path, time: Duration) -> Result<BTreeMap<&'s
         .iter()
         .map(|s| fs::read(seeds.join(s.file)).map_err(|e| format!("xtask/seeds/{}: {e}", s.file)))
         .collect::<Result<_, _>>()?;
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = crate::cores();
     let end = Instant::now() + time;
     let parts = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads)

@@ -69,7 +69,7 @@ fn loaded_job(holds: &[String], loads: &[String]) -> Result<String, Failure> {
     for load in loads {
         let force = load.split_once('=').and_then(|(name, force)| {
             let force_n: Vec<f64> = force.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
-            (force_n.len() == 3).then_some((name, force_n))
+            (force_n.len() == 3 && force_n.iter().all(|n| n.is_finite())).then_some((name, force_n))
         });
         let (name, force_n) = force.ok_or_else(|| {
             let words =

@@ -84,16 +84,14 @@ pub fn first_failure_of_plate<const N: usize>(
     cards: &[Vec<StrengthCard>; N],
     stress: &(dyn Fn(usize) -> Option<[f64; 3]> + Sync),
 ) -> Result<OfCards<N>, Unstable> {
-    let own = |ply: &Ply| {
-        damaged_plane_stiffness(
-            &cards[0][usize::from(ply.material)].elastic,
-            with_joined([0.0; 2], ply.joined),
-        )
-    };
-    // Constants that are stable for whole plies are so for those that are joined in part.
     for card in &cards[0] {
         damaged_plane_stiffness(&card.elastic, [0.0; 2])?;
     }
+    // Constants that are stable for whole plies are so for those that are joined in part.
+    let own = |ply: &Ply| {
+        let elastic = &cards[0][usize::from(ply.material)].elastic;
+        damaged_plane_stiffness(elastic, with_joined([0.0; 2], ply.joined)).unwrap_or_default()
+    };
     let n = laminate.grid.nx * laminate.grid.ny;
     Ok(worst((0..n).into_par_iter().map(|cell| {
         let plies = laminate.plies_in(cell);
@@ -103,15 +101,14 @@ pub fn first_failure_of_plate<const N: usize>(
             return worst;
         }
         let Some(stress) = stress(cell) else { return worst };
-        let stiffness: Vec<PlaneStiffness> = plies.iter().map(|p| own(p).unwrap_or_default()).collect();
         let mean = mean_stiffness_of_plies(
-            plies.iter().zip(&stiffness).map(|(p, own)| (own, p.angle_rad, p.thickness_mm / thickness_mm)),
+            plies.iter().map(|p| (own(p), p.angle_rad, p.thickness_mm / thickness_mm)),
         );
         let mean = strain(&mean, stress);
-        for (ply, own) in plies.iter().zip(&stiffness) {
+        for ply in plies {
             let material = usize::from(ply.material);
             // Strengths are those of whole beads, so the stress is taken on the share that carries.
-            let [along, across, shear] = stress_of_ply(own, mean, ply.angle_rad);
+            let [along, across, shear] = stress_of_ply(&own(ply), mean, ply.angle_rad);
             let stress = [along, across / ply.joined, shear / ply.joined];
             for (worst, cards) in worst.iter_mut().zip(cards) {
                 let card = &cards[material];
@@ -128,12 +125,10 @@ pub fn first_failure_of_plate<const N: usize>(
 
 /// The mean stiffness of plies that have the same strain: from the own stiffness, the direction and the share of the
 /// thickness of each.
-fn mean_stiffness_of_plies<'a>(
-    plies: impl Iterator<Item = (&'a PlaneStiffness, f64, f64)>,
-) -> PlaneStiffness {
+fn mean_stiffness_of_plies(plies: impl Iterator<Item = (PlaneStiffness, f64, f64)>) -> PlaneStiffness {
     let mut mean: PlaneStiffness = [[0.0; 3]; 3];
     for (own, angle_rad, share) in plies {
-        let c = rotated_plane(own, angle_rad);
+        let c = rotated_plane(&own, angle_rad);
         (0..9).for_each(|k| mean[k / 3][k % 3] += share * c[k / 3][k % 3]);
     }
     mean
@@ -162,7 +157,7 @@ impl PlyJudge {
     /// direction of each ply and its share of the thickness.
     pub(super) fn indices(&self, plies: &[(f64, f64)], stresses: &[[f64; 3]], out: &mut Vec<f64>) {
         out.clear();
-        let mean = mean_stiffness_of_plies(plies.iter().map(|(angle, share)| (&self.own, *angle, *share)));
+        let mean = mean_stiffness_of_plies(plies.iter().map(|(angle, share)| (self.own, *angle, *share)));
         out.extend(stresses.iter().map(|stress| {
             let mean = strain(&mean, *stress);
             let index = |(angle, _): &(f64, f64)| {

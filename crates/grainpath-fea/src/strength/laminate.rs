@@ -235,8 +235,8 @@ pub struct Ply {
     pub coherence: f64,
     /// Its material: the number of its card.
     pub material: u8,
-    /// Share of it that carries across its beads, from [`LEAST_JOINED`] to 1: the rest has no material beside it in its
-    /// own layer, where other layers have some.
+    /// Share of it that carries across its beads, from [`LEAST_JOINED`] to 1. The rest has no material beside it in its own
+    /// layer or the two next to that, but has some in layers further off.
     pub joined: f64,
 }
 
@@ -306,23 +306,22 @@ impl Laminate {
         let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();
         let joined = (0..layers.len()).into_par_iter().map(|k| joined_mm(&grid, n_fans, sheets, &layers, k));
         let joined: Vec<Vec<f32>> = joined.collect();
-        let layers: Vec<(Vec<Share>, Vec<f32>)> = layers.into_iter().zip(joined).collect();
-        Ok(Self::stacked(grid, n_fans, sheets, &layers, laid_mm3))
+        Ok(Self::stacked(grid, n_fans, sheets, (&layers, &joined), laid_mm3))
     }
 
     fn stacked(
         grid: CellGrid,
         n_fans: usize,
         sheets: &[BeadSheet],
-        layers: &[(Vec<Share>, Vec<f32>)],
+        (layers, joined): (&[Vec<Share>], &[Vec<f32>]),
         laid_mm3: f64,
     ) -> Self {
         let n = grid.nx * grid.ny;
         let mut starts = vec![0u32; n + 1];
-        // Thickness, its products with cosine and sine, and the thickness that is joined in its own layer.
+        // Thickness, its products with cosine and sine, and the thickness that is joined.
         let mut fans = vec![[0f32; 4]; n * n_fans];
         let mut held = vec![0f32; n];
-        for (share, joined) in layers.iter().flat_map(|(shares, joined)| shares.iter().zip(joined)) {
+        for (share, joined) in layers.iter().flatten().zip(joined.iter().flatten()) {
             let fan = &mut fans[share.slot as usize];
             (0..3).for_each(|k| fan[k] += share.sum[k]);
             fan[3] += joined;

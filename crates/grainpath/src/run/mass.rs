@@ -5,10 +5,10 @@
 //! stop within 0.25 % of the mass. The mass also jumps where a line appears or disappears, so the
 //! best of six steps is taken within 0.5 % as well. The mass of graded infill is less nearly
 //! proportional, and no layer of patterns that lean is a copy: between two steps over all layers,
-//! steps over every eighth of them (`SAMPLED`) correct the density. Where the steps fail, up to 14 bisections take
-//! the density with the nearest mass; a print that then misses its mass by more than 0.5 % warns
-//! (`mass-missed`). Each such try lays the sparse infill of all layers. Masses are added in the order of
-//! the layers, so the result does not depend on the number of threads. A graded density is scaled
+//! steps over every eighth of them (`SAMPLED`) correct the density. Where the steps fail, up to 14
+//! bisections take the density with the nearest mass; a print that then misses its mass by more than
+//! 0.5 % warns (`mass-missed`). Each bisection lays the sparse infill of all layers. Masses are added in
+//! the order of the layers, so the result does not depend on the number of threads. A graded density is scaled
 //! until its mean gives the mass. A mass that the pattern cannot give is refused, with the range
 //! that it can give.
 
@@ -65,12 +65,12 @@ impl Steps<'_> {
         };
         // Layers that the run copies have the mass of the layer that they are copied from.
         let copies = self.duplicates(0, skins);
-        let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
+        let masses = |each: &(dyn Fn(usize) -> f64 + Sync)| -> Vec<f64> {
             let own = |i: usize| if copies[i] == i { each(i) } else { 0.0 };
-            let masses: Vec<f64> = (0..copies.len()).into_par_iter().map(own).collect();
-            // Masses are added in the order of the layers, so that the sum is the same for any number of threads.
-            copies.iter().map(|&i| masses[i]).sum()
+            (0..copies.len()).into_par_iter().map(own).collect()
         };
+        // Masses are added in the order of the layers, so that the sum is the same for any number of threads.
+        let sum = |masses: &[f64]| -> f64 { copies.iter().map(|&i| masses[i]).sum() };
         let height = |i: usize| self.stack.layers()[i].height_mm();
         let of_walls = |i: usize| -> f64 {
             let paths = walls[i]
@@ -80,21 +80,18 @@ impl Steps<'_> {
             paths.map(|p| grams(p, height(i))).sum()
         };
         let fixed = (0..copies.len()).map(of_walls).sum::<f64>()
-            + sum(&|i| {
+            + sum(&masses(&|i| {
                 let mut mass = 0.0;
                 self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
                 mass
-            });
+            }));
         let of_sparse = |density: f64, i: usize| {
             let mut mass = 0.0;
             self.sparse_fill(i, &skins[i], Density::new(density), &mut |_, p| mass += grams(&p, height(i)));
             mass
         };
-        let mass = |density: f64| fixed + sum(&|i| of_sparse(density, i));
-        let sampled: Vec<usize> = match self.graded {
-            Some(_) => (0..copies.len()).filter(|i| copies[*i] == *i).step_by(SAMPLED).collect(),
-            None => Vec::new(),
-        };
+        let mass = |density: f64| fixed + sum(&masses(&|i| of_sparse(density, i)));
+        let sampled: Vec<usize> = (0..copies.len()).filter(|i| copies[*i] == *i).step_by(SAMPLED).collect();
         let of_sampled = |density: f64| -> f64 {
             let masses: Vec<f64> = sampled.par_iter().map(|i| of_sparse(density, *i)).collect();
             masses.iter().sum()
@@ -103,7 +100,8 @@ impl Steps<'_> {
         let mut density = self.graded.map_or(0.3, |g| g.mean);
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
-            let found = mass(density);
+            let laid = masses(&|i| of_sparse(density, i));
+            let found = fixed + sum(&laid);
             let off = (found - asked_g).abs();
             if off < nearest.0 {
                 nearest = (off, density);
@@ -112,20 +110,21 @@ impl Steps<'_> {
                 return Ok(Density::new(density));
             }
             let change = (asked_g - fixed) / (found - fixed).max(1e-9);
-            let (from, before) = (density, of_sampled(density));
+            let from = density;
             density *= change;
-            // The sampled layers have to change as all layers should.
-            for _ in 0..SAMPLED / 2 {
-                let ratio = of_sampled(density.clamp(least, most)) / (before * change);
-                // Without sampled layers, or without infill in them, the ratio is no number.
-                if !ratio.is_finite() || (ratio - 1.0).abs() < 1e-3 {
-                    break;
-                }
-                density = (density / ratio).clamp(0.1 * from, 10.0 * from);
-            }
             // Outside this range the mass is no longer proportional to the density: a line appears or
             // the infill becomes dense.
             if self.graded.is_some() {
+                // The sampled layers have to change as all layers should. These steps together cost half a step over all.
+                let wanted = sampled.iter().map(|i| laid[*i]).sum::<f64>() * change;
+                for _ in 0..SAMPLED / 2 {
+                    let ratio = of_sampled(density.clamp(least, most)) / wanted;
+                    // Without infill in the sampled layers the ratio is no number.
+                    if !ratio.is_finite() || (ratio - 1.0).abs() < 1e-3 {
+                        break;
+                    }
+                    density = (density / ratio).clamp(0.1 * from, 10.0 * from);
+                }
                 density = density.clamp(least, most);
             } else if !(0.01..0.95).contains(&density) {
                 break;
