@@ -113,7 +113,7 @@ export async function studio(cwd, ...words) {
 export const launch = () => chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"] });
 
 /** A page with what went wrong in it. */
-export async function visit(browser, address, { isFirst = false, ...options } = {}, first = null) {
+export async function visit(browser, address, { isFirst = false, routes = {}, ...options } = {}, first = null) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "light", ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
@@ -133,6 +133,8 @@ export async function visit(browser, address, { isFirst = false, ...options } = 
     // The answer of the server brings the cookie.
     await page.route((url) => url.pathname === "/", async (route) => { await route.fulfill({ response: await route.fetch(), body: readFileSync(join(process.env.DIST, "index.html")) }); });
   }
+  // Answers of the test instead of the server's. One that is set after the first request is sometimes never asked.
+  for (const [url, answer] of Object.entries(routes)) await page.route(url, (route) => answer(route, page));
   await page.goto(address, { waitUntil: "commit" });
   return { page, wrong, requests, close: () => context.close() };
 }

@@ -32,10 +32,10 @@ const cut = async (page, wanted) => { await page.waitForFunction((w) => document
 const bright = (c) => c[0] + c[1] + c[2];
 
 test("degenerate points are drawn where both principal stresses in the surface are equal", async () => {
-  const visited = await visit(browser, server.address);
-  const { page, wrong, close } = visited;
   // A stress whose points are known, at the points that were solved: on the top a wedge at (20, 4) and nothing else.
-  await page.route("**/stress/0", async (route) => {
+  let isAsked = false;
+  const known = async (route, page) => {
+    isAsked = true;
     const bytes = await (await page.request.get(route.request().url().replace(/\/0$/, ""))).body();
     const n = bytes.readUInt32LE(0);
     const nine = new Float32Array(9 * n);
@@ -44,13 +44,15 @@ test("degenerate points are drawn where both principal stresses in the surface a
       nine.set([100 + (x - 20), 100 - (x - 20), 0, y - 4, 0, 0], 9 * k);
     }
     await route.fulfill({ body: Buffer.from(nine.buffer), contentType: "application/octet-stream" });
-  });
+  };
+  const { page, wrong, close } = await visit(browser, server.address, { routes: { "**/stress/0": known } });
   await choose(page, "bar.stl");
   await shaped(page);
   await hold(page, [0, 4, 2]);
   await load(page, [60, 4, 2]);
   await vector(page, "value-1", [100, 0, 0]);
   await solve(page);
+  assert.ok(isAsked, "the stress on screen is the test's");
   await view(page, "top");
   await page.mouse.move(5, 5);
   const at = [[20, 4, 4], [40, 4, 4]];
