@@ -154,12 +154,35 @@ fn slice_plans_a_part_along_the_load_on_its_faces_as_the_job_does() {
         (vec!["--hold", names[0].as_str()], "--load"),
         (vec!["--hold", &names[0], "--load", "f:12=1,2"], "--load f:9c1e=0,0,-50"),
         (vec!["--hold", "f:ffffff", "--load", &load], "f:ffffff"),
+        (vec!["--hold", "left", "--load", &load], "--hold left: \"left\" is no name of a face"),
     ] {
         let refused =
             grainpath(&dir, &[&["slice", "bar.stl", "-o", "none.gcode"], options.as_slice()].concat());
         let told = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(!refused.status.success() && told.contains(words), "{told}");
         assert!(!dir.join("none.gcode").exists());
+    }
+}
+
+#[test]
+fn a_case_without_stress_is_told() {
+    let dir = folder("faces-no-stress");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let names = names(&json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"])));
+    for analysis in ["plane", "solid"] {
+        let warned = |on: &str, force: &str| {
+            let load = format!("{on}={force}");
+            let set = format!("guide.analysis={analysis:?}");
+            let words = ["slice", "bar.stl", "--hold", &names[0], "--load", &load, "--set", &set, "--json"];
+            let told = json(&grainpath(&dir, &words));
+            let warnings = told["warnings"].as_array().expect("warnings").clone();
+            let is_told = warnings.iter().any(|w| w["id"] == "stress-none");
+            assert!(!is_told || told["stress"]["reserve"].is_null(), "{told}");
+            is_told
+        };
+        // No force, one on the face that is held, and one that pulls.
+        assert!(warned(&names[1], "0,0,0") && warned(&names[0], "0,-20,0"), "{analysis}");
+        assert!(!warned(&names[1], "1e-3,0,0"), "{analysis}");
     }
 }
 

@@ -250,6 +250,9 @@ warning_ids! {
     PartInMidAir = "part-in-mid-air",
         "A piece of the part begins in mid-air, with nothing below it, and there is no support.",
         "set support.style = \"tree\", or turn the part";
+    StressNone = "stress-none",
+        "A load case leaves the part without stress.",
+        "give each load a force, and put it where the part is not held";
     StressBeyondStrength = "stress-beyond-strength",
         "The peak stress is more than twice the strength of the material.",
         "check the loads and their units; at a sharp inner corner the peak grows with every finer mesh";

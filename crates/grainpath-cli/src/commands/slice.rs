@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use grainpath_core::faces::FaceName;
+
 use crate::args::Slice;
 use crate::claims::Claims;
 use crate::commands::inspect_scan;
@@ -60,11 +62,20 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
 }
 
 /// The part of a job that holds and loads a mesh at its faces, with beads along the stress.
-fn loaded_job(holds: &[String], loads: &[String]) -> Result<String, Failure> {
+fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String, Failure> {
     let mut job = String::from("[fill]\npattern = \"stripes\"\ndensity = 1\n\n[guide]\nkind = \"stress\"\n");
-    let face = |name: &str| serde_json::Value::from(name.trim());
+    let face = |option: &str, name: &str| {
+        name.trim().parse::<FaceName>().map_err(|_| {
+            Failure::usage(format!(
+                "{option} {name}: {:?} is no name of a face as f:9c1e, which `grainpath inspect {} --faces` lists",
+                name.trim(),
+                model.display()
+            ))
+        })
+    };
     for name in holds {
-        writeln!(job, "\n[[guide.fixture]]\non = {{ face = {} }}\nfix = \"xyz\"", face(name)).expect("text");
+        writeln!(job, "\n[[guide.fixture]]\non = {{ face = \"{}\" }}\nfix = \"xyz\"", face("--hold", name)?)
+            .expect("text");
     }
     for load in loads {
         let force = load.split_once('=').and_then(|(name, force)| {
@@ -76,8 +87,8 @@ fn loaded_job(holds: &[String], loads: &[String]) -> Result<String, Failure> {
                 "is no face with its force; write --load f:9c1e=0,0,-50: N along x, y and z of the part";
             Failure::usage(format!("--load {load} {words}"))
         })?;
-        writeln!(job, "\n[[guide.load]]\non = {{ face = {} }}\nforce_n = {force_n:?}", face(name))
-            .expect("text");
+        let face = face("--load", name)?;
+        writeln!(job, "\n[[guide.load]]\non = {{ face = \"{face}\" }}\nforce_n = {force_n:?}").expect("text");
     }
     Ok(job)
 }
@@ -143,7 +154,7 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
                 "{name}: --hold and --load name faces of a mesh, which it is not"
             )));
         }
-        job = loaded_job(&args.hold, &args.loads)?;
+        job = loaded_job(&args.model, &args.hold, &args.loads)?;
         assumed = Some("a part with a load on its faces: dense stripes along the stress");
     }
     let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;

@@ -1,6 +1,6 @@
 //! Warnings about a stress result: whether its numbers can be trusted.
 //!
-//! A stress far beyond the strength points to a wrong load or unit. A large mesh error hides the
+//! A case without stress has loads of zero, or loads that fixtures take up at once. A stress far beyond the strength points to a wrong load or unit. A large mesh error hides the
 //! peak. Loads and reactions that do not cancel mean a broken model. A large displacement breaks
 //! the assumption of small strains.
 
@@ -33,6 +33,14 @@ pub(super) fn warn(
     results: &[ResultMesh],
     diagnostics: &Diagnostics,
 ) {
+    // Imported stress of zero is told by its reader.
+    for case in results.iter().filter(|case| summary.dofs > 0 && !has_stress(case)) {
+        let text = format!(
+            "case {:?} leaves the part without stress: its loads are zero, or act only where the part is held",
+            case.name
+        );
+        diagnostics.warn(WarningId::StressNone, text);
+    }
     let peak = peak_stress(results);
     if let (Some((stress_mpa, place)), Some(strength_mpa)) = (peak, settings.strength_mpa)
         && stress_mpa > MAX_STRENGTH_MULTIPLE * strength_mpa
@@ -72,6 +80,11 @@ pub(super) fn warn(
         );
         diagnostics.warn(WarningId::StressLargeDisplacement, text);
     }
+}
+
+/// Whether a case has any stress. Without force on nodes that move, the solution is exactly zero.
+fn has_stress(case: &ResultMesh) -> bool {
+    case.stress.iter().flatten().any(|component| *component != 0.0)
 }
 
 /// Whether a stress is good enough to state a reserve: its peak is not far beyond the strength (if that is known), and

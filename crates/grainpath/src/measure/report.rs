@@ -205,14 +205,17 @@ impl StressReport {
         if let Some(strength) = self.strength_mpa {
             add(
                 "strength over peak",
-                self.reserve.map_or_else(
-                    || {
-                        format!(
-                            "none stated: the peak cannot be trusted against the strength of {strength} MPa"
-                        )
-                    },
-                    |reserve| format!("{reserve:.2}: {strength} MPa along the beads over the peak stress"),
-                ),
+                match self.reserve {
+                    Some(reserve) => {
+                        format!("{reserve:.2}: {strength} MPa along the beads over the peak stress")
+                    }
+                    None if self.max_von_mises_mpa == 0.0 => {
+                        "none stated: the part bears no stress".to_owned()
+                    }
+                    None => format!(
+                        "none stated: the peak cannot be trusted against the strength of {strength} MPa"
+                    ),
+                },
             );
         }
         if let Some(moved) = self.max_displacement_mm {
