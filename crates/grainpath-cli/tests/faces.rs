@@ -154,7 +154,7 @@ fn slice_plans_a_part_along_the_load_on_its_faces_as_the_job_does() {
         (vec!["--hold", names[0].as_str()], "--load"),
         (vec!["--hold", &names[0], "--load", "f:12=1,2"], "--load f:9c1e=0,0,-50"),
         (vec!["--hold", "f:ffffff", "--load", &load], "f:ffffff"),
-        (vec!["--hold", "left", "--load", &load], "--hold left: \"left\" is no name of a face"),
+        (vec!["--hold", "left", "--load", &load], "--hold left: a face has a name such as f:9c1e"),
     ] {
         let refused =
             grainpath(&dir, &[&["slice", "bar.stl", "-o", "none.gcode"], options.as_slice()].concat());

@@ -67,8 +67,7 @@ fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String
     let face = |option: &str, name: &str| {
         name.trim().parse::<FaceName>().map_err(|_| {
             Failure::usage(format!(
-                "{option} {name}: {:?} is no name of a face as f:9c1e, which `grainpath inspect {} --faces` lists",
-                name.trim(),
+                "{option} {name}: a face has a name such as f:9c1e; `grainpath inspect {} --faces` lists them",
                 model.display()
             ))
         })

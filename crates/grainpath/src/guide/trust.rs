@@ -1,8 +1,8 @@
 //! Warnings about a stress result: whether its numbers can be trusted.
 //!
-//! A case without stress has loads of zero, or loads that fixtures take up at once. A stress far beyond the strength points to a wrong load or unit. A large mesh error hides the
-//! peak. Loads and reactions that do not cancel mean a broken model. A large displacement breaks
-//! the assumption of small strains.
+//! A case without stress has loads of zero, or loads that fixtures take up at once. A stress far beyond the strength points
+//! to a wrong load or unit. A large mesh error hides the peak. Loads and reactions that do not cancel mean a broken model.
+//! A large displacement breaks the assumption of small strains.
 
 use super::{ResultMesh, StressSettings, StressSummary};
 use grainpath_core::tensor::von_mises;
@@ -82,7 +82,7 @@ pub(super) fn warn(
     }
 }
 
-/// Whether a case has any stress. Without force on nodes that move, the solution is exactly zero.
+/// Whether any component of a case's stress differs from zero. Without force on nodes that can move, the solution is exactly zero.
 fn has_stress(case: &ResultMesh) -> bool {
     case.stress.iter().flatten().any(|component| *component != 0.0)
 }
