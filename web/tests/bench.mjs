@@ -134,7 +134,7 @@ export async function visit(browser, address, { isFirst = false, routes = {}, ..
     await page.route((url) => url.pathname === "/", async (route) => { await route.fulfill({ response: await route.fetch(), body: readFileSync(join(process.env.DIST, "index.html")) }); });
   }
   // Answers of the test instead of the server's. One that is set after the first request is sometimes never asked.
-  for (const [url, answer] of Object.entries(routes)) await page.route(url, (route) => answer(route, page));
+  for (const [url, answer] of Object.entries(routes)) await page.route(url, answer);
   await page.goto(address, { waitUntil: "commit" });
   return { page, wrong, requests, close: () => context.close() };
 }

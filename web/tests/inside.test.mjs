@@ -34,9 +34,9 @@ const bright = (c) => c[0] + c[1] + c[2];
 test("degenerate points are drawn where both principal stresses in the surface are equal", async () => {
   // A stress whose points are known, at the points that were solved: on the top a wedge at (20, 4) and nothing else.
   let isAsked = false;
-  const known = async (route, page) => {
+  const known = async (route) => {
     isAsked = true;
-    const bytes = await (await page.request.get(route.request().url().replace(/\/0$/, ""))).body();
+    const bytes = await (await route.fetch({ url: route.request().url().replace(/\/0$/, "") })).body();
     const n = bytes.readUInt32LE(0);
     const nine = new Float32Array(9 * n);
     for (let k = 0; k < n; k++) {
