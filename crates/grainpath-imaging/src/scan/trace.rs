@@ -53,32 +53,33 @@ impl Grid {
     pub fn with_flats(mut self, step: impl Fn(usize) -> f32) -> Self {
         const REACH: usize = 2;
         let (w, nx) = (self.nx + 2, self.nx);
-        let flat = |k: usize| {
-            let v = self.values[(k / nx + 1) * w + k % nx + 1];
-            // A value below 12 % of the change means that the face lies within 12 % of a slice distance.
-            v.abs() < 0.12 * step(k)
-        };
-        let found: Vec<usize> = (0..nx * self.ny).filter(|&k| flat(k)).collect();
+        // A value below 12 % of the change means that the face lies within 12 % of a slice distance.
+        let is_flat = |v: f32, k: usize| v.abs() < 0.12 * step(k);
+        let mut found: Vec<(usize, usize)> = Vec::new();
+        for (j, row) in self.values[w..].chunks_exact(w).take(self.ny).enumerate() {
+            let in_row = row[1..=nx].iter().enumerate().filter(|(i, v)| is_flat(**v, j * nx + i));
+            found.extend(in_row.map(|(i, _)| (i, j)));
+        }
         // A few such pixels occur along every contour by chance.
         if found.len() < 25 {
             return self;
         }
         let mut settled: Vec<(usize, f32)> = Vec::new();
-        for &k in &found {
-            let (i, j) = (k % nx, k / nx);
+        for (i, j) in found {
             let (mut n, mut sum) = (0, 0.0);
             for y in j.saturating_sub(REACH)..=(j + REACH).min(self.ny - 1) {
                 for x in i.saturating_sub(REACH)..=(i + REACH).min(nx - 1) {
-                    if flat(y * nx + x) {
+                    let v = self.values[(y + 1) * w + x + 1];
+                    if is_flat(v, y * nx + x) {
                         n += 1;
-                        sum += self.values[(y + 1) * w + x + 1];
+                        sum += v;
                     }
                 }
             }
             // Nearly half of the 5 x 5 neighbourhood: along a contour only a line of five pixels is near
             // zero.
             if n > 10 {
-                settled.push((k, sum / n as f32));
+                settled.push((j * nx + i, sum / n as f32));
             }
         }
         level(&mut settled, nx, |k| 0.02 * step(k));
@@ -97,57 +98,66 @@ impl Grid {
         let w = self.nx + 2;
         // Segments from grid edge to grid edge. Each edge is left by at most one segment.
         let mut segments: Vec<(u32, u32)> = Vec::new();
+        let mut low_bits = signs(&self.values[..w]);
         for j in 0..=self.ny {
             let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
-            // The code of a cell moves along the row: two of its four bits come from the cell before.
-            let mut code = usize::from(low[0] > 0.0) << 1 | usize::from(high[0] > 0.0) << 2;
-            for i in 0..=self.nx {
-                code = (code >> 1 & 1)
-                    | (code >> 2 & 1) << 3
-                    | usize::from(low[i + 1] > 0.0) << 1
-                    | usize::from(high[i + 1] > 0.0) << 2;
-                if code == 0 || code == 15 {
-                    continue;
-                }
-                let p = (j * w + i) as u32;
-                // Edges are numbered by the pixel at which they begin: even ones run along x, odd ones
-                // along y.
-                let (bottom, left) = (2 * p, 2 * p + 1);
-                let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
-                let mut link = |from: u32, to: u32| segments.push((from, to));
-                let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
-                match code {
-                    1 => link(bottom, left),
-                    2 => link(right, bottom),
-                    3 => link(right, left),
-                    4 => link(top, right),
-                    6 => link(top, bottom),
-                    7 => link(top, left),
-                    8 => link(left, top),
-                    9 => link(bottom, top),
-                    11 => link(right, top),
-                    12 => link(left, right),
-                    13 => link(bottom, right),
-                    14 => link(left, bottom),
-                    // Cases 5 and 10 are saddles: two corners across a diagonal are inside.
-                    5 if joined() => {
-                        link(bottom, right);
-                        link(top, left);
-                    }
-                    5 => {
-                        link(bottom, left);
-                        link(top, right);
-                    }
-                    _ if joined() => {
-                        link(left, bottom);
-                        link(right, top);
-                    }
-                    _ => {
-                        link(right, bottom);
-                        link(left, top);
+            let high_bits = signs(high);
+            for word in 0..low_bits.len() {
+                let (here, above) = (low_bits[word], high_bits[word]);
+                let (right, above_right) = (shifted(&low_bits, word), shifted(&high_bits, word));
+                let mut crossed = (here ^ above) | (here ^ right) | (above ^ above_right);
+                // The last value of a row begins no cell.
+                let surplus = (64 * (word + 1)).saturating_sub(w - 1);
+                crossed &= u64::MAX.checked_shr(surplus as u32).unwrap_or(0);
+                while crossed != 0 {
+                    let bit = crossed.trailing_zeros();
+                    crossed &= crossed - 1;
+                    let i = 64 * word + bit as usize;
+                    let code = [here, right, above_right, above]
+                        .iter()
+                        .enumerate()
+                        .fold(0, |code, (k, bits)| code | (bits >> bit & 1) << k);
+                    let p = (j * w + i) as u32;
+                    // Edges are numbered by the pixel at which they begin: even ones run along x, odd ones
+                    // along y.
+                    let (bottom, left) = (2 * p, 2 * p + 1);
+                    let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
+                    let mut link = |from: u32, to: u32| segments.push((from, to));
+                    let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
+                    match code {
+                        1 => link(bottom, left),
+                        2 => link(right, bottom),
+                        3 => link(right, left),
+                        4 => link(top, right),
+                        6 => link(top, bottom),
+                        7 => link(top, left),
+                        8 => link(left, top),
+                        9 => link(bottom, top),
+                        11 => link(right, top),
+                        12 => link(left, right),
+                        13 => link(bottom, right),
+                        14 => link(left, bottom),
+                        // Cases 5 and 10 are saddles: two corners across a diagonal are inside.
+                        5 if joined() => {
+                            link(bottom, right);
+                            link(top, left);
+                        }
+                        5 => {
+                            link(bottom, left);
+                            link(top, right);
+                        }
+                        _ if joined() => {
+                            link(left, bottom);
+                            link(right, top);
+                        }
+                        _ => {
+                            link(right, bottom);
+                            link(left, top);
+                        }
                     }
                 }
             }
+            low_bits = high_bits;
         }
         // Successors are searched: an array over all edges would take eight bytes a pixel, while contours cross few pixels.
         let mut successors = segments.clone();
@@ -183,6 +193,17 @@ impl Grid {
         let at = DVec2::new((p % w) as f64 - 0.5, (p / w) as f64 - 0.5);
         if edge.is_multiple_of(2) { at + DVec2::new(t, 0.0) } else { at + DVec2::new(0.0, t) }
     }
+}
+
+/// Whether each value of a row is inside, 64 to a word, the first in the lowest bit.
+fn signs(row: &[f32]) -> Vec<u64> {
+    let word = |values: &[f32]| values.iter().rev().fold(0, |bits, v| bits << 1 | u64::from(*v > 0.0));
+    row.chunks(64).map(word).collect()
+}
+
+/// The word of a row whose bits are those of the next values.
+fn shifted(bits: &[u64], word: usize) -> u64 {
+    bits[word] >> 1 | bits.get(word + 1).map_or(0, |next| next << 63)
 }
 
 /// Sets every connected level patch to its mean value. A patch is level if the means of its halves differ by less than
@@ -322,6 +343,33 @@ mod tests {
         assert_eq!(contours.len(), 1);
         let area = signed_area_mm2(&contours[0]);
         assert!((area / (std::f64::consts::PI * r * r) - 1.0).abs() < 1e-3, "{area}");
+    }
+
+    /// Signs are kept 64 to a word, so the same picture is traced at every place of the words, ending with the row or before it.
+    #[test]
+    fn contours_are_the_same_wherever_a_word_ends() {
+        let (nx, ny) = (19, 17);
+        let value = |i: usize| ((i * i * 7 + i * 3) % 23) as f32 - 11.5;
+        let picture: Vec<f32> = (0..nx * ny).map(value).collect();
+        let expected = Grid::new(&picture, nx, ny).contours();
+        assert!(expected.len() > 15, "{} contours", expected.len());
+        for (before, after) in (0..130).flat_map(|k| [(k, 0), (k, 1), (k, 130 - k)]) {
+            let width = before + nx + after;
+            // Air as deep as what lies beyond the border of a picture, which mirrors the outermost values.
+            let row = |j: usize| {
+                let own = &picture[j * nx..(j + 1) * nx];
+                let air = |v: f32, n: usize| vec![outside(v); n];
+                [air(own[0], before), own.to_vec(), air(own[nx - 1], after)].concat()
+            };
+            let values: Vec<f32> = (0..ny).flat_map(row).collect();
+            let contours = Grid::new(&values, width, ny).contours();
+            assert_eq!(contours.len(), expected.len(), "{before} {after}");
+            for (contour, expected) in contours.iter().zip(&expected) {
+                let moved = expected.iter().map(|p| *p + DVec2::new(before as f64, 0.0));
+                assert!(contour.len() == expected.len(), "{before} {after}");
+                assert!(contour.iter().zip(moved).all(|(a, b)| a.distance(b) < 1e-9), "{before} {after}");
+            }
+        }
     }
 
     #[test]

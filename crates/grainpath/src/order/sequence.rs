@@ -33,55 +33,63 @@ const MAX_SHAKEN: usize = 64;
 /// The module documentation describes the method.
 pub(super) fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut index = NearestEnds::new(ends);
-    let mut order = Vec::with_capacity(ends.len());
-    let mut from = at;
-    while let Some((i, second)) = index.nearest(from) {
-        index.take(i);
-        order.push((i, second));
-        from = ends[i][usize::from(!second)];
+    let mut order: Vec<Stop> = Vec::with_capacity(ends.len());
+    while let Some((path, second)) = index.nearest(order.last().map_or(at, |s| s.leave)) {
+        index.take(path);
+        let [enter, leave] = if second { [ends[path][1], ends[path][0]] } else { ends[path] };
+        order.push(Stop { path, second, enter, leave });
     }
-    let mut tour = Tour { ends, at, to, order, look: vec![true; ends.len()] };
+    let mut tour = Tour { at, to, gaps_mm: vec![0.0; order.len() + 1], order, look: vec![true; ends.len()] };
+    tour.measure_gaps(0, ends.len());
     tour.improve();
     // Fewer than four stops hardly contain two runs to exchange.
     if (4..=MAX_SHAKEN).contains(&ends.len()) {
         tour.shake();
     }
-    tour.order
+    tour.order.into_iter().map(|s| (s.path, s.second)).collect()
+}
+
+/// A path in the tour.
+#[derive(Clone, Copy)]
+struct Stop {
+    path: usize,
+    /// Whether the path is entered at its second end.
+    second: bool,
+    enter: DVec2,
+    leave: DVec2,
 }
 
 /// A tour that is being improved. Gap `k` is the travel before stop `k`; the last gap leads to `to`.
-struct Tour<'a> {
-    ends: &'a [[DVec2; 2]],
+struct Tour {
     at: DVec2,
     to: Option<DVec2>,
-    order: Vec<(usize, bool)>,
+    order: Vec<Stop>,
+    /// Length of each gap.
+    gaps_mm: Vec<f64>,
     /// For each path, whether the tour next to it has changed since it was last examined without success.
     look: Vec<bool>,
 }
 
-impl Tour<'_> {
-    fn enter(&self, stop: usize) -> DVec2 {
-        let (i, second) = self.order[stop];
-        self.ends[i][usize::from(second)]
-    }
-
-    fn leave(&self, stop: usize) -> DVec2 {
-        let (i, second) = self.order[stop];
-        self.ends[i][usize::from(!second)]
-    }
-
+impl Tour {
     /// Start of gap `k`.
     fn before(&self, k: usize) -> DVec2 {
-        if k == 0 { self.at } else { self.leave(k - 1) }
+        if k == 0 { self.at } else { self.order[k - 1].leave }
     }
 
     /// End of gap `k`; `None` after the last stop if the next point is unknown.
     fn after(&self, k: usize) -> Option<DVec2> {
-        if k < self.order.len() { Some(self.enter(k)) } else { self.to }
+        self.order.get(k).map_or(self.to, |s| Some(s.enter))
+    }
+
+    /// Measures gaps `a` to `b` again, both included, after the stops between them were moved.
+    fn measure_gaps(&mut self, a: usize, b: usize) {
+        for k in a..=b {
+            self.gaps_mm[k] = way_mm(self.before(k), self.after(k));
+        }
     }
 
     fn length_mm(&self) -> f64 {
-        (0..=self.order.len()).map(|k| way_mm(self.before(k), self.after(k))).sum()
+        self.gaps_mm.iter().sum()
     }
 
     fn improve(&mut self) {
@@ -96,21 +104,24 @@ impl Tour<'_> {
 
     /// Whether the tour next to a stop has changed since the stop was last examined.
     fn is_marked(&self, stop: usize) -> bool {
-        self.order.get(stop).is_some_and(|o| self.look[o.0])
+        self.order.get(stop).is_some_and(|o| self.look[o.path])
     }
 
     /// Marks the stops on both sides of gap `k` to be examined again.
     fn changed(&mut self, k: usize) {
         for stop in [k.checked_sub(1), Some(k)].into_iter().flatten() {
             if let Some(o) = self.order.get(stop) {
-                self.look[o.0] = true;
+                self.look[o.path] = true;
             }
         }
     }
 
     fn turn(&mut self, a: usize, b: usize) {
         self.order[a..b].reverse();
-        self.order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
+        for stop in &mut self.order[a..b] {
+            stop.second = !stop.second;
+            std::mem::swap(&mut stop.enter, &mut stop.leave);
+        }
     }
 
     /// Reverses runs of stops if that shortens the tour (2-opt). Returns whether any was reversed.
@@ -121,7 +132,7 @@ impl Tour<'_> {
             if !(self.is_marked(k) || k > 0 && self.is_marked(k - 1)) {
                 continue;
             }
-            let way = way_mm(self.before(k), self.after(k));
+            let way = self.gaps_mm[k];
             // A gap of zero length cannot become shorter; most gaps of a zigzag are of this kind.
             if way < 1e-6 {
                 continue;
@@ -131,12 +142,16 @@ impl Tour<'_> {
                     continue;
                 }
                 let (a, b) = (k.min(other), k.max(other));
-                let old = way + way_mm(self.before(other), self.after(other));
-                let new =
-                    way_mm(self.before(a), Some(self.leave(b - 1))) + way_mm(self.enter(a), self.after(b));
+                let old = way + self.gaps_mm[other];
+                let (before, last) = (self.before(a), self.order[b - 1].leave);
+                if is_longer(before, last, old) {
+                    continue;
+                }
+                let new = before.distance(last) + way_mm(self.order[a].enter, self.after(b));
                 // A gain below a nanometre is rounding, and accepting it could repeat for ever.
                 if new < old - 1e-6 {
                     self.turn(a, b);
+                    self.measure_gaps(a, b);
                     self.changed(a);
                     self.changed(b);
                     improved = true;
@@ -158,12 +173,11 @@ impl Tour<'_> {
         for length in 1..=3.min(n.saturating_sub(1)) {
             for a in 0..=n - length {
                 let b = a + length;
-                if !self.order[a..b].iter().any(|o| looked[o.0] || self.look[o.0]) {
+                if !self.order[a..b].iter().any(|o| looked[o.path] || self.look[o.path]) {
                     continue;
                 }
-                let (first, last) = (self.enter(a), self.leave(b - 1));
-                let saved = self.before(a).distance(first) + way_mm(last, self.after(b))
-                    - way_mm(self.before(a), self.after(b));
+                let (first, last) = (self.order[a].enter, self.order[b - 1].leave);
+                let saved = self.gaps_mm[a] + self.gaps_mm[b] - way_mm(self.before(a), self.after(b));
                 if saved < 1e-6 {
                     continue;
                 }
@@ -173,8 +187,11 @@ impl Tour<'_> {
                         continue;
                     }
                     let (before, after) = (self.before(k), self.after(k));
-                    let gap = way_mm(before, after);
+                    let gap = self.gaps_mm[k];
                     for (turned, from, to) in [(false, first, last), (true, last, first)] {
+                        if is_longer(before, from, best.0 + gap) {
+                            continue;
+                        }
                         let cost = before.distance(from) + way_mm(to, after) - gap;
                         if cost < best.0 {
                             best = (cost, k, turned);
@@ -195,6 +212,7 @@ impl Tour<'_> {
                     self.order[a..k].rotate_left(length);
                     [a, k - length, k]
                 };
+                self.measure_gaps(seams[0], seams[2]);
                 seams.into_iter().for_each(|seam| self.changed(seam));
                 improved = true;
             }
@@ -223,6 +241,7 @@ impl Tour<'_> {
             // can undo it in one step.
             self.order[a..c].rotate_left(b - a);
             self.look.fill(false);
+            self.measure_gaps(a, c);
             [a, a + c - b, c].into_iter().for_each(|seam| self.changed(seam));
             self.improve();
             let length = self.length_mm();
@@ -230,9 +249,16 @@ impl Tour<'_> {
                 best = (length, self.order.clone());
             } else {
                 self.order.copy_from_slice(&best.1);
+                self.measure_gaps(0, n);
             }
         }
     }
+}
+
+/// Whether two points lie farther apart than `length_mm`, by more than rounding. It takes no square root, and most exchanges
+/// fail by their first travel alone.
+fn is_longer(a: DVec2, b: DVec2, length_mm: f64) -> bool {
+    a.distance_squared(b) > length_mm * length_mm * (1.0 + 1e-9)
 }
 
 /// Length of a travel, mm; 0 if its end is unknown.

@@ -233,7 +233,7 @@ pub fn fill_window(
     let mut walls = steps.walls(window.clone(), diagnostics)?;
     let skins = steps.skins(window.clone(), &mut walls, diagnostics)?;
     let density = step_settings.infill.density;
-    Ok(steps.infill(window, walls, &skins, density, diagnostics)?.layers)
+    Ok(steps.infill(window, walls, skins, density, diagnostics)?.layers)
 }
 
 fn plan_cut(
@@ -462,6 +462,7 @@ fn plan_stack(
             let mut walls = steps.walls(all.clone(), diagnostics)?;
             let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
             let density = steps.density(&walls, &skins, diagnostics)?;
+            let sparse_areas = graded.as_ref().map(|_| steps.sparse_areas(&skins));
             if step_settings.stagger_walls {
                 warn_of_level_walls(walls.iter().flat_map(|l| &l.islands), diagnostics);
             }
@@ -473,17 +474,17 @@ fn plan_stack(
                         pass_on(&plan, &config, diagnostics);
                     }
                 };
-                steps.in_growing_windows(walls, &skins, density, &order, diagnostics, each)?;
+                steps.in_growing_windows(walls, skins, density, &order, diagnostics, each)?;
                 FilledLayers::default()
             } else {
-                steps.infill(all, walls, &skins, density, diagnostics)?
+                steps.infill(all, walls, skins, density, diagnostics)?
             };
-            laid = graded.as_ref().map(|graded| {
+            laid = graded.as_ref().zip(sparse_areas).map(|(graded, areas)| {
                 let asked = AskedDensity {
                     map: &graded.of_mean(density.fraction()),
                     range: graded.range(),
                     by: graded.by(),
-                    areas: &steps.sparse_areas(&skins),
+                    areas: &areas,
                 };
                 LaidDensity::measure(&asked, &stack, &filled.layers)
             });

@@ -196,7 +196,7 @@ pub struct ExtrudedMass {
 /// let (diagnostics, window) = (Diagnostics::default(), 3..6);
 /// let mut walls = steps.walls(window.clone(), &diagnostics).unwrap();
 /// let skins = steps.skins(window.clone(), &mut walls, &diagnostics).unwrap();
-/// let filled = steps.infill(window.clone(), walls, &skins, Density::new(0.2), &diagnostics).unwrap();
+/// let filled = steps.infill(window.clone(), walls, skins, Density::new(0.2), &diagnostics).unwrap();
 /// assert!(!filled.layers[1].islands[0].fills.is_empty());
 /// let mut state = OrderState::new(&order);
 /// let plans = order_window(stack.layers(), window, filled.layers, &order, &mut state, &diagnostics).unwrap();
@@ -508,7 +508,8 @@ impl<'a> Steps<'a> {
     }
 
     /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are
-    /// those of the window.
+    /// those of the window. The infill regions of a layer are freed as soon as it is filled, so that they do not lie
+    /// beside the paths of the whole window.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -516,12 +517,12 @@ impl<'a> Steps<'a> {
         &self,
         window: Range<usize>,
         walls: Vec<LayerWalls>,
-        skins: &[SkinSplit],
+        skins: Vec<SkinSplit>,
         density: Density,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
         let mut copies =
-            Copies { first: window.start, of: self.duplicates(window.start, skins), laid: BTreeMap::new() };
+            Copies { first: window.start, of: self.duplicates(window.start, &skins), laid: BTreeMap::new() };
         self.infill_beside(window, walls, skins, density, &mut copies, diagnostics)
     }
 
@@ -530,13 +531,13 @@ impl<'a> Steps<'a> {
         &self,
         window: Range<usize>,
         walls: Vec<LayerWalls>,
-        skins: &[SkinSplit],
+        skins: Vec<SkinSplit>,
         density: Density,
         copies: &mut Copies,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
         let first = window.start;
-        let lay = |k: usize| {
+        let lay = |(k, split): (usize, SkinSplit)| {
             diagnostics.check()?;
             let mut paths = Vec::new();
             let mut tally = Tally::default();
@@ -544,16 +545,18 @@ impl<'a> Steps<'a> {
             // of that layer after all others are laid.
             if copies.original(first + k) == first + k {
                 let mut add = |island, path| paths.push((island, path));
-                tally = self.dense_fill(first + k, &skins[k], &mut add);
-                tally = tally.and(self.sparse_fill(first + k, &skins[k], density, &mut add));
+                tally = self.dense_fill(first + k, &split, &mut add);
+                tally = tally.and(self.sparse_fill(first + k, &split, density, &mut add));
             }
+            drop(split);
             paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
             paths.shrink_to_fit();
             diagnostics.advance(1);
             Ok((paths, tally))
         };
-        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
+        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = skins
             .into_par_iter()
+            .enumerate()
             // A guide makes layers costly, so each layer is then a task of its own.
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
@@ -620,7 +623,7 @@ impl<'a> Steps<'a> {
             let window = first..(first + n_layers.max(1)).min(end);
             let mut walls = self.walls(window.clone(), diagnostics)?;
             let skins = self.skins(window.clone(), &mut walls, diagnostics)?;
-            let filled = self.infill(window.clone(), walls, &skins, density, diagnostics)?;
+            let filled = self.infill(window.clone(), walls, skins, density, diagnostics)?;
             fibre = fibre.and(filled.fibre);
             let sections = self.stack.layers();
             let plans = order_window(sections, window, filled.layers, order, &mut state, diagnostics)?;
@@ -638,20 +641,20 @@ impl<'a> Steps<'a> {
     pub(super) fn in_growing_windows(
         &self,
         mut walls: Vec<LayerWalls>,
-        skins: &[SkinSplit],
+        mut skins: Vec<SkinSplit>,
         density: Density,
         order: &OrderSettings,
         diagnostics: &Diagnostics,
         mut each: impl FnMut(Vec<LayerPlan>),
     ) -> Result<(), Interrupted> {
         let mut state = OrderState::new(order);
-        let mut copies = Copies { first: 0, of: self.duplicates(0, skins), laid: BTreeMap::new() };
+        let mut copies = Copies { first: 0, of: self.duplicates(0, &skins), laid: BTreeMap::new() };
         let sections = self.stack.layers();
         let mut first = 0;
         while first < sections.len() {
             let window = first..(GROWTH * first).clamp(first + 1, sections.len());
             let of_window = walls.drain(..window.len()).collect();
-            let own = &skins[window.clone()];
+            let own = skins.drain(..window.len()).collect();
             let filled =
                 self.infill_beside(window.clone(), of_window, own, density, &mut copies, diagnostics)?;
             first = window.end;
