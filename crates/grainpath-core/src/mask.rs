@@ -360,11 +360,15 @@ impl Mask {
     /// The mask grown by `n` cells on all sides. Growth adds the four neighbours and all eight neighbours in turn,
     /// so a single cell becomes an octagon.
     pub fn grown(&self, n: usize) -> Self {
-        let mut grown = self.clone();
+        self.clone().into_grown(n)
+    }
+
+    fn into_grown(self, n: usize) -> Self {
         if self.is_empty() {
-            return grown;
+            return self;
         }
-        let mut sideways = Self::empty(self.grid);
+        let mut grown = self;
+        let mut sideways = Self::empty(grown.grid);
         // Four and eight neighbours in turn approximate a disc by an octagon; either alone would
         // grow a diamond or a square.
         for i in 0..n {
@@ -382,14 +386,18 @@ impl Mask {
 
     /// The mask shrunk by `n` cells on all sides.
     pub fn shrunk(&self, n: usize) -> Self {
-        let inverse = |m: &Self| Self { grid: m.grid, bits: m.bits.iter().map(|w| !w).collect() };
         // Shrinking a mask is the same as growing its complement.
-        inverse(&inverse(self).grown(n))
+        self.clone().inverted().into_grown(n).inverted()
+    }
+
+    fn inverted(mut self) -> Self {
+        self.bits.iter_mut().for_each(|w| *w = !*w);
+        self
     }
 
     /// The mask without parts that are thinner than about `2 n` cells.
     pub fn opened(&self, n: usize) -> Self {
-        self.shrunk(n).grown(n)
+        self.shrunk(n).into_grown(n)
     }
 
     /// The borders as closed lines, counter-clockwise around cells and clockwise around holes. The staircase

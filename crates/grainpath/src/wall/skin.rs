@@ -160,30 +160,34 @@ impl Window<'_> {
     }
 }
 
-fn split(fill: &[IslandPolygon], cover: Cover, settings: &SkinSettings) -> SkinSplit {
+fn split(fill: &[IslandPolygon], mut cover: Cover, settings: &SkinSettings) -> SkinSplit {
     if fill.is_empty() {
         return SkinSplit { below: cover.below, ..SkinSplit::default() };
     }
     let cells = cells_of(cover.grid, fill);
-    let (dense, sparse) = match &cover.inside {
-        _ if settings.dense => (fill.to_vec(), Vec::new()),
-        None => (fill.to_vec(), Vec::new()),
-        Some(inside) => {
-            // Skins reach two cells under their cover. Slivers of sparse fill, little more than
-            // walls, become dense.
-            let exposed = cells.clone().and_not(inside).grown(2);
-            let hidden = cells.clone().and_not(&exposed);
-            // Opening with an octagon also removes the corners of sparse fill, which are then added back.
-            let sparse = hidden.opened(3).grown(CORNER_CELLS).and(&hidden);
-            let dense = cells.clone().and_not(&sparse);
-            // The zone is grown by three cells, but never into sparse fill: the polygon's own edge
-            // then lies inside the zone and is not cut along the coarse edge of the mask.
-            cut(fill.to_vec(), &dense.grown(3).and_not(&sparse))
-        }
+    let (dense, sparse) = match cover.inside.take() {
+        Some(inside) if !settings.dense => cut(fill.to_vec(), &skin_zone(&cells, inside)),
+        _ => (fill.to_vec(), Vec::new()),
     };
     let (bridge, solid) = bridges(dense, &cells, &cover);
     let (top, solid) = tops(solid, &cells, &cover);
     SkinSplit { top, solid, bridge, sparse, below: cover.below, regions: Vec::new() }
+}
+
+/// The cells of skins over sparse fill, and a little beyond. `inside` are the cells covered by all skin layers. Masks are
+/// as large as the plate is, so none is kept beyond its last use.
+fn skin_zone(cells: &Mask, inside: Mask) -> Mask {
+    // Skins reach two cells under their cover. Slivers of sparse fill, little more than walls, become dense.
+    let exposed = cells.clone().and_not(&inside).grown(2);
+    drop(inside);
+    let hidden = cells.clone().and_not(&exposed);
+    drop(exposed);
+    // Opening with an octagon also removes the corners of sparse fill, which are then added back.
+    let sparse = hidden.opened(3).grown(CORNER_CELLS).and(&hidden);
+    drop(hidden);
+    // The zone is grown by three cells, but never into sparse fill: the polygon's own edge then lies inside the zone and is
+    // not cut along the coarse edge of the mask.
+    cells.clone().and_not(&sparse).grown(3).and_not(&sparse)
 }
 
 fn cells_of(grid: Grid, polygons: &[IslandPolygon]) -> Mask {
