@@ -13,6 +13,8 @@
 //! factorization. Where the memory limit does not allow keeping the Schur complements, every factorization is a whole
 //! one. A plate that can move freely is an error.
 
+use std::sync::{Mutex, PoisonError};
+
 use grainpath_core::diagnostics::CancelFlag;
 
 use super::elements::PlateElements;
@@ -31,6 +33,16 @@ pub(super) struct Fronts {
     pub cancel: CancelFlag,
     /// Whether Schur complements are kept, so that a factorization can be limited to what changed.
     keeps: bool,
+    /// Memory of whole fronts, as many as threads have worked on: to ask the system for them anew costs a twentieth of a test.
+    spare: Mutex<Vec<Vec<f64>>>,
+}
+
+/// What a factorization reads and works in.
+struct Factorization<'a> {
+    stiffness: &'a [Lower],
+    keeps: bool,
+    cancel: &'a CancelFlag,
+    spare: &'a Mutex<Vec<Vec<f64>>>,
 }
 
 #[derive(Default)]
@@ -46,7 +58,8 @@ struct Front {
     elements: Vec<(u32, [u32; 4])>,
     /// Stiffness of fixtures and of the weak springs at every node: row and column among its unknowns, and value.
     added: Vec<(u32, u32, f64)>,
-    /// Columns of the factor, `(2 nodes, 2 own)`.
+    /// The `2 own` columns of the factor, from the last to the first, each from the diagonal down to the last of `2 nodes`
+    /// rows: the order in which back substitution reads them. Reading is what it spends its time on.
     factor: Vec<f64>,
     /// The Schur complement for the parent: the lower half of a square of `2 (nodes - own)`, by columns, each from the
     /// diagonal.
@@ -129,7 +142,7 @@ impl Fronts {
         let mib = |sum: &dyn Fn(&Front) -> usize| {
             (8 * fronts.iter().map(sum).sum::<usize>()) as f64 / BYTES_PER_MIB
         };
-        let needed_mib = mib(&|f| 4 * f.nodes.len() * f.own);
+        let needed_mib = mib(&Front::factor_len);
         let kept_mib = mib(&|f| {
             let n = 2 * (f.nodes.len() - f.own);
             n * (n + 1) / 2
@@ -142,6 +155,7 @@ impl Fronts {
             of_element,
             cancel: CancelFlag::default(),
             keeps: needed_mib + kept_mib <= max_mib,
+            spare: Mutex::default(),
         })
     }
 
@@ -160,7 +174,8 @@ impl Fronts {
             let below = self.fronts[f].children(f).into_iter().flatten().any(|c| self.fronts[c].stale);
             self.fronts[f].stale |= below || stale;
         }
-        make(&mut self.fronts, stiffness, self.keeps, &self.cancel)
+        let (cancel, spare) = (&self.cancel, &self.spare);
+        make(&mut self.fronts, &Factorization { stiffness, keeps: self.keeps, cancel, spare })
     }
 
     /// Displacements, mm, of all unknowns; the factor must be up to date.
@@ -183,16 +198,25 @@ impl Front {
         [(first > 0).then(|| own - 1 - second), (second > 0).then(|| own - 1)].map(|c| c.filter(|c| *c < own))
     }
 
-    /// Assembles its elements and the Schur complements of its children, and eliminates its nodes.
-    fn make(&mut self, halves: [Option<&Self>; 2], stiffness: &[Lower]) -> Result<(), SparseError> {
+    /// Number of entries of its factor.
+    fn factor_len(&self) -> usize {
         let (size, k) = (2 * self.nodes.len(), 2 * self.own);
-        let mut whole = vec![0.0; size * size];
+        k * size - k * k.saturating_sub(1) / 2
+    }
+
+    /// Assembles its elements and the Schur complements of its children, and eliminates its nodes.
+    fn make(&mut self, halves: [Option<&Self>; 2], work: &Factorization<'_>) -> Result<(), SparseError> {
+        let (size, k) = (2 * self.nodes.len(), 2 * self.own);
+        let spare = || work.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut whole = spare().pop().unwrap_or_default();
+        whole.clear();
+        whole.resize(size * size, 0.0);
         let mut add = |row: usize, column: usize, value: f64| {
             whole[row.min(column) * size + row.max(column)] += value;
         };
         for (element, corners) in &self.elements {
             let at = |i: usize| 2 * corners[i / 2] as usize + i % 2;
-            let mut values = stiffness[*element as usize].iter();
+            let mut values = work.stiffness[*element as usize].iter();
             for j in 0..8 {
                 (j..8).zip(&mut values).for_each(|(i, value)| add(at(i), at(j), *value));
             }
@@ -215,19 +239,23 @@ impl Front {
             }
         }
         eliminate(&mut whole, size, k)?;
+        for (j, column) in whole[..k * size].chunks_exact(size.max(1)).enumerate() {
+            let value = self.eased[j] / column[j];
+            self.eased[j] = value;
+            self.eased[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(e, l)| *e -= l * value);
+        }
         self.factor.clear();
-        self.factor.extend_from_slice(&whole[..k * size]);
+        self.factor.reserve_exact(self.factor_len());
+        for (j, column) in whole[..k * size].chunks_exact(size.max(1)).enumerate().rev() {
+            self.factor.extend_from_slice(&column[j..]);
+        }
         self.rest.clear();
         // The exact size is reserved, because growth could take twice the memory and this is most of what a test holds.
         self.rest.reserve_exact((size - k) * (size - k + 1) / 2);
         for (j, column) in whole[k * size..].chunks_exact(size.max(1)).enumerate() {
             self.rest.extend_from_slice(&column[k + j..]);
         }
-        for (j, column) in self.factor.chunks_exact(size.max(1)).enumerate() {
-            let value = self.eased[j] / column[j];
-            self.eased[j] = value;
-            self.eased[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(e, l)| *e -= l * value);
-        }
+        spare().push(whole);
         self.stale = false;
         Ok(())
     }
@@ -245,23 +273,17 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Factors the outdated fronts of a subtree; its root comes last.
-fn make(
-    fronts: &mut [Front],
-    stiffness: &[Lower],
-    keeps: bool,
-    cancel: &CancelFlag,
-) -> Result<(), SparseError> {
+fn make(fronts: &mut [Front], work: &Factorization<'_>) -> Result<(), SparseError> {
     let Some((last, before)) = fronts.split_last_mut() else { return Ok(()) };
     if !last.stale {
         return Ok(());
     }
     let (first, second) = before.split_at_mut(last.halves[0]);
-    let (a, b) =
-        rayon::join(|| make(first, stiffness, keeps, cancel), || make(second, stiffness, keeps, cancel));
+    let (a, b) = rayon::join(|| make(first, work), || make(second, work));
     a.and(b)?;
-    cancel.check()?;
-    last.make([first.last(), second.last()], stiffness)?;
-    if !keeps {
+    work.cancel.check()?;
+    last.make([first.last(), second.last()], work)?;
+    if !work.keeps {
         [first.last_mut(), second.last_mut()].into_iter().flatten().for_each(|f| f.rest = Vec::new());
     }
     Ok(())
@@ -273,8 +295,11 @@ fn back(fronts: &mut [Front], above: &[f64]) {
     let size = 2 * last.nodes.len();
     let mut part = last.eased[..2 * last.own].to_vec();
     part.extend(last.up.iter().flat_map(|at| [above[2 * *at as usize], above[2 * *at as usize + 1]]));
-    for (j, column) in last.factor.chunks_exact(size.max(1)).enumerate().rev() {
-        part[j] = (part[j] - dot(&part[j + 1..], &column[j + 1..])) / column[j];
+    let mut columns = &last.factor[..];
+    for j in (0..2 * last.own).rev() {
+        let (column, others) = columns.split_at(size - j);
+        part[j] = (part[j] - dot(&part[j + 1..], &column[1..])) / column[0];
+        columns = others;
     }
     last.found.clear();
     last.found.extend_from_slice(&part[..2 * last.own]);
