@@ -10,11 +10,12 @@ use serde_json::Value;
 use crate::bench::{Bench, Cost, PROGRAMS, timed, timed_output};
 use crate::measured::Table;
 
-/// A test: what it is, its job, settings beside it, and the most it may take in seconds and MiB.
-type Case<'a> = (&'a str, &'a str, &'a [&'a str], f64, f64);
+/// A test: its name, what it is, its job, settings beside it, and the most it may take in seconds and MiB.
+type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str], f64, f64);
 
 const CASES: [Case<'static>; 2] = [
     (
+        "plate",
         "bar 150 x 20 x 4 mm as a plate, cells of 0.2 mm, nominal card",
         "iso527-1b",
         &["strength.cell_mm=0.2", "strength.corners=false", "strength.check=false"],
@@ -22,6 +23,7 @@ const CASES: [Case<'static>; 2] = [
         1536.0,
     ),
     (
+        "solid",
         "bracket of 60 mm as a solid, cells of a bead, nominal card",
         "bracket",
         &["strength.corners=false", "strength.check=false"],
@@ -31,8 +33,14 @@ const CASES: [Case<'static>; 2] = [
 ];
 
 /// Takes too long for every day.
-const WHOLE: Case<'static> =
-    ("the same with the corners of the card and the check of the cells", "bracket", &[], f64::NAN, 4096.0);
+const WHOLE: Case<'static> = (
+    "solid, whole",
+    "the same with the corners of the card and the check of the cells",
+    "bracket",
+    &[],
+    f64::NAN,
+    4096.0,
+);
 
 /// Plans that a paper compared, each with what it is called, and what the paper found: the first of a pair over the
 /// second, %.
@@ -103,8 +111,10 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
         };
         quietly(&["new", "--force", "stress-lines"], &folder)?;
         quietly(&["specimen", "iso527-1b", "-o"], &folder.join("iso527-1b.stl"))?;
-        println!("\n| test | s | MiB | aim |\n|---|---|---|---|");
-        CASES.iter().chain(all.then_some(&WHOLE)).try_for_each(|case| time(&grainpath, &folder, case))?;
+        let header = ["test", "wall s", "CPU s", "MiB", "peak N", "solutions", "aim", "what"];
+        let table = Table::new("strength-time", &header, 1);
+        let cases = CASES.iter().chain(all.then_some(&WHOLE));
+        cases.map(|case| time(&grainpath, &folder, case)).try_for_each(|row| row.map(|r| table.row(&r)))?;
     }
     if wants("s2") {
         // What the test takes by itself, and twice as large, which shows how far cells matter.
@@ -119,17 +129,26 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
 }
 
 /// One row: how long a test takes, planning included.
-fn time(grainpath: &Path, folder: &Path, case: &Case<'_>) -> Result<(), String> {
-    let (what, job, sets, most_s, most_mib) = *case;
-    let job = folder.join(format!("{job}.toml"));
-    let mut words = vec![grainpath.display().to_string(), "strength".into(), job.display().to_string()];
+fn time(grainpath: &Path, folder: &Path, case: &Case<'_>) -> Result<Vec<String>, String> {
+    let (name, what, job, sets, most_s, most_mib) = *case;
+    let mut command = Command::new(grainpath);
+    command.args(["strength", "--json"]).arg(folder.join(job).with_extension("toml"));
     for set in sets {
-        words.extend(["--set".into(), (*set).into()]);
+        command.args(["--set", set]);
     }
-    let Cost { wall_s, peak_mib, .. } = timed(&words, folder)?;
+    let (cost, text) = timed_output(&mut command, folder)?;
+    let found: Value = serde_json::from_str(&text).map_err(|e| format!("{what}: {e}"))?;
     let aim = if most_s.is_finite() { format!("{most_s:.0} s, {most_mib:.0} MiB") } else { "none".into() };
-    println!("| {what} | {wall_s:.1} | {peak_mib:.0} | {aim} |");
-    Ok(())
+    Ok(vec![
+        name.to_owned(),
+        format!("{:.1}", cost.wall_s),
+        format!("{:.1}", cost.cpu_s),
+        format!("{:.0}", cost.peak_mib),
+        found["strength"]["peak_load_n"].to_string(),
+        found["strength"]["solutions"].to_string(),
+        aim,
+        what.to_owned(),
+    ])
 }
 
 impl Published {

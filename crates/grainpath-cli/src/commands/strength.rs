@@ -228,8 +228,8 @@ impl TestedJob {
         diagnostics: &Diagnostics,
         note: &(dyn Fn(&str) + Sync),
     ) -> Result<(Tested, Program), Failure> {
-        let (planned, _) = plan_given(&self.settings, given, shape, &self.folder, diagnostics)?;
-        let setup = planned.test.as_ref().ok_or_else(not_enabled)?;
+        let (mut planned, _) = plan_given(&self.settings, given, shape, &self.folder, diagnostics)?;
+        let setup = planned.test.take().ok_or_else(not_enabled)?;
         let mut bytes = Vec::new();
         // The plan is written as G-code and read back, so that the test includes the rounding of the
         // program, as for any other slicer.
@@ -237,8 +237,10 @@ impl TestedJob {
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         let program = read(&self.settings, &bytes, input)?;
         let shift = planned.plan.plate_from_part_mm.truncate();
+        // The test takes much memory itself, and needs neither the plan nor its text.
+        drop((planned, bytes));
         let wanted = self.wanted();
-        let tested = test_noting(&wanted, setup, &program, Some(shift), diagnostics, note);
+        let tested = test_noting(&wanted, &setup, &program, Some(shift), diagnostics, note);
         Ok((tested.map_err(failed)?, program))
     }
 }

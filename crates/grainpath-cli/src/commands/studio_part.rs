@@ -36,7 +36,7 @@ const TOO_MANY_FACES: usize = 5000;
 /// Faces that are named in a mesh with more than [`TOO_MANY_FACES`]. Source: as many as `grainpath inspect --faces` lists.
 const FEW_FACES: usize = 200;
 
-/// Most faulty edges of a file that are drawn. Source: chosen; more would hide the part, and a million unconnected
+/// Largest number of faulty edges that are drawn. Source: chosen; more would hide the part, and a million unconnected
 /// triangles have three million.
 const MOST_FAULTS: usize = 100_000;
 

@@ -9,7 +9,7 @@
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, DVec3};
 
-use super::laminate::{BeadPiece, BeadSheet};
+use super::laminate::BeadSheet;
 
 /// Sides of the hull whose directions differ by less than this count as parallel, rad. Source: derived. G-code rounds both
 /// ends of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
@@ -77,11 +77,13 @@ impl Frame {
     }
 
     /// The beads in grid coordinates.
-    pub fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
-        let bead = |b: &BeadPiece| BeadPiece { a: self.to_grid(b.a), b: self.to_grid(b.b), ..*b };
-        let sheet =
-            |s: &BeadSheet| BeadSheet { height_mm: s.height_mm, beads: s.beads.iter().map(bead).collect() };
-        if self == Self::default() { sheets.to_vec() } else { sheets.iter().map(sheet).collect() }
+    pub fn beads(self, mut sheets: Vec<BeadSheet>) -> Vec<BeadSheet> {
+        if self != Self::default() {
+            for bead in sheets.iter_mut().flat_map(|s| &mut s.beads) {
+                (bead.a, bead.b) = (self.to_grid(bead.a), self.to_grid(bead.b));
+            }
+        }
+        sheets
     }
 }
 
@@ -108,6 +110,7 @@ pub fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::laminate::BeadPiece;
     use super::*;
 
     fn outline(corners: &[DVec2]) -> Vec<BeadSheet> {
@@ -131,7 +134,7 @@ mod tests {
                 (q * 1000.0).round() / 1000.0
             });
             let frame = Frame::new(&outline(&moved));
-            let seen = frame.beads(&outline(&moved));
+            let seen = frame.beads(outline(&moved));
             // Lengths along the axes are those of the straight bar, whichever way round.
             let spans = |s: &[BeadSheet]| {
                 let ends = s[0].beads.iter().map(|b| b.a);

@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum FeProblem {
-    // Texts and numbers of every format.
+    // Words and numbers in files of any format.
     #[error("found {found:?} where {wanted} should be")]
     NotA { found: String, wanted: &'static str },
     #[error("found {found} where {wanted} should be")]

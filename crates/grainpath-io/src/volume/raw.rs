@@ -232,6 +232,7 @@ impl SliceSource for RawSource {
         self.next += 1;
         Ok(true)
     }
+
     fn n_not_finite(&self) -> u64 {
         self.not_finite.n_voxels
     }

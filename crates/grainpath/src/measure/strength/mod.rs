@@ -647,7 +647,7 @@ fn test_case(
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let (sheets, program_from_part_mm) = setup.sheets(program, plate_from_part)?;
     let frame = Frame::new(&sheets);
-    let (setup, sheets) = (&setup.in_frame(frame), frame.beads(&sheets));
+    let (setup, sheets) = (&setup.in_frame(frame), frame.beads(sheets));
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
     // E words in mm3, read as mm of 1.75 mm filament, give 2.4 times the volume.
     if laid_mm3 > MAX_VOLUME_RATIO * setup.volume_mm3 {
@@ -669,7 +669,7 @@ fn test_case(
     // The run on larger cells serves two purposes: the comparison of cell sizes, and the corners of
     // the card.
     let (others, outcome) = rayon::join(
-        || at_corners(settings, setup, &sheets, coarse_mm, corners, limits, &first),
+        || at_corners(settings, setup, sheets, coarse_mm, corners, limits, &first),
         || prepared.run(&nominal, limits),
     );
     let mut outcome = outcome?;
@@ -766,11 +766,12 @@ fn plate_test<'a>(prepared: &'a Prepared, cards: &'a [StrengthCard], limits: &Li
     }
 }
 
-/// Peak loads at the corners of the card, nominal first. The result is empty for a cell size of zero.
+/// Peak loads at the corners of the card, nominal first. The result is empty for a cell size of zero. The beads are freed
+/// as soon as no cells are made of them any more, since the other run goes on beside this one.
 fn at_corners(
     settings: &StrengthSettings,
     setup: &TestSetup,
-    sheets: &[BeadSheet],
+    sheets: Vec<BeadSheet>,
     cell_mm: f64,
     corners: &[Corner],
     limits: &Limits,
@@ -780,7 +781,7 @@ fn at_corners(
         return Ok(CoarsePeaks::default());
     }
     // Geometry and loads do not depend on the strengths, so the same loaded part is used for all corners.
-    let prepared = LoadedPart::new(setup, sheets, PlacedCells::unmoved(cell_mm))?;
+    let prepared = LoadedPart::new(setup, &sheets, PlacedCells::unmoved(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
     let peak = |corner: &Corner| Ok(prepared.run(&settings.cards(*corner)?, limits)?.peak_load_n);
     let nominal = peak(&corners[0])?;
@@ -788,7 +789,8 @@ fn at_corners(
     let (rest, moved_n) = rayon::join(
         || corners[1..].par_iter().map(peak).collect::<Vec<Result<f64, StrengthError>>>(),
         || {
-            let moved = LoadedPart::new(setup, sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
+            let moved = LoadedPart::new(setup, &sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
+            drop(sheets);
             Ok::<f64, StrengthError>(moved.run(&settings.cards(corners[0])?, limits)?.peak_load_n)
         },
     );

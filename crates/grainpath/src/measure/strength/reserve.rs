@@ -174,7 +174,7 @@ impl<'a> LaidCells<'a> {
         let sheets = sheets_of(&layers, &heights, shift, settings.fibre.is_some(), &|_| true);
         let sheets_a_layer = 1 + usize::from(is_staggered(&layers));
         let frame = Frame::new(&sheets);
-        let sheets = frame.beads(&sheets);
+        let sheets = frame.beads(sheets);
         let of_stack = stack.layers();
         let middle = of_stack.get(of_stack.len() / 2).map_or(0.0, |l| l.region().area_mm2());
         let volume_mm3 = of_stack.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
