@@ -639,23 +639,25 @@ impl VoxelCells {
         self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p))
     }
 
-    fn rough_force(&self, i: usize, u: &[DVec3]) -> DVec3 {
+    /// The force on a node by the matrix in single precision; `u` gives the displacement of a node.
+    fn rough_force(&self, i: usize, u: impl Fn(usize) -> [f32; 3]) -> DVec3 {
         // The three numbers beyond 81 stay zero, as they do in the stored row.
         let mut near = [0.0; LINE];
-        for (near, &j) in near.chunks_exact_mut(3).zip(&self.around[i]) {
-            let u = u[j as usize];
-            (near[0], near[1], near[2]) = (u.x as f32, u.y as f32, u.z as f32);
+        for (near, &j) in near.as_chunks_mut::<3>().0.iter_mut().zip(&self.around[i]) {
+            *near = u(j as usize);
         }
         let row = &self.rough[ROW * i..][..ROW];
-        let line = |k: usize| {
-            // Four sums are computed side by side, to match the width of a vector instruction.
-            let mut sums = [0.0f32; 4];
-            for (a, b) in row[LINE * k..][..LINE].chunks_exact(4).zip(near.chunks_exact(4)) {
-                (0..4).for_each(|j| sums[j] += a[j] * b[j]);
+        let line = |k: usize| row[LINE * k..][..LINE].as_chunks::<4>().0;
+        // Four sums a line match the width of a vector instruction, and the three lines advance together, because a sum
+        // waits for its last addition.
+        let mut sums = [[0.0f32; 4]; 3];
+        let lines = line(0).iter().zip(line(1)).zip(line(2));
+        for (near, ((a, b), c)) in near.as_chunks::<4>().0.iter().zip(lines) {
+            for (sums, row) in sums.iter_mut().zip([a, b, c]) {
+                (0..4).for_each(|j| sums[j] += row[j] * near[j]);
             }
-            f64::from((sums[0] + sums[1]) + (sums[2] + sums[3]))
-        };
-        DVec3::new(line(0), line(1), line(2))
+        }
+        DVec3::from_array(sums.map(|s| f64::from((s[0] + s[1]) + (s[2] + s[3]))))
     }
 
     /// The preconditioner: a level of cells of twice the width, whose element matrices are the
@@ -802,6 +804,10 @@ const BETWEEN: [[usize; 8]; 8] = {
     out
 };
 
+fn single(u: DVec3) -> [f32; 3] {
+    u.as_vec3().to_array()
+}
+
 fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
     let mut out = [DMat3::ZERO; 27];
     for a in 0..8 {
@@ -822,7 +828,7 @@ impl Rows for VoxelCells {
     }
 
     fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3 {
-        if self.rough.is_empty() { self.force(node, u) } else { self.rough_force(node, u) }
+        if self.rough.is_empty() { self.force(node, u) } else { self.rough_force(node, |j| single(u[j])) }
     }
 
     fn inverse_block(&self, node: usize) -> DMat3 {
@@ -859,9 +865,11 @@ impl System for VoxelCells {
         if self.rough.is_empty() {
             return self.forces(u, f, scratch);
         }
+        // Each displacement is read by 27 nodes.
+        let u: Vec<[f32; 3]> = u.par_iter().with_min_len(CHUNK).map(|u| single(*u)).collect();
         f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
             for (i, f) in (c * CHUNK..).zip(chunk) {
-                *f = self.rough_force(i, u);
+                *f = self.rough_force(i, |j| u[j]);
             }
         });
     }
