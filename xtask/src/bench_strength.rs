@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::bench::{Bench, Cost, PROGRAMS, timed, timed_output};
+use crate::bench::{Bench, PROGRAMS, timed_output};
 use crate::measured::Table;
 
 /// A test: its name, what it is, its job, settings beside it, and the most it may take in seconds and MiB.
