@@ -865,7 +865,7 @@ impl System for VoxelCells {
         if self.rough.is_empty() {
             return self.forces(u, f, scratch);
         }
-        // Each displacement is read by 27 nodes.
+        // Each displacement is read by 27 nodes, so it is rounded once, before them.
         let u: Vec<[f32; 3]> = u.par_iter().with_min_len(CHUNK).map(|u| single(*u)).collect();
         f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
             for (i, f) in (c * CHUNK..).zip(chunk) {
