@@ -102,58 +102,43 @@ impl Grid {
         for j in 0..=self.ny {
             let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
             let high_bits = signs(high);
-            for word in 0..low_bits.len() {
-                let (here, above) = (low_bits[word], high_bits[word]);
-                let (right, above_right) = (shifted(&low_bits, word), shifted(&high_bits, word));
-                let mut crossed = (here ^ above) | (here ^ right) | (above ^ above_right);
-                // The last value of a row begins no cell.
-                let surplus = (64 * (word + 1)).saturating_sub(w - 1);
-                crossed &= u64::MAX.checked_shr(surplus as u32).unwrap_or(0);
-                while crossed != 0 {
-                    let bit = crossed.trailing_zeros();
-                    crossed &= crossed - 1;
-                    let i = 64 * word + bit as usize;
-                    let code = [here, right, above_right, above]
-                        .iter()
-                        .enumerate()
-                        .fold(0, |code, (k, bits)| code | (bits >> bit & 1) << k);
-                    let p = (j * w + i) as u32;
-                    // Edges are numbered by the pixel at which they begin: even ones run along x, odd ones
-                    // along y.
-                    let (bottom, left) = (2 * p, 2 * p + 1);
-                    let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
-                    let mut link = |from: u32, to: u32| segments.push((from, to));
-                    let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
-                    match code {
-                        1 => link(bottom, left),
-                        2 => link(right, bottom),
-                        3 => link(right, left),
-                        4 => link(top, right),
-                        6 => link(top, bottom),
-                        7 => link(top, left),
-                        8 => link(left, top),
-                        9 => link(bottom, top),
-                        11 => link(right, top),
-                        12 => link(left, right),
-                        13 => link(bottom, right),
-                        14 => link(left, bottom),
-                        // Cases 5 and 10 are saddles: two corners across a diagonal are inside.
-                        5 if joined() => {
-                            link(bottom, right);
-                            link(top, left);
-                        }
-                        5 => {
-                            link(bottom, left);
-                            link(top, right);
-                        }
-                        _ if joined() => {
-                            link(left, bottom);
-                            link(right, top);
-                        }
-                        _ => {
-                            link(right, bottom);
-                            link(left, top);
-                        }
+            for (i, code) in crossed_cells(&low_bits, &high_bits, self.nx + 1) {
+                let p = (j * w + i) as u32;
+                // Edges are numbered by the pixel at which they begin: even ones run along x, odd ones
+                // along y.
+                let (bottom, left) = (2 * p, 2 * p + 1);
+                let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
+                let mut link = |from: u32, to: u32| segments.push((from, to));
+                let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
+                match code {
+                    1 => link(bottom, left),
+                    2 => link(right, bottom),
+                    3 => link(right, left),
+                    4 => link(top, right),
+                    6 => link(top, bottom),
+                    7 => link(top, left),
+                    8 => link(left, top),
+                    9 => link(bottom, top),
+                    11 => link(right, top),
+                    12 => link(left, right),
+                    13 => link(bottom, right),
+                    14 => link(left, bottom),
+                    // Cases 5 and 10 are saddles: two corners across a diagonal are inside.
+                    5 if joined() => {
+                        link(bottom, right);
+                        link(top, left);
+                    }
+                    5 => {
+                        link(bottom, left);
+                        link(top, right);
+                    }
+                    _ if joined() => {
+                        link(left, bottom);
+                        link(right, top);
+                    }
+                    _ => {
+                        link(right, bottom);
+                        link(left, top);
                     }
                 }
             }
@@ -204,6 +189,23 @@ fn signs(row: &[f32]) -> Vec<u64> {
 /// The word of a row whose bits are those of the next values.
 fn shifted(bits: &[u64], word: usize) -> u64 {
     bits[word] >> 1 | bits.get(word + 1).map_or(0, |next| next << 63)
+}
+
+/// The first `n` cells between two rows that a contour crosses, each with a code: bit 0 for its corner at the lower left, and
+/// on counter-clockwise.
+fn crossed_cells<'a>(low: &'a [u64], high: &'a [u64], n: usize) -> impl Iterator<Item = (usize, u64)> + 'a {
+    (0..low.len()).flat_map(move |word| {
+        let corners = [low[word], shifted(low, word), shifted(high, word), high[word]];
+        let surplus = (64 * (word + 1)).saturating_sub(n);
+        let crossed = corners.iter().fold(0, |bits, corner| bits | (corner ^ corners[0]));
+        let mut left = crossed & u64::MAX.checked_shr(surplus as u32).unwrap_or(0);
+        std::iter::from_fn(move || {
+            let bit = left.trailing_zeros();
+            let code = |bit: u32| corners.iter().rev().fold(0, |code, c| code << 1 | (c >> bit & 1));
+            left &= left.checked_sub(1)?;
+            Some((64 * word + bit as usize, code(bit)))
+        })
+    })
 }
 
 /// Sets every connected level patch to its mean value. A patch is level if the means of its halves differ by less than
