@@ -8,10 +8,10 @@
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::block_matrix::dot;
+use super::block_matrix::{add, dot};
 
-/// Nodes for each task. Source: chosen; it changes speed alone, never the result.
-const CHUNK: usize = 256;
+/// Computes the forces on a list of nodes from their displacements, as if no node were supported and no other node moved.
+pub(crate) type RoughPart<'a> = Box<dyn FnMut(&[DVec3], &mut [DVec3]) + 'a>;
 
 /// A stiffness matrix that is applied row by row.
 pub(crate) trait Rows: Sync {
@@ -19,8 +19,9 @@ pub(crate) trait Rows: Sync {
     fn around(&self, node: usize) -> &[u32];
     /// The force on a node as if no node were supported.
     fn row(&self, node: usize, u: &[DVec3]) -> DVec3;
-    /// [`Rows::row`] with a few correct digits, where that is cheaper.
-    fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3;
+    /// The forces of some nodes, in ascending order, on one another, with a few correct digits where that is cheaper. It is
+    /// made once for many displacements.
+    fn rough_part<'a>(&'a self, nodes: &'a [u32]) -> RoughPart<'a>;
     /// Inverse of the diagonal block; for supported directions the identity.
     fn inverse_block(&self, node: usize) -> DMat3;
     /// Projection onto the free directions of a node; `None` for a node without supports.
@@ -79,8 +80,8 @@ pub(crate) fn ease(
 ) {
     let mut r: Vec<DVec3> = inside.iter().map(|&i| left[i as usize]).collect();
     let inverse: Vec<DMat3> = inside.par_iter().map(|&i| rows.inverse_block(i as usize)).collect();
-    // The direction lives on all nodes, so that rows can be applied to it; it is zero outside.
-    let mut p = vec![DVec3::ZERO; u.len()];
+    let mut forces = rows.rough_part(inside);
+    let mut p = vec![DVec3::ZERO; inside.len()];
     let mut q = vec![DVec3::ZERO; inside.len()];
     let mut rz = 1.0;
     for step in 0..most {
@@ -91,18 +92,17 @@ pub(crate) fn ease(
         let now = dot(&r, &z);
         let beta = if step == 0 { 0.0 } else { now / rz };
         rz = now;
-        inside.iter().zip(&z).for_each(|(&i, z)| p[i as usize] = *z + p[i as usize] * beta);
-        q.par_chunks_mut(CHUNK).zip(inside.par_chunks(CHUNK)).for_each(|(q, inside)| {
-            q.iter_mut().zip(inside).for_each(|(q, &i)| *q = freed(rows, i, rows.rough_row(i as usize, &p)));
-        });
-        let along: f64 = inside.iter().zip(&q).map(|(&i, q)| p[i as usize].dot(*q)).sum();
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = *z + *p * beta);
+        forces(&p, &mut q);
+        inside.iter().zip(&mut q).for_each(|(&i, q)| *q = freed(rows, i, *q));
+        let along = dot(&p, &q);
         // Zero or negative curvature is a sign that only rounding is left, so further steps would not help.
         if along.is_nan() || along <= 0.0 {
             break;
         }
         let alpha = rz / along;
-        inside.iter().for_each(|&i| u[i as usize] += p[i as usize] * alpha);
-        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= *q * alpha);
+        inside.iter().zip(&p).for_each(|(&i, p)| u[i as usize] += *p * alpha);
+        add(&mut r, -alpha, &q);
     }
     // The residual is recomputed instead of carried along, because rows were applied with a few
     // digits only. It changes on the rim as well.

@@ -3,6 +3,7 @@
 pub(crate) mod block_matrix;
 mod direct;
 pub(crate) mod easing;
+pub(crate) mod half_matrix;
 pub(crate) mod multigrid;
 pub(crate) mod operator;
 pub(crate) mod solution;
