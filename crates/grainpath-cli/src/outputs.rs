@@ -13,7 +13,7 @@ use grainpath::measure::strength::{StressedPart, TestSetup, Tested, reserve, tes
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
-use grainpath_gcode::{Program, Thumbnail, Written, simulate, write_gcode};
+use grainpath_gcode::{Program, Replay, Thumbnail, Written, write_gcode};
 use grainpath_job::{Row, Settings};
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
@@ -112,22 +112,20 @@ pub(crate) fn write(
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    // The program is parsed back only if something is measured on it, since the copy and the parsed beads
-    // take several times its size.
+    // The program is read back only if something is measured on it, since its beads take more memory than its text.
     let loaded = planned.test.is_some() || planned.guide.is_some();
     let special = loaded || planned.config.fibre.is_some() || truth.is_some();
     let wanted = measured || special || paths.report.is_some() || paths.preview.is_some();
-    let mut copy = Vec::new();
     let (mut program, mut tested, mut write_s) = (None, None, 0.0);
     let written = files::write_atomically(&paths.gcode, |file| {
-        let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
+        let mut tee = Tee { file, replay: wanted.then(|| replay(settings)), replay_s: 0.0 };
         let written = write_gcode(&planned.plan, &planned.config, &thumbnails, &mut tee);
         let written = written.map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         diagnostics.check().map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-        write_s = start.elapsed().as_secs_f64();
+        write_s = start.elapsed().as_secs_f64() - tee.replay_s;
         // The test runs before the rename, so that a program that fails to be tested does not replace an
         // earlier one.
-        program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?.map(Arc::new);
+        program = tee.replay.map(finished).transpose()?.map(Arc::new);
         program.iter().for_each(|program| ready(program, &planned));
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
             tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
@@ -270,18 +268,22 @@ fn shapes(
     Ok(())
 }
 
-/// Writes to a file and keeps a copy of the bytes if `copy` is set.
+/// Writes to a file and replays the same bytes, if that is wanted.
 struct Tee<'a> {
     file: &'a mut dyn Write,
-    copy: Option<&'a mut Vec<u8>>,
+    replay: Option<Replay>,
+    /// Time spent on replaying, s.
+    replay_s: f64,
 }
 
 impl Write for Tee<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        // Bytes are copied only after the file has taken all of them, so the copy never holds more than the file.
+        // Bytes are replayed only after the file has taken all of them, so nothing is measured that is not in the file.
         self.file.write_all(bytes)?;
-        if let Some(copy) = &mut self.copy {
-            copy.extend_from_slice(bytes);
+        if let Some(replay) = &mut self.replay {
+            let start = Instant::now();
+            replay.push(bytes);
+            self.replay_s += start.elapsed().as_secs_f64();
         }
         Ok(bytes.len())
     }
@@ -291,13 +293,23 @@ impl Write for Tee<'_> {
     }
 }
 
+/// A replay of G-code with the limits and the filament diameter of the job's printer.
+fn replay(settings: &Settings) -> Replay {
+    Replay::new(settings.printer.filament_mm, &grainpath::run::config::limits(settings))
+}
+
+fn finished(replay: Replay) -> Result<Program, Failure> {
+    replay.finish().map_err(|e| Failure::input(e.to_string()))
+}
+
 /// Reads G-code back with the limits and the filament diameter of the job's printer.
 ///
 /// # Errors
 /// Exit code 3 for a program that cannot be replayed.
 pub fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
-    let limits = grainpath::run::config::limits(settings);
-    simulate(gcode, settings.printer.filament_mm, &limits).map_err(|e| Failure::input(e.to_string()))
+    let mut replay = replay(settings);
+    replay.push(gcode);
+    finished(replay)
 }
 
 /// Thumbnails for the printer's screen, drawn from the program that will be written.
@@ -307,10 +319,10 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     }
     // Thumbnails stand at the top of the program but show its beads, so the program is first written
     // without them.
-    let mut plain = Vec::new();
-    write_gcode(&planned.plan, &planned.config, &[], &mut plain)
+    let mut replay = replay(settings);
+    write_gcode(&planned.plan, &planned.config, &[], &mut replay)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-    let program = read_back(settings, &plain)?;
+    let program = finished(replay)?;
     Ok(grainpath_view::layer::thumbnails(&program, &settings.printer.thumbnails_px))
 }
 

@@ -1,6 +1,7 @@
 //! Groups beads into layers: by the layer marks that slicers write, or by height.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{DVec2, Role};
@@ -146,6 +147,7 @@ impl LayerCollector {
     pub(crate) fn mark(&mut self, kind: LayerMark) {
         self.starts_marked |= self.kind.is_none() && self.marked.is_empty();
         if *self.kind.get_or_insert(kind) == kind {
+            self.end_part();
             self.marked.push(Marked::default());
         }
     }
@@ -163,6 +165,14 @@ impl LayerCollector {
         *self.current().printed_mm.entry(key(z_mm)).or_default() += length_mm;
     }
 
+    /// Gives back memory that the last part does not need: nothing is added to it any more.
+    fn end_part(&mut self) {
+        if let Some((_, part)) = self.marked.last_mut().and_then(|marked| marked.parts.last_mut()) {
+            part.beads.shrink_to_fit();
+            part.travels.shrink_to_fit();
+        }
+    }
+
     /// Number of parts of layers that were begun so far.
     pub(crate) fn n_parts(&self) -> usize {
         self.n_parts
@@ -172,6 +182,7 @@ impl LayerCollector {
     pub(crate) fn layer_at(&mut self, z_mm: f64) -> &mut BeadLayer {
         // Only the last part is compared: heights change seldom, and a spiral never returns to an earlier one.
         if self.current().parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
+            self.end_part();
             self.n_parts += 1;
             self.current().parts.push((key(z_mm), BeadLayer::default()));
         }
@@ -208,7 +219,10 @@ impl LayerCollector {
             let own = marked.height();
             for (at, part) in marked.parts {
                 let height = own.filter(|_| self.kind.is_some() && rising).unwrap_or(at);
-                layers.entry(height).or_default().append(part);
+                match layers.entry(height) {
+                    Entry::Vacant(new) => _ = new.insert(part),
+                    Entry::Occupied(layer) => layer.into_mut().append(part),
+                }
             }
         }
         let mut below_mm = 0.0;

@@ -14,5 +14,5 @@ pub use layers::{Bead, BeadLayer};
 pub use machine::{Cooling, FibreTool, Flavour, Machine, Material, Retraction, Speeds};
 pub use quality::{Quality, quality};
 pub use read::{Line, Lines};
-pub use simulate::{Program, SimulateError, simulate};
+pub use simulate::{Program, Replay, SimulateError, simulate};
 pub use write::{GcodeError, Thumbnail, WriteConfig, Written, check_fits, write_gcode};

@@ -57,6 +57,11 @@ impl<'a> Lines<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, number: 0 }
     }
+
+    /// The lines of a later part of a program, after `before` lines.
+    pub(crate) fn after(before: usize, bytes: &'a [u8]) -> Self {
+        Self { rest: bytes, number: before }
+    }
 }
 
 impl<'a> Iterator for Lines<'a> {

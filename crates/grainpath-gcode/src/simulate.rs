@@ -91,22 +91,105 @@ pub enum SimulateError {
 /// assert!((program.filament_mm - 0.75).abs() < 1e-9);
 /// ```
 pub fn simulate(bytes: &[u8], filament_mm: f64, limits: &Limits) -> Result<Program, SimulateError> {
-    if bytes.is_empty() {
-        return Err(SimulateError::Empty);
+    let mut replay = Replay::new(filament_mm, limits);
+    replay.push(bytes);
+    replay.finish()
+}
+
+/// How binary G-code begins. Source: libbgcode's specification of the format, section "File header".
+const BINARY_MARK: &[u8] = b"GCDE";
+
+/// Replays a program that comes in pieces, as from a writer, so that its text is never in memory as a whole. The result is
+/// that of [`simulate`] for all pieces in a row.
+///
+/// ```
+/// use grainpath_gcode::{Limits, Replay, simulate};
+///
+/// let text = b"G1 Z0.2 F600\nG1 X10 Y0 F1800\nG1 X30 E0.75\n";
+/// let mut replay = Replay::new(1.75, &Limits::default());
+/// text.chunks(7).for_each(|piece| replay.push(piece));
+/// assert_eq!(replay.finish(), simulate(text, 1.75, &Limits::default()));
+/// ```
+pub struct Replay {
+    machine: Machine,
+    n_lines: usize,
+    /// The beginning of a line whose end has not come yet.
+    rest: Vec<u8>,
+    /// The first bytes, by which binary G-code is known.
+    head: Vec<u8>,
+}
+
+impl Replay {
+    /// A replay with the filament's diameter, mm, and the printer's limits.
+    pub fn new(filament_mm: f64, limits: &Limits) -> Self {
+        Self { machine: Machine::new(filament_mm, *limits), n_lines: 0, rest: Vec::new(), head: Vec::new() }
     }
-    if bytes.starts_with(b"GCDE") {
-        return Err(SimulateError::Binary);
+
+    /// Replays the next piece; it may end within a line.
+    pub fn push(&mut self, piece: &[u8]) {
+        let missing = BINARY_MARK.len() - self.head.len();
+        self.head.extend(piece.iter().take(missing));
+        if self.head == BINARY_MARK {
+            return;
+        }
+        // Only LF surely ends a line: an LF that follows a CR may come with the next piece.
+        let Some(last) = piece.iter().rposition(|&b| b == b'\n') else {
+            self.rest.extend_from_slice(piece);
+            return;
+        };
+        let (whole, rest) = piece.split_at(last + 1);
+        if self.rest.is_empty() {
+            self.lines(whole);
+        } else {
+            self.rest.extend_from_slice(whole);
+            self.last_lines();
+        }
+        self.rest.extend_from_slice(rest);
     }
-    let mut machine = Machine::new(filament_mm, *limits);
-    let mut lines = 0;
-    for line in Lines::new(bytes) {
-        lines += 1;
-        machine.line(&line);
+
+    fn lines(&mut self, bytes: &[u8]) {
+        for line in Lines::after(self.n_lines, bytes) {
+            self.n_lines = line.number;
+            self.machine.line(&line);
+        }
     }
-    if machine.program.commands == 0 {
-        return Err(SimulateError::NoCommands { lines });
+
+    /// Replays what waits for its end.
+    fn last_lines(&mut self) {
+        let mut bytes = std::mem::take(&mut self.rest);
+        self.lines(&bytes);
+        bytes.clear();
+        self.rest = bytes;
     }
-    Ok(machine.finish())
+
+    /// The whole program.
+    ///
+    /// # Errors
+    /// As for [`simulate`].
+    pub fn finish(mut self) -> Result<Program, SimulateError> {
+        if self.head.is_empty() {
+            return Err(SimulateError::Empty);
+        }
+        if self.head == BINARY_MARK {
+            return Err(SimulateError::Binary);
+        }
+        self.last_lines();
+        if self.machine.program.commands == 0 {
+            return Err(SimulateError::NoCommands { lines: self.n_lines });
+        }
+        Ok(self.machine.finish())
+    }
+}
+
+impl std::io::Write for Replay {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.push(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 struct Machine {

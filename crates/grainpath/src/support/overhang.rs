@@ -23,7 +23,7 @@ use grainpath_core::buckets::PointGrid3;
 use grainpath_core::bvh::Bvh;
 use grainpath_core::math::sin;
 use grainpath_core::mesh::EdgeUses;
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{LineClipper, edges};
 use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
@@ -482,10 +482,21 @@ pub fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) ->
         let clipper = LineClipper::new(below);
         let z = layers[k].z_top_mm() - layers[k].height_mm();
         let floats = |p: &&Polygon| {
-            if p.outer.iter().any(|&v| clipper.contains(v)) || left_alone(inner_point(p).extend(z)) {
+            if p.outer.iter().any(|&v| clipper.contains(v)) {
                 return false;
             }
-            Region::from((*p).clone()).intersection(below).area_mm2() < 1e-4
+            let inner = inner_point(p);
+            if left_alone(inner.extend(z)) {
+                return false;
+            }
+            // If no edge crosses the layer below, that layer holds the whole piece, lies within it or is apart from it. Most
+            // pieces in mid-air are apart, and need no intersection with the whole layer below: on a skull in layers of
+            // 0.2 mm these took 2 % of slicing.
+            let crosses = edges(&p.outer).any(|(a, b)| clipper.meets(a, b));
+            let bounds = p.bounds();
+            let within = |q: &Polygon| q.bounds().zip(bounds).is_some_and(|(own, all)| all.union(own) == all);
+            let may_overlap = crosses || clipper.contains(inner) || below.polygons.iter().any(within);
+            !may_overlap || Region::from((*p).clone()).intersection(below).area_mm2() < 1e-4
         };
         let found = layers[k].region().polygons.iter().filter(floats);
         found.map(|p| MidAir { layer_idx: k, polygon: p.clone() }).collect()
@@ -502,7 +513,7 @@ pub fn inner_point(polygon: &Polygon) -> DVec2 {
     }
     // Takes the middle of the widest interval inside the polygon on the horizontal line through `middle`.
     let mut xs: Vec<f64> = Vec::new();
-    for (a, b) in polygon.contours().flat_map(|c| grainpath_core::poly::edges(c)) {
+    for (a, b) in polygon.contours().flat_map(|c| edges(c)) {
         if (a.y > middle.y) != (b.y > middle.y) {
             xs.push(a.x + (middle.y - a.y) / (b.y - a.y) * (b.x - a.x));
         }
@@ -563,4 +574,36 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
 
 fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
     Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest, tip_mm: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use grainpath_core::Layer;
+
+    use super::*;
+
+    #[test]
+    fn pieces_over_air_are_told_from_those_that_lie_on_the_layer_below() {
+        let square = |x: f64, side: f64| {
+            Region::rectangle(DVec2::new(x, -0.5 * side), DVec2::new(x + side, 0.5 * side))
+        };
+        let bar = Region::rectangle(DVec2::new(9.0, -0.5), DVec2::new(21.0, 0.5));
+        let column = Region::rectangle(DVec2::new(14.0, -5.0), DVec2::new(15.0, 5.0));
+        let ring = square(10.0, 10.0).difference(&square(11.0, 8.0));
+        for (what, below, above, floats) in [
+            ("apart", square(0.0, 5.0), square(10.0, 10.0), true),
+            ("equal", square(10.0, 10.0), square(10.0, 10.0), false),
+            ("smaller than what is below", square(10.0, 10.0), square(12.0, 2.0), false),
+            ("larger than what is below", square(12.0, 2.0), square(10.0, 10.0), false),
+            ("crossed by what is below, no vertex in the other", bar, column, false),
+            ("around what is below, without touching it", square(14.0, 2.0), ring.clone(), true),
+            ("in a hole of what is below", ring, square(14.0, 2.0), true),
+            ("a hundredth beside what is below", square(0.0, 9.99), square(10.0, 10.0), true),
+        ] {
+            let layer = |(k, region)| Layer::new(0.2 * (k + 1) as f64, 0.2, region).expect("a sound layer");
+            let layers = [below, above].into_iter().enumerate().map(layer).collect();
+            let stack = LayerStack::new(layers).expect("heights rise");
+            assert_eq!(mid_air(&stack, |_| false).len(), usize::from(floats), "{what}");
+        }
+    }
 }
