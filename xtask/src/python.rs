@@ -13,9 +13,9 @@ use std::process::Command;
 
 use crate::{output, run, setup};
 
-/// Largest wheel, bytes. Source: issue 19 of the tracker, 8 MB.
+/// Largest wheel, bytes. Source: chosen; a requirement of the project.
 const MAX_WHEEL_BYTES: u64 = 8_000_000;
-/// Longest time to import the package after numpy, ms of processor time. Source: issue 19 of the tracker.
+/// Longest time to import the package after numpy, ms of processor time. Source: chosen; a requirement of the project.
 const MAX_IMPORT_MS: f64 = 60.0;
 /// The manifest of the crate.
 const MANIFEST: &str = "crates/grainpath-py/Cargo.toml";

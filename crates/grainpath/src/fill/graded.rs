@@ -52,7 +52,7 @@ use crate::guide::density::DensityMap;
 const DENSE_FROM: f64 = 0.8;
 /// Density of the finest level of crossing lines. Its beads are wider by the root of 2 where it meets dense lines.
 const FINEST: f64 = DENSE_FROM / SQRT_2;
-/// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (issue 20).
+/// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (`measure/density.rs`).
 const WINDOW_MM: f64 = 5.0;
 /// Distance between points at which a bead may change its width, mm. Source: derived: a quarter of the window.
 const VERTICES_MM: f64 = 1.25;

@@ -9,20 +9,20 @@ use grainpath_core::tensor::von_mises;
 use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
 
 /// A peak above this multiple of the strength along the beads points to a mistake in the loads or
-/// in a unit, or to a singular corner. Source: issue 22, item 12.
+/// in a unit, or to a singular corner. Source: chosen; a requirement of the project.
 const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
-/// A warning is given if the mesh misses more than this estimated share of the stress. Source: issue 22, item 12.
+/// A warning is given if the mesh misses more than this estimated share of the stress. Source: chosen; a requirement of the project.
 const MAX_MESH_ERROR: f64 = 0.1;
-/// A warning is given if the relative imbalance of loads and reactions is above this. Source: issue 22, item 12.
+/// A warning is given if the relative imbalance of loads and reactions is above this. Source: chosen; a requirement of the project.
 const MAX_IMBALANCE: f64 = 1e-3;
-/// The report states no reserve if the peak stress is above this multiple of the strength. Source: issue 22, item
-/// 12.
+/// The report states no reserve if the peak stress is above this multiple of the strength. Source: chosen; a requirement of the
+/// project.
 const MAX_RESERVE_MULTIPLE: f64 = 5.0;
-/// The report states no reserve if the mesh misses more than this estimated share of the stress. Source: issue 22, item
-/// 12.
+/// The report states no reserve if the mesh misses more than this estimated share of the stress. Source: chosen; a requirement of the
+/// project.
 const MAX_RESERVE_MESH_ERROR: f64 = 0.3;
 /// Displacement over the longest side of the part at which small displacements are no longer small.
-/// Source: issue 22, item 12.
+/// Source: chosen; a requirement of the project.
 const MAX_DISPLACEMENT_SHARE: f64 = 0.05;
 
 /// Adds a warning for each limit that a result exceeds.

@@ -14,7 +14,7 @@ use grainpath_job::choices::{Choice, Pattern};
 use crate::measure::Planned;
 use crate::measure::report::direction_error;
 
-/// A larger mean angle between infill and guide gives a warning, degrees. Source: issue 17, item 6.
+/// A larger mean angle between infill and guide gives a warning, degrees. Source: chosen; a requirement of the project.
 const MAX_MEAN_DEG: f64 = 15.0;
 /// A warning is given if more than this share of the weighted infill lies in pure shear. Source:
 /// derived: more than half.

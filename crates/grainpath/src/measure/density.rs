@@ -15,9 +15,9 @@ use serde::Serialize;
 use crate::guide::density::DensityMap;
 use crate::order::LayerPaths;
 
-/// Side of a cell, mm. Source: issue 20.
+/// Side of a cell, mm. Source: chosen; a requirement of the project.
 pub const CELL_MM: f64 = 5.0;
-/// Largest mean error, and largest error of a single cell, for which no warning is given. Source: issue 20.
+/// Largest mean error, and largest error of a single cell, for which no warning is given. Source: chosen; a requirement of the project.
 const WARNED: [f64; 2] = [0.03, 0.1];
 /// Side of the grid squares over which volumes are summed, mm. Source: derived: a tenth of a cell. Each square that a
 /// border cuts causes an error of at most a hundredth of the cell's area.

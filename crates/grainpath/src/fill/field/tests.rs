@@ -257,7 +257,7 @@ fn open_ends_reach_the_border_and_stay_on_the_field() {
     });
     let [joined, open] = measured;
     assert!(open.0 < 0.03 && open.1 < 0.002, "gap {} spill {}", open.0, open.1);
-    // Issue 17: vector_slicer lies 3.8 degrees off on this disk, joined ends 6.7.
+    // Measured: vector_slicer lies 3.8 degrees off on this disk, joined ends 6.7.
     assert!(open.2 < 3.8 && joined.2 > open.2 + 2.0, "{} and {} degrees", open.2, joined.2);
     assert!(open.3 < 0.1, "{} of the rim is open", open.3);
 }
