@@ -17,7 +17,7 @@ use super::model::memory::fitting_edge_mm;
 use super::model::quadratic_tet::{self as element, Law};
 use super::solver::block_matrix::{assemble, dot};
 use super::solver::easing::{self, RoughPart, Rows};
-use super::solver::half_matrix::{self, AFTER, Slab};
+use super::solver::half_matrix::{self, AFTER, SUM_BYTES, Slab};
 use super::solver::multigrid::{GRID, Grid, Multigrid, Transfer};
 use super::solver::operator::inverse;
 use super::solver::solution::{Solution, SolveSettings};
@@ -117,11 +117,11 @@ struct VoxelCells {
 const MIDDLE: usize = 13;
 /// Bytes a row of the matrix. Source: derived.
 const ROW_BYTES: usize = size_of::<half_matrix::Row>();
-/// Bytes a node, with and without the matrix in single precision. The matrix takes its rows, and displacements and forces in
-/// single precision. A correction takes rows of its own, with the numbers of their neighbours, for the nodes it moves.
+/// Bytes a node, with and without the matrix in single precision. The matrix takes its rows, and the sums of its
+/// forces. A correction takes rows of its own, with the numbers of their neighbours, for the nodes it moves.
 /// Measured: the strength test of a bracket with 459 000 nodes holds 1.1 GiB, and 1.3 GiB with whole rows.
 const NODE_BYTES: [usize; 2] =
-    [810 + ROW_BYTES + 64 + (2.0 * NEAR * (ROW_BYTES + 4 * AFTER) as f64) as usize, 810];
+    [810 + ROW_BYTES + SUM_BYTES + (2.0 * NEAR * (ROW_BYTES + 4 * AFTER) as f64) as usize, 810];
 
 fn corner(c: usize) -> IVec3 {
     IVec3::new((c & 1) as i32, (c >> 1 & 1) as i32, (c >> 2) as i32)

@@ -26,6 +26,9 @@ pub(crate) const EMPTY: Row = [[0.0; LINE]; 3];
 const SLABS: usize = 32;
 /// The least number of nodes in a slab. Source: chosen; it changes speed and the order of additions alone.
 const SLAB_NODES: usize = 1024;
+/// Bytes a node of displacements and sums while forces are computed, at most. Source: derived: in a plate a few nodes thick
+/// every slab reaches almost to the last node, so a node lies in half of all slabs.
+pub(crate) const SUM_BYTES: usize = size_of::<[f32; 3]>() + (SLABS / 2 + 1) * size_of::<[f32; 4]>();
 
 /// Consecutive nodes whose forces are added up together.
 pub(crate) struct Slab {
