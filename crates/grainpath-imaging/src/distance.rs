@@ -12,7 +12,7 @@
 //! because a sweep sees only neighbours; the distance then changes by a fraction of a pixel.
 
 use grainpath_core::poly::edges;
-use grainpath_core::{Bounds2, DVec2, Region};
+use grainpath_core::{Bounds2, DVec2, Region, segment};
 
 /// A grid of pixels in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,10 +63,7 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
     let mut best = vec![f32::INFINITY; nx * ny];
     let measure = |p: DVec2, s: u32| {
         let (a, b) = segments[s as usize];
-        let d = b - a;
-        let l = d.length_squared();
-        let t = if l > 0.0 { ((p - a).dot(d) / l).clamp(0.0, 1.0) } else { 0.0 };
-        p.distance_squared(a + t * d) as f32
+        segment::distance_squared_mm2(p, a, b) as f32
     };
     // Pixels beside an edge are measured exactly before the sweeps spread it.
     for (s, (a, b)) in segments.iter().enumerate() {

@@ -7,6 +7,7 @@
 //! samples also uses the elements around it; coefficients that the samples do not determine stay zero.
 
 use grainpath_core::DVec2;
+use grainpath_core::dense::solve_spd;
 use rayon::prelude::*;
 
 use super::plane_problem::PlaneProblem;
@@ -117,7 +118,7 @@ impl Fit {
                 (0..3).for_each(|j| rhs[i][j] += row[i] * value[j]);
             }
         }
-        Self { origin, scale, coefficients: solve(normal, rhs) }
+        Self { origin, scale, coefficients: solve_spd(normal, rhs) }
     }
 
     fn at(&self, p: DVec2) -> PlaneTensor {
@@ -132,33 +133,4 @@ impl Fit {
 
 fn terms(p: DVec2) -> [f64; 6] {
     [1.0, p.x, p.y, p.x * p.x, p.x * p.y, p.y * p.y]
-}
-
-/// Gauss elimination of six equations; unknowns that the samples do not determine stay zero.
-fn solve(mut a: [[f64; 6]; 6], mut b: [[f64; 3]; 6]) -> [PlaneTensor; 6] {
-    let trace: f64 = (0..6).map(|i| a[i][i]).sum();
-    // Rounding leaves about 1e-16 of the trace in a pivot that should be zero.
-    let least = 1e-10 * trace.max(1e-300);
-    for k in 0..6 {
-        let pivot = a[k][k];
-        if pivot < least {
-            (0..6).for_each(|j| a[k][j] = 0.0);
-            (0..6).for_each(|i| a[i][k] = 0.0);
-            a[k][k] = 1.0;
-            b[k] = [0.0; 3];
-            continue;
-        }
-        for i in k + 1..6 {
-            let f = a[i][k] / pivot;
-            (0..6).for_each(|j| a[i][j] -= f * a[k][j]);
-            (0..3).for_each(|j| b[i][j] -= f * b[k][j]);
-        }
-    }
-    for k in (0..6).rev() {
-        for c in 0..3 {
-            let known: f64 = (k + 1..6).map(|j| a[k][j] * b[j][c]).sum();
-            b[k][c] = (b[k][c] - known) / a[k][k];
-        }
-    }
-    b
 }

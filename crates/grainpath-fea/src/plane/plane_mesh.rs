@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::triangulation::{TriangleSize, Triangulation, TriangulationError};
-use grainpath_core::{DVec2, Region};
+use grainpath_core::{DVec2, DisjointSets, Region};
 
 /// Quadratic triangles: three corners, then the nodes in the middle of sides 01, 12 and 20.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,26 +52,20 @@ impl PlaneMesh {
 
     /// The connected piece of each node, and the number of pieces.
     pub fn pieces(&self) -> (Vec<u32>, usize) {
-        let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
+        let mut connected = DisjointSets::new(self.nodes.len());
         for e in &self.elements {
-            for k in 1..6 {
-                let (a, b) = (root(&mut parent, e[0]), root(&mut parent, e[k]));
-                parent[a.max(b) as usize] = a.min(b);
-            }
+            e[1..].iter().for_each(|&node| {
+                connected.union(e[0] as usize, node as usize);
+            });
         }
         // Pieces are numbered in the order of their first node, whatever the order of the unions.
         let mut number = BTreeMap::new();
-        let piece: Vec<u32> = (0..self.nodes.len() as u32)
-            .map(|i| {
+        let piece: Vec<u32> = connected
+            .names()
+            .into_iter()
+            .map(|lowest| {
                 let next = number.len() as u32;
-                *number.entry(root(&mut parent, i)).or_insert(next)
+                *number.entry(lowest).or_insert(next)
             })
             .collect();
         (piece, number.len())

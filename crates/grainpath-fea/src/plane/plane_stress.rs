@@ -6,7 +6,7 @@
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
-use grainpath_core::{Bounds2, DVec2};
+use grainpath_core::{Bounds2, DVec2, segment};
 
 use super::patch_fit;
 use super::plane_mesh::PlaneMesh;
@@ -134,7 +134,7 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for k in 0..3 {
         let (a, b) = (c[k], c[(k + 1) % 3]);
-        let t = ((p - a).dot(b - a) / a.distance_squared(b).max(1e-300)).clamp(0.0, 1.0);
+        let t = segment::closest_share(p, a, b);
         let off = p.distance_squared(a.lerp(b, t));
         if off < best.0 {
             let mut l = [0.0; 3];

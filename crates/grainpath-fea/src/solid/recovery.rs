@@ -7,6 +7,7 @@
 //! nodes. Degenerate cases: small patches fall back to linear or constant fits; patches do not
 //! reach across materials.
 
+use grainpath_core::dense::solve_spd;
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -188,7 +189,7 @@ impl Fit {
                 }
             }
         }
-        let terms = solve_spd(m, b, n_terms);
+        let terms = solve_spd(m, b);
         Self { origin, scale, n_terms, terms }
     }
 
@@ -198,58 +199,8 @@ impl Fit {
     }
 }
 
-/// Cholesky factorization of the normal equations. Terms that the samples cannot distinguish from
-/// earlier ones are left out.
-fn solve_spd(mut m: [[f64; 10]; 10], mut b: [[f64; 6]; 10], n: usize) -> [[f64; 6]; 10] {
-    for i in 0..n {
-        let whole = m[i][i];
-        for j in 0..=i {
-            let rest = m[i][j] - (0..j).map(|k| m[i][k] * m[j][k]).sum::<f64>();
-            m[i][j] = match (i == j, m[j][j] > 0.0) {
-                (true, _) => {
-                    if rest > 1e-8 * whole {
-                        rest.sqrt()
-                    } else {
-                        0.0
-                    }
-                }
-                (false, true) => rest / m[j][j],
-                (false, false) => 0.0,
-            };
-        }
-        for c in 0..6 {
-            let rest = b[i][c] - (0..i).map(|k| m[i][k] * b[k][c]).sum::<f64>();
-            b[i][c] = if m[i][i] > 0.0 { rest / m[i][i] } else { 0.0 };
-        }
-    }
-    for i in (0..n).rev() {
-        for c in 0..6 {
-            let rest = b[i][c] - (i + 1..n).map(|k| m[k][i] * b[k][c]).sum::<f64>();
-            b[i][c] = if m[i][i] > 0.0 { rest / m[i][i] } else { 0.0 };
-        }
-    }
-    b
-}
-
 /// The inverse of a stiffness, which is positive definite.
 fn inverse(d: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
-    let mut a = *d;
-    let mut inverse: [[f64; 6]; 6] =
-        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-    for i in 0..6 {
-        let pivot = a[i][i];
-        for k in 0..6 {
-            a[i][k] /= pivot;
-            inverse[i][k] /= pivot;
-        }
-        let (own, own_inverse) = (a[i], inverse[i]);
-        for j in (0..6).filter(|&j| j != i) {
-            let factor = a[j][i];
-            for k in 0..6 {
-                a[j][k] -= factor * own[k];
-                inverse[j][k] -= factor * own_inverse[k];
-            }
-        }
-    }
-    inverse
+    let identity = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    solve_spd(*d, identity)
 }

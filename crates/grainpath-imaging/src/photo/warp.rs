@@ -64,7 +64,8 @@ impl Homography {
     }
 }
 
-/// Gauss-Jordan elimination with partial pivoting. The last entry of each row is its right-hand side.
+/// Gauss-Jordan elimination with partial pivoting. The last entry of each row is its right-hand side. This matrix is
+/// not symmetric, so the Cholesky factors of `grainpath_core::dense` do not serve here.
 fn solve(mut rows: [[f64; 9]; 8]) -> Option<[f64; 8]> {
     // Unknowns have very different sizes (mm, pixels), so rows are scaled before pivots are compared.
     for row in &mut rows {

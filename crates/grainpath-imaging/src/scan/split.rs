@@ -9,7 +9,7 @@
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};
-use grainpath_core::{DVec2, Polygon, Region};
+use grainpath_core::{DVec2, Polygon, Region, segment};
 
 use super::correspond::{Features, feature_points};
 
@@ -97,12 +97,7 @@ fn middle(p: &Polygon) -> Option<DVec2> {
 }
 
 fn nearest_point(polygon: &Polygon, p: DVec2) -> DVec2 {
-    let on = |(a, b): (DVec2, DVec2)| {
-        let d = b - a;
-        let l = d.length_squared();
-        a + d * if l > 0.0 { ((p - a).dot(d) / l).clamp(0.0, 1.0) } else { 0.0 }
-    };
-    let all = edges(&polygon.outer).map(on);
+    let all = edges(&polygon.outer).map(|(a, b)| segment::closest_point(p, a, b));
     all.fold(
         polygon.outer[0],
         |best, q| {

@@ -9,7 +9,7 @@
 //! Cost: O(1) inside on average, O(log n) outside. The answer depends on the point alone, so any number of threads gets the
 //! same bits. Degenerate cases: an element without volume is never inside; a mesh in a plane of constant z ignores z.
 
-use grainpath_core::{DVec3, math};
+use grainpath_core::{Bvh, DVec3, TriMesh, math};
 
 use super::element::ElementKind;
 use super::model::Element;
@@ -47,10 +47,10 @@ pub struct StressField {
     result: FeResult,
     maps: Vec<Map>,
     elements: Grid,
-    /// Free faces cut into triangles, each with the index of its element. A free edge of a plane mesh is
-    /// a triangle whose last two corners coincide.
-    rim: Vec<([u32; 3], u32)>,
-    rim_tree: Tree,
+    /// Free faces cut into triangles. A free edge of a plane mesh is a triangle whose last two corners coincide.
+    rim: Bvh,
+    /// The element of each of these triangles.
+    rim_elements: Vec<u32>,
     /// Nodes with a stress, for results without elements.
     points: Vec<u32>,
     point_tree: Tree,
@@ -84,9 +84,8 @@ impl StressField {
             Map::Curved(lo, hi) => (lo, hi),
         });
         let elements = Grid::new(&boxes.collect::<Vec<_>>());
-        let rim = rim(&result);
-        let rim_boxes = rim.iter().map(|(t, _)| box_of(t.iter().map(|&i| result.nodes[i as usize])));
-        let rim_tree = Tree::new(&rim_boxes.collect::<Vec<_>>());
+        let (triangles, rim_elements) = rim(&result).into_iter().unzip();
+        let rim = Bvh::new(&TriMesh { vertices: result.nodes.clone(), triangles });
         let mut points = Vec::new();
         // The tree of points is needed only for a table without a mesh; it would double the memory of a
         // large mesh.
@@ -94,9 +93,8 @@ impl StressField {
             let known = |i: &u32| result.stress[*i as usize].iter().all(|v| v.is_finite());
             points = (0..result.nodes.len() as u32).filter(known).collect();
         }
-        let at = points.iter().map(|&i| (result.nodes[i as usize], result.nodes[i as usize]));
-        let point_tree = Tree::new(&at.collect::<Vec<_>>());
-        Self { result, maps, elements, rim, rim_tree, points, point_tree }
+        let point_tree = Tree::new(&points.iter().map(|&i| result.nodes[i as usize]).collect::<Vec<_>>());
+        Self { result, maps, elements, rim, rim_elements, points, point_tree }
     }
 
     /// The result that the field evaluates.
@@ -137,11 +135,8 @@ impl StressField {
                 return Some(at);
             }
         }
-        let (index, q) = self.rim_tree.nearest(p, |i| {
-            let [a, b, c] = self.rim[i as usize].0.map(|n| self.result.nodes[n as usize]);
-            nearest_on_triangle(p, a, b, c)
-        })?;
-        let element = self.rim[index as usize].1;
+        let nearest = self.rim.closest_point(p, f64::INFINITY)?;
+        let element = self.rim_elements[nearest.triangle as usize];
         let kind = self.result.elements[element as usize].kind;
         // Free faces are cut into flat triangles, while the element's face may be curved. Two natural
         // positions are tried, from the foot point on the triangle and from the point itself; the nearer
@@ -150,7 +145,7 @@ impl StressField {
             let natural = kind.clamped(self.natural(element, q).unwrap_or(kind.centre()));
             Location { element, natural, distance_mm: p.distance(self.position(element, natural)) }
         };
-        let (a, b) = (place(q), place(p));
+        let (a, b) = (place(nearest.point), place(p));
         Some(if b.distance_mm < a.distance_mm { b } else { a })
     }
 
@@ -355,42 +350,8 @@ fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
     out
 }
 
-/// The point of a triangle nearest to `p`.
-fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let n = ab.cross(ac);
-    let nn = n.length_squared();
-    // A triangle thinner than this (sine of its corner below 1e-14) has no usable normal; its edges give
-    // the nearest point.
-    if nn > 1e-28 * ab.length_squared() * ac.length_squared() && nn > 0.0 {
-        let v = ap.cross(ac).dot(n) / nn;
-        let w = ab.cross(ap).dot(n) / nn;
-        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
-            return a + v * ab + w * ac;
-        }
-    }
-    // Outside the triangle's prism the nearest point lies on an edge.
-    let on = |s: DVec3, e: DVec3| {
-        let d = e - s;
-        let len = d.length_squared();
-        if len > 0.0 { s + d * ((p - s).dot(d) / len).clamp(0.0, 1.0) } else { s }
-    };
-    let candidates = [on(a, b), on(b, c), on(c, a)];
-    // Ties go to the first edge, so that the result does not depend on the platform's rounding of equal
-    // values.
-    let d = candidates.map(|q| q.distance_squared(p));
-    let best = if d[0] <= d[1] && d[0] <= d[2] {
-        0
-    } else if d[1] <= d[2] {
-        1
-    } else {
-        2
-    };
-    candidates[best]
-}
-
 /// Boxes sorted into the cells of a regular grid. A grid answers which boxes hold a point faster than a
-/// tree does.
+/// tree does. `grainpath_core::buckets` holds points, each in one cell; a box lies in many.
 #[derive(Debug, Clone)]
 struct Grid {
     lo: DVec3,
@@ -489,7 +450,7 @@ impl Grid {
     }
 }
 
-/// A binary tree of boxes for nearest-neighbour searches. The order of construction and search is fixed,
+/// A binary tree of points that lists several neighbours; `Bvh` gives the nearest alone. The order of construction and search is fixed,
 /// so ties are decided alike on every run.
 #[derive(Debug, Clone, Default)]
 struct Tree {
@@ -514,58 +475,39 @@ impl TreeNode {
     }
 }
 
-/// Largest number of boxes in a leaf of the tree.
+/// Largest number of points in a leaf of the tree.
 /// Source: chosen; it changes speed alone, never the result.
 const LEAF: usize = 4;
 
 impl Tree {
-    fn new(boxes: &[(DVec3, DVec3)]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len() as u32).collect() };
-        if !boxes.is_empty() {
-            tree.build(boxes, 0, boxes.len());
+    fn new(points: &[DVec3]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), items: (0..points.len() as u32).collect() };
+        if !points.is_empty() {
+            tree.build(points, 0, points.len());
         }
         tree
     }
 
-    fn build(&mut self, boxes: &[(DVec3, DVec3)], start: usize, end: usize) {
+    fn build(&mut self, points: &[DVec3], start: usize, end: usize) {
         let items = &mut self.items[start..end];
-        let items_boxes = items.iter().map(|&i| boxes[i as usize]);
-        let (lo, hi) = items_boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let (lo, hi) = box_of(items.iter().map(|&i| points[i as usize]));
         let node = self.nodes.len();
         let n_items = items.len();
         self.nodes.push(TreeNode { lo, hi, link: start as u32, n_items: n_items as u32 });
         if n_items <= LEAF {
             return;
         }
-        // Twice the centre: the factor does not change the order.
-        let middle = |i: u32| boxes[i as usize].0 + boxes[i as usize].1;
-        let (low, high) = box_of(items.iter().map(|&i| middle(i)));
-        let axis = (high - low).max_position();
+        let axis = (hi - lo).max_position();
         let half = n_items / 2;
-        // The index breaks ties, so that equal centres are split the same way everywhere. A split at the
+        // The index breaks ties, so that equal coordinates are split the same way everywhere. A split at the
         // median keeps the depth at log2(n), which the stack of `around` relies on.
         items.select_nth_unstable_by(half, |&a, &b| {
-            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b))
+            points[a as usize][axis].total_cmp(&points[b as usize][axis]).then(a.cmp(&b))
         });
-        self.build(boxes, start, start + half);
+        self.build(points, start, start + half);
         self.nodes[node].link = self.nodes.len() as u32;
         self.nodes[node].n_items = 0;
-        self.build(boxes, start + half, end);
-    }
-
-    /// The item with the nearest point, where `f` gives the nearest point of each item. The lowest index
-    /// wins a tie.
-    fn nearest(&self, p: DVec3, f: impl Fn(u32) -> DVec3) -> Option<(u32, DVec3)> {
-        let mut best: Option<(f64, u32, DVec3)> = None;
-        self.around(p, |i| {
-            let q = f(i);
-            let d = q.distance_squared(p);
-            if best.is_none_or(|(bd, bi, _)| (d, i) < (bd, bi)) {
-                best = Some((d, i, q));
-            }
-            best.map_or(f64::INFINITY, |b| b.0)
-        });
-        best.map(|(_, i, q)| (i, q))
+        self.build(points, start + half, end);
     }
 
     /// Visits items from near to far. Stops when every remaining box is farther than the squared distance

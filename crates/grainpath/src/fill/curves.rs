@@ -18,7 +18,7 @@ use grainpath_core::math::cross;
 use grainpath_core::poly::LineClipper;
 use grainpath_core::polyline::{length_mm, resampled};
 use grainpath_core::units::bead_width_mm;
-use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
+use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath, segment};
 
 use crate::fill::FillContext;
 
@@ -474,13 +474,8 @@ fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
     while let Some((lo, hi)) = stack.pop() {
         let far = (lo + 1..hi).fold((STRAIGHT_MM, usize::MAX), |best, k| {
             let (a, b, p) = (points[lo], points[hi], points[k]);
-            let d = b - a;
-            let t = if d.length_squared() > 0.0 {
-                ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            let aside = p.distance(a + t * d);
+            let t = segment::closest_share(p, a, b);
+            let aside = p.distance(a + t * (b - a));
             // An error of width counts 0.3 times an error of position: it is shared by the two sides of the
             // bead, and no outline depends on it.
             let wider = 0.3 * (widths[k] - widths[lo] - t * (widths[hi] - widths[lo])).abs();
@@ -573,11 +568,8 @@ mod tests {
                 );
             }
             let to_line = |p: DVec2| {
-                let d = |&(_, a, b): &(usize, DVec2, DVec2)| {
-                    let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
-                    p.distance(a.lerp(b, t))
-                };
-                segments.iter().map(d).fold(f64::INFINITY, f64::min)
+                let d = |&(_, a, b): &(usize, DVec2, DVec2)| segment::distance_squared_mm2(p, a, b);
+                segments.iter().map(d).fold(f64::INFINITY, f64::min).sqrt()
             };
             let mut widest = 0.0f64;
             for j in 1..66 {

@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::{BeadWidth, DVec2, Toolpath};
+use grainpath_core::{BeadWidth, DVec2, Toolpath, segment};
 
 /// Paths that follow each other without a travel between them.
 struct Chain {
@@ -246,7 +246,7 @@ impl Chain {
             for i in 0..piece.n_segments() {
                 let (a, b, _) = piece.segment(i);
                 let l = a.distance(b);
-                let t = if l > 0.0 { ((at - a).dot(b - a) / (l * l)).clamp(0.0, 1.0) } else { 0.0 };
+                let t = segment::closest_share(at, a, b);
                 let p = a.lerp(b, t);
                 if p.distance(at) < best.at.distance(at) - 1e-9 {
                     best = Place { piece: k, along_mm: done + t * l, at: p };

@@ -11,10 +11,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use grainpath_core::TriMesh;
 use grainpath_core::mesh::EdgeUses;
-
-use super::features::root;
+use grainpath_core::{DisjointSets, TriMesh};
 
 /// A closed shell with less than this share of the volume is taken out. Source: derived: a
 /// millionth of the volume is a body a hundredth of the part's size across, while pieces of up to a
@@ -93,13 +91,12 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
 
 /// For each facet, the lowest-numbered facet that it is connected to over edges.
 fn shells(surface: &TriMesh) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..surface.triangles.len() as u32).collect();
+    let mut shells = DisjointSets::new(surface.triangles.len());
     for mut edge in EdgeUses::count(surface).edges() {
         let Some((first, _)) = edge.next() else { continue };
         for (other, _) in edge {
-            let (a, b) = (root(&mut parent, first as u32), root(&mut parent, other as u32));
-            parent[a.max(b) as usize] = a.min(b);
+            shells.union(first, other);
         }
     }
-    (0..parent.len() as u32).map(|t| root(&mut parent, t)).collect()
+    shells.names()
 }

@@ -7,14 +7,14 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::mesh::EdgeUses;
-use grainpath_core::{Bvh, DVec3, TriMesh};
+use grainpath_core::{Bvh, DVec3, DisjointSets, TriMesh};
 
 /// Cosine of the turn (40 degrees) above which two facets meet in a sharp edge.
 const SHARP_COS: f64 = 0.766;
 
 /// The sharp edges of a mesh.
 pub(super) struct Features {
-    /// Smooth patch of each facet, named by one of its facets.
+    /// Smooth patch of each facet, named by its first facet.
     pub(super) patch: Vec<u32>,
     /// The sharp edges with the patches on both sides.
     pub(super) edges: Vec<([DVec3; 2], [u32; 2])>,
@@ -30,7 +30,7 @@ impl Features {
             let [a, b, c] = mesh.triangles[t].map(v);
             (b - a).cross(c - a).normalize_or_zero()
         };
-        let mut patch: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        let mut patches = DisjointSets::new(mesh.triangles.len());
         let mut sharp = Vec::new();
         for uses in EdgeUses::count(mesh).edges() {
             let uses: Vec<(usize, bool)> = uses.collect();
@@ -40,15 +40,12 @@ impl Features {
             // A facet without area has no normal and joins its neighbours, or it would cut the
             // patch in two.
             if turned > SHARP_COS || normal(s) == DVec3::ZERO || normal(t) == DVec3::ZERO {
-                let (a, b) = (root(&mut patch, s as u32), root(&mut patch, t as u32));
-                patch[a.max(b) as usize] = a.min(b);
+                patches.union(s, t);
             } else {
                 sharp.push((shared(mesh.triangles[s], mesh.triangles[t]), [s as u32, t as u32]));
             }
         }
-        for t in 0..patch.len() as u32 {
-            patch[t as usize] = root(&mut patch, t);
-        }
+        let patch = patches.names();
         let mut at: BTreeMap<u32, Vec<(u32, [u32; 2])>> = BTreeMap::new();
         let mut edges = Vec::new();
         for (ends, facets) in sharp {
@@ -88,14 +85,6 @@ fn segments(edges: &[([DVec3; 2], [u32; 2])]) -> Bvh {
     // Segments are stored as triangles with a repeated corner, so that one tree serves both.
     let triangles = (0..edges.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
     Bvh::new(&TriMesh { vertices, triangles })
-}
-
-pub(super) fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }
 
 fn shared(s: [u32; 3], t: [u32; 3]) -> Option<[u32; 2]> {

@@ -2,6 +2,7 @@
 //!
 //! Cost: sorting four faces a tetrahedron; the order of the results depends on the mesh alone.
 
+use grainpath_core::DisjointSets;
 use rayon::slice::ParallelSliceMut;
 
 use super::tet_shape::FACES;
@@ -53,19 +54,11 @@ pub(crate) fn incidence<const N: usize>(n_vertices: usize, tets: &[[u32; N]]) ->
 
 /// For each tetrahedron, the lowest-numbered one that it is connected to over faces.
 pub(crate) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
+    let mut pieces = DisjointSets::new(tets.len());
     let faces = sorted_faces(tets);
     // A face of more than two tetrahedra would be a defect of the mesh; its first two are joined.
     for pair in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1) {
-        let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
-        parent[a.max(b) as usize] = a.min(b);
+        pieces.union(pair[0].1 as usize, pair[1].1 as usize);
     }
-    (0..tets.len() as u32).map(|t| root(&mut parent, t)).collect()
+    pieces.names()
 }

@@ -68,6 +68,9 @@ pub(crate) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec
     nodes.iter().zip(new).for_each(|(&i, r)| residual[i as usize] = r);
 }
 
+/// The loop is not that of `grainpath_core::conjugate_gradients`, which ends with an error where the curvature of a
+/// direction is lost. Here rows carry a few digits only, so that is the normal end.
+///
 /// Moves the nodes inside, with all others fixed, until the residual on them is below the goal or
 /// the number of steps is reached. `left` is the residual of `u` on all nodes, before and after.
 pub(crate) fn ease(

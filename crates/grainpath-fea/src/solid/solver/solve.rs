@@ -80,6 +80,9 @@ pub(crate) struct Solved {
 }
 
 /// Conjugate gradients, from a displacement and its residual where they are given.
+///
+/// `grainpath_core::conjugate_gradients` is not used here: it begins with a product of the matrix that a known residual
+/// saves, its preconditioner cannot keep memory between calls, and its sums and updates run on one thread.
 pub(crate) fn iterate(
     operator: &dyn System,
     multigrid: &mut Multigrid,

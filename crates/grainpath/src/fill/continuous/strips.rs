@@ -24,7 +24,7 @@ use std::f64::consts::{PI, TAU};
 
 use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::{FillRule, Join, LineClipper};
-use grainpath_core::{DVec2, Polygon, Region};
+use grainpath_core::{DVec2, Polygon, Region, segment};
 
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
 use super::super::field::stripes::NearBorder;
@@ -460,11 +460,9 @@ fn in_strip(p: DVec2, lines: &[Line]) -> bool {
         let n = line.points.len();
         for i in 0..if line.closed { n } else { n - 1 } {
             let (a, b) = (line.points[i], line.points[(i + 1) % n]);
-            let d = b - a;
-            let t = ((p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
-            let off = p.distance_squared(a + t * d);
+            let off = segment::distance_squared_mm2(p, a, b);
             if off < best.0 {
-                best = (off, cross(d, p - a) > 0.0);
+                best = (off, cross(b - a, p - a) > 0.0);
             }
         }
     }

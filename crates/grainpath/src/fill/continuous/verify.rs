@@ -7,7 +7,7 @@
 //! compares sides exactly.
 
 use grainpath_core::poly::{Join, LineClipper};
-use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
+use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId, segment};
 
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::SEEN_BEADS;
@@ -101,9 +101,7 @@ pub(in crate::fill) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, not
                 .flat_map(|r| r.contours())
                 .flat_map(|c| grainpath_core::poly::edges(c))
             {
-                let d = b - a;
-                let t = ((*p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
-                let q = a + t * d;
+                let q = segment::closest_point(*p, a, b);
                 if p.distance(q) < best.0 {
                     best = (p.distance(q), p.midpoint(q));
                 }
