@@ -239,6 +239,7 @@ const ROWS: &[Row] = &[
     support("support.clearance.SLAB_MM", &[0.2, 0.3, 0.4, 0.8, 1.6], TREES),
     support("support.clearance.MAX_DEBT", &[10.0, 20.0, 40.0, 64.0, 100.0], TREES_BESIDE),
     support("support.cut.TOUCH_MM", &[0.0, 0.02, 0.05, 0.1, 0.2], TREES_BESIDE),
+    support("support.overhang.THIN_SHARE", &[0.0, 0.2, 0.4, 0.6, 1.0], TREES),
     support("support.poisson.MARGIN", &[2.0, 4.0, 6.0, 10.0, 16.0], TREES_BY_POISSON),
     support("support.poisson.SWEEPS", &[1.0, 2.0, 3.0, 5.0, 8.0], TREES_BY_POISSON),
     support("support.poisson.RESIDUAL", &[0.0002, 0.0006, 0.002, 0.006, 0.02], TREES_BY_POISSON),

@@ -5,11 +5,15 @@
 mod figure;
 
 use figure::{BLUE, Figure, GREEN, ORANGE, Panel, RED, hold};
+use grainpath::Settings;
+use grainpath::run::config;
 use grainpath::shape::{SliceSettings, slice};
+use grainpath::support::plan;
 use grainpath::support::tree::Kind;
-use grainpath::support::{SupportSettings, plan};
 use grainpath::wall::{WallSettings, lay_walls};
 use grainpath_core::{DVec2, DVec3, Diagnostics, Polygon, Region, TriMesh};
+use grainpath_io::PaintedSupports;
+use grainpath_job::choices::SupportStyle;
 
 const CRATE: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -104,7 +108,9 @@ fn the_figure_of_trees() {
         simplify_mm: 0.005,
     };
     let stack = slice(&mesh, &slices, &quiet).expect("layers");
-    let settings = SupportSettings::default();
+    let mut job = Settings::default();
+    job.support.style = SupportStyle::Tree;
+    let settings = config::support(&job, None, PaintedSupports::default()).expect("trees are asked for");
     let support = plan(&mesh, &stack, &settings, &quiet).expect("a support");
     let nodes = &support.forest.nodes;
     let side = |p: DVec3| DVec2::new(p.x, p.z);

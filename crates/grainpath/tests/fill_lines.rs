@@ -1,7 +1,7 @@
 //! Raster angles per range of layers and of skins, and lines of several beads: what a pattern lays, and from a job to paths
 //! in order.
 
-use grainpath::fill::{FillContext, Infill, SideBySide};
+use grainpath::fill::{Continuous, FillContext, Infill, SideBySide, TreeKind};
 use grainpath::run::{Steps, config};
 use grainpath_core::math::direction;
 use grainpath_core::poly::{FillRule, Join};
@@ -46,6 +46,12 @@ fn wide_patterns() -> impl Iterator<Item = Pattern> {
     Pattern::ALL.iter().copied().filter(|p| p.takes_several_beads())
 }
 
+/// Lines of some beads each. None of these patterns reads the settings of `continuous`.
+fn side_by_side(pattern: Pattern, beads: usize) -> SideBySide {
+    let continuous = Continuous { tree: TreeKind::Undirected, aspect: 1.0, variable: true };
+    SideBySide { pattern, beads, continuous }
+}
+
 fn laid(several: &SideBySide, context: &FillContext<'_>, region: &Polygon) -> Vec<Toolpath> {
     let mut paths = Vec::new();
     several.fill(context, region, &mut paths);
@@ -59,7 +65,7 @@ fn lines_of_several_beads_have_the_density_asked_for() {
         wide_patterns().flat_map(|p| ["square", "disc"].into_iter().zip(regions()).map(move |r| (p, r)))
     {
         for (beads, density) in [(2, 0.2), (3, 0.3), (4, 0.4)] {
-            let several = SideBySide { pattern, beads };
+            let several = side_by_side(pattern, beads);
             // A whole number of periods of the gyroid would show a part of its heights only.
             let layers = if pattern == Pattern::Gyroid { 11 } else { 2 };
             let one = |k: usize| {
@@ -80,7 +86,7 @@ fn lines_of_several_beads_have_the_density_asked_for() {
 #[test]
 fn the_rows_of_a_line_are_a_spacing_apart_and_lines_as_far_as_the_density_says() {
     let context = context(0.25, 0.0, 0.1);
-    let several = SideBySide { pattern: Pattern::Aligned, beads: 3 };
+    let several = side_by_side(Pattern::Aligned, 3);
     let [square, _] = regions();
     let mut rows: Vec<f64> = Vec::new();
     for (a, b) in laid(&several, &context, &square).iter().flat_map(|p| p.points.iter().zip(&p.points[1..])) {
@@ -107,7 +113,7 @@ fn beads_lie_beside_each_other_inside_the_region() {
     for pattern in [Pattern::Gyroid, Pattern::Honeycomb, Pattern::Streamlines, Pattern::Concentric] {
         for beads in [2, 3, 5] {
             let context = context(0.3, 0.3, 1.3);
-            let several = SideBySide { pattern, beads };
+            let several = side_by_side(pattern, beads);
             let paths = laid(&several, &context, &region);
             assert_eq!(paths, laid(&several, &context, &region), "the same again");
             for p in paths.iter().flat_map(|p| &p.points) {

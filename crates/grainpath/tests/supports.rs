@@ -34,6 +34,11 @@ fn settings() -> Settings {
     s
 }
 
+/// What a job that only asks for trees gets.
+fn job_settings() -> SupportSettings {
+    config::support(&settings(), None, PaintedSupports::default()).expect("trees are asked for")
+}
+
 fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportSettings)> {
     let name = path.file_name()?.to_string_lossy().into_owned();
     let bytes = std::fs::read(path).ok()?;
@@ -56,7 +61,7 @@ fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportS
     }
     let quiet = Diagnostics::default();
     let Sliced { mesh, stack, .. } = mesh_and_layers(&config::placing(&s), file, &quiet).ok()?;
-    let wanted = config::support(&s, DVec2::ZERO).map(|w| SupportSettings { bed: None, ..w })?;
+    let wanted = config::support(&s, None, PaintedSupports::default())?;
     let support = plan(&mesh, &stack, &wanted, &quiet).ok()?;
     Some((support, stack, wanted))
 }
@@ -152,7 +157,7 @@ fn planned(
 ) -> (Support, LayerStack, Vec<grainpath_core::Warning>) {
     let quiet = Diagnostics::default();
     let stack = layers(mesh, &quiet);
-    let mut settings = SupportSettings::default();
+    let mut settings = job_settings();
     change(&mut settings);
     let support = plan(mesh, &stack, &settings, &quiet).expect("not stopped");
     assert_eq!(count_floating(&support.cut.layers, &stack, &settings), 0);
@@ -299,7 +304,7 @@ fn what_begins_in_mid_air_without_support_is_warned_of_once_with_its_place() {
 
 #[test]
 fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
-    let s = SupportSettings::default();
+    let s = job_settings();
     // A straight trunk of one radius: F L^3 / (3 E I).
     let node = |z: f64, below: Option<u32>, kind: Kind| Node {
         at: DVec3::new(0.0, 0.0, z),

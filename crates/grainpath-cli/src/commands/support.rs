@@ -9,7 +9,7 @@ use grainpath::measure::report::SupportReport;
 use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::support::{self, Support as Planned};
-use grainpath_core::{DVec2, Diagnostics, LayerStack, TriMesh, WarningId};
+use grainpath_core::{Diagnostics, LayerStack, TriMesh, WarningId};
 use grainpath_io::MeshFile;
 use grainpath_job::Settings;
 use grainpath_job::choices::SupportStyle;
@@ -47,8 +47,13 @@ pub(crate) fn support(args: &Support) -> Result<(), Failure> {
     let start = Instant::now();
     let mut written = BTreeMap::new();
     if body.triangles.is_empty() && !args.with_model {
-        diagnostics.warn(WarningId::SupportNone, "support: nothing to write");
-    } else {
+        // A part without overhangs has been warned of already.
+        if !diagnostics.warnings().iter().any(|w| w.id == WarningId::SupportNone) {
+            diagnostics.warn(WarningId::SupportNone, "support: nothing to write");
+        }
+    }
+    args.common.refuse(&diagnostics.warnings(), false)?;
+    if !body.triangles.is_empty() || args.with_model {
         let mut bodies = vec![&body];
         if args.with_model {
             // Both bodies keep the coordinates of the sliced part, so that they fit together in another
@@ -138,8 +143,7 @@ pub(super) fn supported(
     let slice_s = start.elapsed().as_secs_f64();
     // Only a job knows where the part stands on the bed. Here the part keeps the coordinates of its file,
     // so the bed does not limit the supports.
-    let wanted =
-        config::support(settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
+    let wanted = config::support(settings, None, painted);
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
     let found = support::plan(&mesh, &stack, &wanted, diagnostics).map_err(Error::from)?;
     let grow_s = start.elapsed().as_secs_f64() - slice_s;

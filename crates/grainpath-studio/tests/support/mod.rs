@@ -17,7 +17,7 @@ use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     Branch, CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal,
-    StressSurface, StressVolume, Studio, Surface, router,
+    RefusalKind, StressSurface, StressVolume, Studio, Surface, router,
 };
 use http_body_util::BodyExt;
 use serde_json::Value;
@@ -27,6 +27,10 @@ use tower::ServiceExt;
 pub(crate) struct Planner;
 
 impl Engine for Planner {
+    fn exit_code(&self, _: RefusalKind) -> i32 {
+        3
+    }
+
     fn job_for(&self, file: &Path) -> Result<String, Refusal> {
         if file.extension().is_some_and(|e| e == "txt") {
             return Err(Refusal::usage("no part"));

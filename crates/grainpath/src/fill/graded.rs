@@ -450,7 +450,7 @@ mod tests {
                 }
                 if pattern == Pattern::Continuous {
                     let mut notes = Vec::new();
-                    one_path(&Continuous::DEFAULT, &context, &map, &[region], &mut paths, &mut notes);
+                    one_path(&Continuous::FOR_TESTS, &context, &map, &[region], &mut paths, &mut notes);
                     assert!(paths.len() == 1 && paths[0].closed && notes.is_empty(), "{notes:?}");
                 } else {
                     fill(pattern, &context, &map, region, &mut paths);

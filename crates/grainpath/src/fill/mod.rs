@@ -81,8 +81,8 @@ pub trait Infill: Send + Sync {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>);
 }
 
-/// The implementation of a pattern.
-pub fn infill(pattern: Pattern) -> &'static dyn Infill {
+/// The implementation of a pattern; `continuous` is that of the pattern of this name, which has settings of its own.
+pub fn infill(pattern: Pattern, continuous: &Continuous) -> &dyn Infill {
     match pattern {
         // The two differ only in the raster angles that the caller gives layer by layer.
         Pattern::Rectilinear | Pattern::Aligned => &Rectilinear,
@@ -94,7 +94,7 @@ pub fn infill(pattern: Pattern) -> &'static dyn Infill {
         Pattern::Stripes => &Stripes,
         Pattern::Streamlines => &Streamlines,
         Pattern::SeedLines => &SeedLines,
-        Pattern::Continuous => &Continuous::DEFAULT,
+        Pattern::Continuous => continuous,
     }
 }
 
@@ -166,7 +166,7 @@ mod tests {
         for pattern in Pattern::ALL.iter().copied() {
             for (outline, region) in outlines() {
                 for density in [0.1, 0.2, 0.4] {
-                    let found = volume_share(infill(pattern), &region, density);
+                    let found = volume_share(infill(pattern, &Continuous::FOR_TESTS), &region, density);
                     // What joins lines along the border comes on top, and counts for more the wider
                     // the spacing.
                     if (found - density).abs() > 0.036_f64.max(0.12 * density) {
@@ -179,14 +179,17 @@ mod tests {
     }
 
     #[test]
-    fn paths_stay_in_the_room_and_come_out_the_same() {
+    fn paths_stay_in_the_region_and_come_out_the_same() {
         for pattern in Pattern::ALL.iter().copied() {
             for (outline, region) in outlines() {
                 let grown = region.offset(1e-3, Join::Miter(5.0));
                 let draw = || {
                     let mut paths = Vec::new();
                     let context = context(0.25, 0.3, 1.1);
-                    region.polygons.iter().for_each(|p| infill(pattern).fill(&context, p, &mut paths));
+                    region
+                        .polygons
+                        .iter()
+                        .for_each(|p| infill(pattern, &Continuous::FOR_TESTS).fill(&context, p, &mut paths));
                     paths
                 };
                 let paths = draw();
@@ -200,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn dense_lines_have_the_volume_of_the_room_and_half_a_spacing_around_it() {
+    fn dense_lines_have_the_volume_of_the_region_and_half_a_spacing_around_it() {
         for (outline, region) in outlines() {
             for angle in [0.0, 0.3, 0.8, std::f64::consts::FRAC_PI_2] {
                 let context = context(1.0, angle, 0.1);
@@ -226,7 +229,11 @@ mod tests {
             let polygon = Polygon { outer, holes: Vec::new() };
             for pattern in Pattern::ALL.iter().copied() {
                 for density in [0.1, 1.0] {
-                    infill(pattern).fill(&context(density, 0.2, 0.1), &polygon, &mut Vec::new());
+                    infill(pattern, &Continuous::FOR_TESTS).fill(
+                        &context(density, 0.2, 0.1),
+                        &polygon,
+                        &mut Vec::new(),
+                    );
                 }
             }
         }

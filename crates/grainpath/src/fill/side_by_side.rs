@@ -24,15 +24,17 @@ use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath};
 use grainpath_job::choices::Pattern;
 
-use super::{FillContext, Infill, concentric, honeycomb, infill, rectilinear};
+use super::{Continuous, FillContext, Infill, concentric, honeycomb, infill, rectilinear};
 
 /// A pattern whose sparse lines are several beads wide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideBySide {
     /// The pattern of the lines.
     pub pattern: Pattern,
     /// Number of beads in a line.
     pub beads: usize,
+    /// Settings of the pattern `continuous`.
+    pub continuous: Continuous,
 }
 
 /// Shorter loops are left out, in bead widths. Source: derived. A loop around a line as short as a point
@@ -43,7 +45,7 @@ impl Infill for SideBySide {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let n = self.beads;
         if context.density.is_dense() {
-            return infill(self.pattern).fill(context, infill_region, out);
+            return infill(self.pattern, &self.continuous).fill(context, infill_region, out);
         }
         match self.pattern {
             Pattern::Rectilinear | Pattern::Aligned => {
@@ -53,10 +55,10 @@ impl Infill for SideBySide {
             Pattern::Triangles => rectilinear::crossed(context, infill_region, 3, n, out),
             Pattern::Concentric => concentric::loops(context, infill_region, n, out),
             Pattern::Honeycomb => {
-                let room = self.beyond(context, infill_region);
+                let grown = self.beyond(context, infill_region);
                 let mut lines = Vec::new();
                 // If the sides of the hexagons are shorter than the width of a line, straight lines are laid instead.
-                if room.iter().all(|p| honeycomb::waves(context, p, n, &mut lines)) {
+                if grown.iter().all(|p| honeycomb::waves(context, p, n, &mut lines)) {
                     self.loops(context, infill_region, &lines, out);
                 } else {
                     rectilinear::crossed(context, infill_region, 1, n, out);
@@ -65,8 +67,8 @@ impl Infill for SideBySide {
             Pattern::Gyroid => {
                 let wider = FillContext { density: self.share(context), ..*context };
                 let mut lines = Vec::new();
-                for room in self.beyond(context, infill_region) {
-                    infill(self.pattern).fill(&wider, &room, &mut lines);
+                for grown in self.beyond(context, infill_region) {
+                    infill(self.pattern, &self.continuous).fill(&wider, &grown, &mut lines);
                 }
                 self.loops(context, infill_region, &lines, out);
             }
@@ -77,12 +79,12 @@ impl Infill for SideBySide {
                 let wider = FillContext { density: self.share(context), field, ..*context };
                 let mut lines = Vec::new();
                 // The field is known only inside the region, so lines end at its border.
-                infill(self.pattern).fill(&wider, infill_region, &mut lines);
+                infill(self.pattern, &self.continuous).fill(&wider, infill_region, &mut lines);
                 self.loops(context, infill_region, &lines, out);
             }
             // The job's reader refuses several beads for these patterns.
             Pattern::SeedLines | Pattern::Continuous => {
-                infill(self.pattern).fill(context, infill_region, out);
+                infill(self.pattern, &self.continuous).fill(context, infill_region, out);
             }
         }
     }
@@ -96,8 +98,8 @@ impl SideBySide {
 
     /// The region, grown so far that the ends of lines that leave it lie outside and are cut off.
     fn beyond(&self, context: &FillContext<'_>, infill_region: &Polygon) -> Vec<Polygon> {
-        let room = Region::from(infill_region.clone());
-        room.offset((0.5 * self.beads as f64 + 1.0) * context.spacing_mm(), Join::Round).polygons
+        let grown = Region::from(infill_region.clone());
+        grown.offset((0.5 * self.beads as f64 + 1.0) * context.spacing_mm(), Join::Round).polygons
     }
 
     /// Lays the beads of lines, of which `lines` are the centrelines.
@@ -111,9 +113,9 @@ impl SideBySide {
         let s = context.spacing_mm();
         let outermost = 0.5 * (self.beads - 1) as f64 * s;
         let whole = Region::from(infill_region.clone());
-        let room = |r: f64| whole.offset(r - outermost, Join::Miter(3.0));
+        let grown = |r: f64| whole.offset(r - outermost, Join::Miter(3.0));
         if self.beads % 2 == 1 {
-            let clipper = LineClipper::new(&room(0.0));
+            let clipper = LineClipper::new(&grown(0.0));
             for line in lines {
                 let mut points = line.points.clone();
                 // A closed line is clipped as an open line that ends at its start.
@@ -134,7 +136,7 @@ impl SideBySide {
             let bands: Vec<Region> =
                 lines.iter().map(|l| Region::around_line(&l.points, l.closed, r)).collect();
             let all = bands.iter().flat_map(Region::contours);
-            let band = Region::from_contours(all, FillRule::NonZero).intersection(&room(r));
+            let band = Region::from_contours(all, FillRule::NonZero).intersection(&grown(r));
             for contour in band.contours() {
                 let path = Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true);
                 if path.length_mm() > SHORTEST_LOOP * context.bead_width_mm {

@@ -13,10 +13,10 @@ use grainpath_gcode::{
     Cooling, Corner, FibreTool, Flavour, KLIPPER_ARC_SEGMENT_MM, KLIPPER_MIN_CRUISE_RATIO, Limits, Machine,
     Material, Retraction, Speeds, WriteConfig,
 };
-use grainpath_io::OutlineOptions;
 use grainpath_io::directions::{AngleUnit, DirectionOptions, GridAxes};
 use grainpath_io::fe::{DeckConditions, FeError, FeFile, FeOptions, Order, StressUnit};
 use grainpath_io::volume::RawHeader;
+use grainpath_io::{OutlineOptions, PaintedSupports};
 
 use crate::fibre::FibreSettings;
 use crate::fill::shift::{self, Ends};
@@ -242,8 +242,13 @@ pub(crate) fn texture(
 }
 
 /// Settings of supports; `None` for jobs without support. `plate_from_part` is the position of the
-/// part's origin on the bed, mm.
-pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
+/// part's origin on the bed, mm; without it, feet may stand anywhere. `painted` holds the enforcers and
+/// blockers painted on the part.
+pub fn support(
+    s: &Settings,
+    plate_from_part: Option<DVec2>,
+    painted: PaintedSupports,
+) -> Option<SupportSettings> {
     let u = &s.support;
     let style = match u.style {
         SupportStyle::None => return None,
@@ -255,10 +260,10 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     // Support feet stay a base radius inside the bed; on a small bed no more than a quarter of its
     // shorter side.
     let margin_mm = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
-    let bed = Bounds2 {
+    let bed = plate_from_part.map(|plate_from_part| Bounds2 {
         min: DVec2::new(low[0], low[1]) - plate_from_part + margin_mm,
         max: DVec2::new(high[0], high[1]) - plate_from_part - margin_mm,
-    };
+    });
     let facets = |all: &[usize]| all.iter().filter_map(|&t| u32::try_from(t).ok()).collect();
     let boxes = |all: &[[[f64; 3]; 2]]| all.iter().map(|b| b.map(DVec3::from)).collect();
     Some(SupportSettings {
@@ -293,8 +298,8 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         block_facets: facets(&u.block_facets),
         beads: support_beads(s),
         first_layer_mm: s.process.first_layer_height_mm,
-        bed: Some(bed),
-        ..SupportSettings::default()
+        painted,
+        bed,
     })
 }
 
@@ -575,7 +580,11 @@ fn infill(s: &Settings) -> InfillSettings {
         fibre_material: mass(&s.fibre_material),
         angles: raster_angles(&f.angles_deg),
         skin_angles: f.skin_angles_deg.as_ref().map(raster_angles),
-        several: (f.lines > 1).then_some(SideBySide { pattern: f.pattern, beads: f.lines }),
+        several: (f.lines > 1).then_some(SideBySide {
+            pattern: f.pattern,
+            beads: f.lines,
+            continuous: continuous(s),
+        }),
         guide_angle_rad: match s.guide.kind {
             GuideKind::Angle => Some(s.guide.angle_deg.to_radians()),
             GuideKind::None | GuideKind::Stress | GuideKind::Grain | GuideKind::Field => None,

@@ -327,19 +327,7 @@ impl Steps<'_> {
 
     /// The implementation of this pattern for sparse infill.
     fn pattern(&self, pattern: Pattern) -> &dyn Infill {
-        match pattern {
-            Pattern::Continuous => &self.settings.infill.continuous,
-            Pattern::Rectilinear
-            | Pattern::Grid
-            | Pattern::Triangles
-            | Pattern::Gyroid
-            | Pattern::Concentric
-            | Pattern::Honeycomb
-            | Pattern::Aligned
-            | Pattern::Stripes
-            | Pattern::Streamlines
-            | Pattern::SeedLines => infill(pattern),
-        }
+        infill(pattern, &self.settings.infill.continuous)
     }
 
     /// The implementation of this pattern for dense regions. Straight lines fill skins over sparse

@@ -41,7 +41,7 @@ use crate::measure::strength::TestSetup;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::region::{self, RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
-use crate::support::{self, SupportSettings};
+use crate::support;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
 use grainpath_job::{Settings, WallCount};
 pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
@@ -413,11 +413,8 @@ fn plan_stack(
     let share = |guide: &Guide| stress_share(&stack, guide, config::nominal_card(settings).as_ref());
     let graded_walls = matches!(settings.process.walls, WallCount::ByStress { .. });
     let stress_share = guide.as_ref().filter(|_| graded_walls).map(share).transpose()?;
-    let support = match config::support(settings, plate_from_part_mm.truncate()) {
-        Some(wanted) => {
-            let wanted = SupportSettings { painted, ..wanted };
-            Some(support::plan(&mesh, &stack, &wanted, diagnostics)?)
-        }
+    let support = match config::support(settings, Some(plate_from_part_mm.truncate()), painted) {
+        Some(wanted) => Some(support::plan(&mesh, &stack, &wanted, diagnostics)?),
         None => {
             support::warn_of_mid_air(&stack, diagnostics);
             None

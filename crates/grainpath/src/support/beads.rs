@@ -25,14 +25,6 @@ pub struct BeadSettings {
     pub dense_layers: usize,
 }
 
-impl Default for BeadSettings {
-    /// The defaults of a job.
-    fn default() -> Self {
-        let density = Density::new(0.0);
-        Self { bead_width_mm: 0.45, min_bead_width_mm: 0.2, walls: 1, density, dense_layers: 2 }
-    }
-}
-
 /// The beads of one layer, with one island for each piece of support.
 pub fn lay(layer: &SupportLayer, context: &FillContext, dense: bool, settings: &BeadSettings) -> Vec<Island> {
     let mut rest = layer.region.clone();

@@ -35,10 +35,9 @@ use tree::Forest;
 pub type Box3 = [DVec3; 2];
 
 /// The kind of support under the overhangs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     /// Branching trees.
-    #[default]
     Tree,
     /// Straight walls under the overhangs, as a baseline.
     Columns,
@@ -58,8 +57,6 @@ pub struct SupportSettings {
     /// The longest stretch that prints without anything below (L): no overhang is further than half of it from a
     /// contact.
     pub max_unsupported_mm: f64,
-    /// A contact is dropped if everything that it holds lies within this share of L of other contacts.
-    pub thin_share: f64,
     /// Groups of facets smaller than this in plan are left alone.
     pub min_overhang_mm: f64,
     /// Radius of a branch at its contact with the part.
@@ -116,45 +113,6 @@ pub struct SupportSettings {
     pub bed: Option<Bounds2>,
 }
 
-impl Default for SupportSettings {
-    fn default() -> Self {
-        Self {
-            style: Style::Tree,
-            critical_angle_rad: 40f64.to_radians(),
-            branch_angle_rad: 40f64.to_radians(),
-            max_unsupported_mm: 10.0,
-            thin_share: 0.4,
-            min_overhang_mm: 0.8,
-            contact_radius_mm: 0.3,
-            tip_length_mm: 1.5,
-            branch_radius_mm: 0.6,
-            base_radius_mm: 4.0,
-            base_height_mm: 1.0,
-            z_gap_mm: 0.2,
-            xy_gap_mm: 0.4,
-            interface_lines: true,
-            interface_layers: 0,
-            interface_radius_mm: 1.2,
-            load_per_contact_n: 1.0,
-            side_load_n: 0.1,
-            stiffness_mpa: 2000.0,
-            max_slenderness: 40.0,
-            brace_slenderness: Some(25.0),
-            max_reach_mm: 40.0,
-            margin_mm: 12.0,
-            from_plate_only: false,
-            enforce: Vec::new(),
-            block: Vec::new(),
-            enforce_facets: Vec::new(),
-            block_facets: Vec::new(),
-            painted: PaintedSupports::default(),
-            beads: BeadSettings::default(),
-            first_layer_mm: 0.2,
-            bed: None,
-        }
-    }
-}
-
 impl SupportSettings {
     /// Spacing of the grid on which contacts are placed: half the longest unsupported length.
     pub fn spacing_mm(&self) -> f64 {
@@ -209,7 +167,8 @@ impl Support {
     /// Volume of all layers, mm3, as if they were dense.
     pub fn volume_mm3(&self, stack: &LayerStack) -> f64 {
         let layer_mm3 = |(s, l): (&SupportLayer, &grainpath_core::Layer)| s.region.area_mm2() * l.height_mm();
-        self.cut.layers.iter().zip(stack.layers()).map(layer_mm3).sum()
+        // The sum of no layers is -0 in Rust.
+        self.cut.layers.iter().zip(stack.layers()).map(layer_mm3).fold(0.0, |sum, v| sum + v)
     }
 
     /// Volume of the beads of trees, mm3; `None` for the baselines, whose beads are laid together with the part's.

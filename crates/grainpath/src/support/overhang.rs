@@ -24,6 +24,7 @@ use grainpath_core::bvh::Bvh;
 use grainpath_core::math::sin;
 use grainpath_core::mesh::EdgeUses;
 use grainpath_core::poly::{LineClipper, edges};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
@@ -210,6 +211,9 @@ fn regions(mesh: &TriMesh, edges: &EdgeUses, hanging: &[bool]) -> Vec<u32> {
     groups.names()
 }
 
+/// A contact is dropped if other contacts lie within this share of the longest unsupported length from everything that it
+/// holds. Measured: row `support.overhang.THIN_SHARE` of `cargo xtask bench constants`.
+static THIN_SHARE: Tuned<f64> = Tuned::new("support.overhang.THIN_SHARE", 0.4);
 /// Samples are taken for the same point if they are nearer than this, mm. Source: derived. Rounding in the plane of a facet
 /// moves a sample by less than 1e-10 mm; coordinates are written with four digits.
 const SAME_MM: f64 = 1e-5;
@@ -437,7 +441,7 @@ fn place(
     chosen.sort_by_key(|(best, members)| (members.len(), *best));
     let mut index = PointGrid3::new(d);
     chosen.iter().for_each(|(best, _)| index.insert(samples[*best].2.at, *best));
-    let near_mm = settings.thin_share * settings.max_unsupported_mm;
+    let near_mm = THIN_SHARE.value() * settings.max_unsupported_mm;
     let mut kept = Vec::new();
     for (best, members) in chosen {
         let others = |i: usize| {

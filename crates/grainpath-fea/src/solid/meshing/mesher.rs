@@ -65,8 +65,9 @@ pub struct MeshSettings {
 }
 
 impl Default for MeshSettings {
+    /// A size chosen for at most 300 000 unknowns, without a limit on memory.
     fn default() -> Self {
-        Self { size_mm: None, max_dofs: 300_000, max_mib: 4096.0, cancel: CancelFlag::default() }
+        Self { size_mm: None, max_dofs: 300_000, max_mib: f64::INFINITY, cancel: CancelFlag::default() }
     }
 }
 

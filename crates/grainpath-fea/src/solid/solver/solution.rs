@@ -31,11 +31,12 @@ pub struct SolveSettings {
 }
 
 impl Default for SolveSettings {
+    /// Eight digits within 400 iterations, by the solver that suits the size, without a limit on memory.
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
             max_iterations: 400,
-            max_mib: 4096.0,
+            max_mib: f64::INFINITY,
             method: Method::Auto,
             cancel: CancelFlag::default(),
         }

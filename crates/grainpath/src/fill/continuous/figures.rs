@@ -42,19 +42,19 @@ fn the_figure_of_strips_and_cells() {
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&Waves),
     };
-    let fill = Continuous::DEFAULT;
-    let room = part.offset(-0.5 * width_mm, Join::Miter(3.0)).polygons.remove(0);
+    let fill = Continuous::FOR_TESTS;
+    let infill_region = part.offset(-0.5 * width_mm, Join::Miter(3.0)).polygons.remove(0);
     let spacing = context.spacing_mm();
-    let pull = Pull::new(&context, &room);
-    let outlines = strips::outlines(&context, &room, &pull, spacing);
-    let rings = Rings::new(outlines.clone(), &room, spacing);
+    let pull = Pull::new(&context, &infill_region);
+    let outlines = strips::outlines(&context, &infill_region, &pull, spacing);
+    let rings = Rings::new(outlines.clone(), &infill_region, spacing);
     let mut taken = Taken::new(&rings, 0.25 * spacing);
     let cells =
         cells::cut(&rings, 2.0 * fill.aspect * spacing, spacing, crate::fill::Shift::NONE, &mut taken);
     let exchanges =
         tree::join(&rings, &cells, fill.tree, spacing, crate::fill::Shift::NONE, &|p| pull.at(p), &mut taken);
     let (mut paths, mut notes) = (Vec::new(), Vec::new());
-    fill.lay_island(&context, &[&room], &mut paths, &mut notes);
+    fill.lay_island(&context, &[&infill_region], &mut paths, &mut notes);
     assert_eq!((paths.len(), notes.len()), (1, 0), "one path: {notes:?}");
 
     let across = |f: &Facing| {

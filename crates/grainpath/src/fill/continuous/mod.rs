@@ -59,10 +59,10 @@ pub struct Continuous {
     pub variable: bool,
 }
 
+#[cfg(test)]
 impl Continuous {
     /// Follows the field, with beads of varying width.
-    /// Measured: row `fill.cell_aspect` of `cargo xtask bench constants`.
-    pub const DEFAULT: Self = Self { tree: TreeKind::Directed, aspect: 2.5, variable: true };
+    pub(crate) const FOR_TESTS: Self = Self { tree: TreeKind::Directed, aspect: 2.5, variable: true };
 }
 
 /// Rings shorter than this are left out, in bead spacings, because starting takes longer than printing

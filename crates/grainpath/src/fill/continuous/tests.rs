@@ -112,7 +112,7 @@ fn every_part_is_one_path_along_the_field() {
     for (name, part) in parts() {
         for (kind, angle) in FIELDS {
             let field = Angle(angle);
-            let (paths, notes) = filled(Continuous::DEFAULT, &part, WIDTH, &field);
+            let (paths, notes) = filled(Continuous::FOR_TESTS, &part, WIDTH, &field);
             let open = gap(&paths, &part);
             let off = off_field(&paths, &field);
             println!("{name}, {kind}: {} paths, gap {open:.4}, {off:.2} deg", paths.len());
@@ -121,7 +121,7 @@ fn every_part_is_one_path_along_the_field() {
             assert!(open < 0.03, "{name}, {kind}: gap {open}");
             // Where the part is a few beads wide, turning back is a good part of the way.
             if !["thin ring", "bar"].contains(&name) {
-                let undirected = Continuous { tree: TreeKind::Undirected, ..Continuous::DEFAULT };
+                let undirected = Continuous { tree: TreeKind::Undirected, ..Continuous::FOR_TESTS };
                 let other = off_field(&filled(undirected, &part, WIDTH, &field).0, &field);
                 let most = if name == "open hole" { 6.5 } else { 14.0 };
                 assert!(off < most && off < 0.7 * other, "{name}, {kind}: {off}, undirected {other}");
@@ -132,7 +132,7 @@ fn every_part_is_one_path_along_the_field() {
 
 #[test]
 fn beads_of_one_width_leave_little_open() {
-    let constant = Continuous { variable: false, ..Continuous::DEFAULT };
+    let constant = Continuous { variable: false, ..Continuous::FOR_TESTS };
     for (name, part) in parts().into_iter().filter(|p| p.0 != "thin ring") {
         for (kind, angle) in FIELDS {
             let (paths, notes) = filled(constant, &part, WIDTH, &Angle(angle));
@@ -148,7 +148,7 @@ fn beads_of_one_width_leave_little_open() {
 fn a_neck_thinner_than_a_bead_is_named() {
     let bells = disc(DVec2::new(-8.0, 0.0), 5.0, 60).union(&disc(DVec2::new(8.0, 0.0), 5.0, 60));
     let part = bells.union(&Region::rectangle(DVec2::new(-8.0, -0.15), DVec2::new(8.0, 0.15)));
-    let (paths, notes) = filled(Continuous::DEFAULT, &part, WIDTH, &Angle(|_| 0.0));
+    let (paths, notes) = filled(Continuous::FOR_TESTS, &part, WIDTH, &Angle(|_| 0.0));
     assert_eq!(paths.len(), 2);
     let [note] = notes.as_slice() else { panic!("{notes:?}") };
     assert!(matches!(note.what, Problem::Neck { .. }) && note.at_mm.length() < 0.5, "{note:?}");
@@ -160,11 +160,11 @@ fn rooms_of_no_size_do_no_harm() {
     let crumb = Region::rectangle(DVec2::ZERO, DVec2::splat(0.05));
     let field = Angle(|p: DVec2| p.x);
     for part in [sliver, crumb] {
-        Continuous::DEFAULT.fill(&context(&part, WIDTH, &field), &part.polygons[0], &mut Vec::new());
+        Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &part.polygons[0], &mut Vec::new());
     }
     let empty = Polygon::default();
     let part = Region::rectangle(DVec2::ZERO, DVec2::splat(1.0));
-    Continuous::DEFAULT.fill(&context(&part, WIDTH, &field), &empty, &mut Vec::new());
+    Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &empty, &mut Vec::new());
 }
 
 /// A star-shaped polygon, down to spikes, with holes that may meet each other and the outline.
@@ -205,7 +205,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_room_under_any_field_is_one_path(
+    fn any_region_under_any_field_is_one_path(
         part in polygon(),
         c in proptest::array::uniform8(0.0f64..1.0),
         width in 0.35f64..0.6,
@@ -216,7 +216,7 @@ proptest! {
                 + c[4] * sin_cos(0.25 * c[5] * p.y + 6.0 * c[6]).0
                 + if c[7] < 0.5 { 0.5 * atan2(p.y - 3.0 * c[1], p.x - 3.0 * c[4]) } else { 0.0 }
         });
-        let continuous = Continuous { variable, ..Continuous::DEFAULT };
+        let continuous = Continuous { variable, ..Continuous::FOR_TESTS };
         for infill_region in part.offset(-0.5 * width, Join::Miter(3.0)).polygons {
             // A crumb is less than a bead there and back.
             if infill_region.area_mm2() < 4.0 * width * width {

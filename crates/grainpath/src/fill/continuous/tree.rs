@@ -23,10 +23,9 @@ use super::rings::{Facing, Rings, Side};
 use crate::fill::Shift;
 
 /// How the edges between cells are weighted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TreeKind {
     /// By the angle between the field and the beads of the joint.
-    #[default]
     Directed,
     /// By a hash: an arbitrary tree on the same cells, as a baseline for comparison.
     Undirected,

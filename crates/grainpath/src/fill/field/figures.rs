@@ -134,16 +134,16 @@ fn the_figure_of_stripes() {
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&flow),
     };
-    let room = part.offset(-0.5 * width_mm, Join::Miter(3.0));
-    let border = room.offset(context.border_mm, Join::Miter(2.0));
+    let infill_region = part.offset(-0.5 * width_mm, Join::Miter(3.0));
+    let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
     let mesh = FieldMesh::over(&border, 1.1 * context.spacing_mm()).expect("a mesh");
     let input = phase_input(&mesh, &flow, &context, &border, context.spacing_mm());
     let turns = turns(&mesh, &input);
     let phase = solve(&mesh, &input, &turns, &diffusion_steps());
-    let clipper = LineClipper::new(&room);
+    let clipper = LineClipper::new(&infill_region);
     let levels = clipped(&clipper, &trace(&mesh, &turns, &phase));
     let mut beads = Vec::new();
-    dense(&context, &room.polygons[0], &mut beads);
+    dense(&context, &infill_region.polygons[0], &mut beads);
 
     let mut figure = Figure::new(640.0, 222.0);
     let panels = [8.0, 328.0].map(|x| Panel { corner: [x, 198.0], low: DVec2::new(-8.0, -5.0), scale: 19.0 });

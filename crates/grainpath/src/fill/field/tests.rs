@@ -155,7 +155,7 @@ fn crossing(paths: &[Toolpath]) -> Option<[DVec2; 4]> {
 }
 
 #[test]
-fn stripes_cover_their_room_along_the_field_and_do_not_cross() {
+fn stripes_cover_their_region_along_the_field_and_do_not_cross() {
     for (name, part) in parts() {
         for (kind, field) in FIELDS {
             let paths = filled(&Stripes, &part, field, 1.0);
