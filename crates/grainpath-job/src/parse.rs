@@ -13,7 +13,8 @@ use super::settings::{MaterialSection, Settings};
 use super::source::Source;
 use super::value::{Check, Problem, Step, read};
 
-/// Version of the job file format that this version of grainpath writes, and the newest that it reads.
+/// Version of the job file format that this version of grainpath writes in examples and the studio, and the newest that
+/// it reads.
 pub const FORMAT: i64 = 1;
 
 /// Reads a job.
@@ -66,7 +67,7 @@ pub fn parse_job(
     Ok(settings)
 }
 
-/// Refuses files of a newer format. Files without `format` are older than 0.1.0 and are read as format 1.
+/// Refuses files of a newer format. Files without `format` are read as format 1.
 fn check_format(job: &Source<'_>) -> Result<(), JobError> {
     let Some(value) = job.table.get("format") else { return Ok(()) };
     let location = job.location(&["format"], &[]);

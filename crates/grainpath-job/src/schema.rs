@@ -47,7 +47,7 @@ pub fn json_schema() -> Value {
         "type": "integer",
         "minimum": 1,
         "maximum": crate::FORMAT,
-        "description": "Version of the job file format; left out in files written before 0.1.0.",
+        "description": "Version of the job file format; a file without it is read as version 1.",
     });
     sections.insert("format".into(), format);
     json!({
@@ -108,7 +108,7 @@ pub fn markdown() -> String {
         "Written by `grainpath schema --markdown`; a test keeps it up to date. ",
         "A job file has these sections. Every key may be left out. ",
         "A numeric setting without a default can be unset with the word `\"none\"`.\n\n",
-        "The file may begin with `format = 1`, the version of the format.\n",
+        "It begins with `format = 1`, the version of the format; a file without this line is read as version 1.\n",
     ));
     for section in Settings::SECTIONS {
         let _ = write!(

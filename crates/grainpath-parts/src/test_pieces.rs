@@ -252,6 +252,8 @@ force_n = [0, -100, 0]
 #   grainpath strength {file}.toml
 #   grainpath run {file}.toml
 
+format = 1
+
 [shape]
 mesh = \"{file}.stl\"
 

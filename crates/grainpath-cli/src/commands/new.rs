@@ -41,7 +41,9 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     }
     let first = String::from_utf8_lossy(&example[0].1).into_owned();
     // Examples with fibre need a fibre printer and the settings made for it, so the user is not asked.
-    let for_fibre = profile_in(&first, PRINTER.0).starts_with("fibre-");
+    let no_files = |_: &str| Err("examples use shipped profiles alone".to_owned());
+    let job = grainpath_job::parse_job(&first, "job.toml", &[], &no_files);
+    let for_fibre = job.is_ok_and(|settings| settings.fibre.enabled);
     let at_terminal = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let may_ask = at_terminal && !args.yes && !for_fibre;
     for (what, given) in [(PRINTER, &args.printer), (MATERIAL, &args.material)] {

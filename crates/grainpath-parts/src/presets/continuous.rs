@@ -111,6 +111,8 @@ fn job(part: &str, title: &str, variant: &Variant, loads: &str) -> ExampleFile {
 #
 # Every key may be left out; `docs/settings.md` lists them, `docs/continuous.md` explains fibre.
 
+format = 1
+
 [shape]
 mesh = \"{part}.stl\"
 
@@ -157,6 +159,8 @@ const CHAINED: &str = "# A hook without a travel after the first layer: walls an
 #   grainpath run chained.toml
 #
 # See `docs/continuous.md`.
+
+format = 1
 
 [shape]
 mesh = \"hook.stl\"

@@ -103,6 +103,8 @@ fn job(
 #
 # Every key may be left out; `docs/settings.md` lists them, `docs/stress.md` explains loads and fills.
 
+format = 1
+
 [shape]
 mesh = \"{part}.stl\"
 

@@ -59,6 +59,8 @@ fn job(name: &str, what: &str, style: &Style) -> String {
 #
 # The report draws what overhangs, the contacts and the branches; support.mass_g there is the support's own.
 
+format = 1
+
 [shape]
 mesh = \"{name}.stl\"
 

@@ -25,7 +25,7 @@ fn variant(pattern: &str) -> String {
     let (head, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
     debug_assert!(!head.is_empty());
     let mut out = format!(
-        "# The woodgrain example's part with a {pattern} fill of the same mass, to compare.\n\n[shape.photo]{rest}"
+        "# The woodgrain example's part with a {pattern} fill of the same mass, to compare.\n\nformat = 1\n\n[shape.photo]{rest}"
     );
     if let (Some(guide), Some(process)) = (out.find("[guide]"), out.find("[process]")) {
         out.replace_range(guide..process, "");
@@ -48,7 +48,7 @@ fn dense() -> String {
     let (_, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
     debug_assert!(!rest.is_empty());
     let process = "[process]\nlayer_height_mm = 0.198\nfirst_layer_height_mm = 0.198";
-    format!("{head}[shape.photo]{rest}")
+    format!("{head}format = 1\n\n[shape.photo]{rest}")
         .replace("thickness_mm = 8", "thickness_mm = 3.564")
         .replace("[process]", process)
         .replace("mass_g = 15.7                 # as the comparison's other fills", "density = 1.0")
