@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
+use grainpath_core::Warning;
+
+use crate::Failure;
 
 /// Toolpaths for 3D printing that follow the load.
 #[derive(Debug, Parser)]
@@ -149,9 +152,23 @@ pub(crate) struct Common {
     /// Print the report as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 4 on any warning; a warning during planning also stops the outputs from being written
+    /// Exit with code 4 on any warning; a warning before the outputs are written also stops them from being written
     #[arg(long)]
     pub strict: bool,
+}
+
+impl Common {
+    /// Under `--strict`, refuses these warnings; `written` says whether the outputs exist.
+    ///
+    /// # Errors
+    /// [`Failure`] with the warnings, if there are any.
+    pub(crate) fn refuse(&self, warnings: &[Warning], written: bool) -> Result<(), Failure> {
+        if self.strict && !warnings.is_empty() {
+            Err(Failure::strict(warnings.to_vec(), written))
+        } else {
+            Ok(())
+        }
+    }
 }
 
 /// `grainpath run`

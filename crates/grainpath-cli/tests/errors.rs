@@ -214,6 +214,29 @@ fn strict_refuses_what_would_only_be_warned_of() {
     assert_eq!(report["ok"], false);
     assert_eq!(report["warnings"][0]["id"], "mesh-open", "{report}");
     assert!(!dir.join("open.gcode").exists());
+    let job = "format = 1\n[shape]\nmesh = \"open.stl\"\n[material]\nprofile = \"pla\"\n[guide]\nkind = \"stress\"\n\
+               [[guide.fixture]]\nbox_mm = [[-1, -1, -1], [1, 11, 6]]\n\
+               [[guide.load]]\nbox_mm = [[9, -1, -1], [11, 11, 6]]\nforce_n = [10, 0, 0]\n\
+               [strength]\ncell_mm = 1.5\ncorners = false\ncheck = false\n";
+    fs::write(dir.join("open.toml"), job).expect("a file");
+    let before = list(&dir);
+    for arguments in [
+        &["run", "open.toml"][..],
+        &["run", "open.toml", "--check"],
+        &["support", "open.stl"],
+        &["strength", "open.toml"],
+        &["compare", "open.toml", "open.toml"],
+        &["orient", "open.toml"],
+    ] {
+        let out = grainpath(&dir, &[arguments, &["--strict", "--json"]].concat());
+        assert_eq!(out.status.code(), Some(4), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+        let refusal = json(&out);
+        assert!(
+            refusal["warnings"].as_array().is_some_and(|w| w.iter().any(|w| w["id"] == "mesh-open")),
+            "{refusal}"
+        );
+        assert_eq!(list(&dir), before, "{arguments:?}");
+    }
     for arguments in [&["slice", "open.stl"][..], &["slice", "box.stl", "--strict"]] {
         let out = grainpath(&dir, arguments);
         assert!(out.status.success(), "{:?}: {}", out.status, String::from_utf8_lossy(&out.stderr));

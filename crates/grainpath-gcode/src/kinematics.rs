@@ -228,7 +228,7 @@ impl TimeEstimator {
             // From rest, Marlin allows half the jerk: the axis changes from 0 to its speed instead
             // of between two opposite speeds.
             Corner::Jerk(jerk) => within(unit, &jerk, 0.5),
-            _ => 0.0,
+            Corner::Deviation(_) | Corner::SquareCorner(_) => 0.0,
         }
     }
 

@@ -8,7 +8,7 @@ use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::Program;
 use serde_json::Value;
 
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, RefusalKind};
 use crate::roots::Roots;
 
 /// A job file: its text, its name in errors, and the folder to which its paths are relative.
@@ -149,6 +149,9 @@ pub type ExampleFile = (String, Vec<u8>);
 
 /// Does the work of runs. The implementation checks every file with [`Roots`] before it is read or written.
 pub trait Engine: Send + Sync {
+    /// The exit code of the command line for this kind of failure.
+    fn exit_code(&self, kind: RefusalKind) -> i32;
+
     /// The text of a job that plans a mesh, a drawing, a photograph or a scan with defaults.
     ///
     /// # Errors

@@ -33,6 +33,6 @@ pub use engine::{
     Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressLine,
     StressSurface, StressVolume, Surface,
 };
-pub use refusal::Refusal;
+pub use refusal::{Refusal, RefusalKind};
 pub use serve::serve;
 pub use studio::{Options, Studio};

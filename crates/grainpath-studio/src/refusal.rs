@@ -1,24 +1,39 @@
 //! Errors of the studio, in the words of the command line.
 
+/// The cause of a refusal. The program that serves the studio gives each its exit code ([`crate::Engine::exit_code`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefusalKind {
+    /// Wrong usage or a wrong job.
+    Usage,
+    /// An input file that cannot be used.
+    Input,
+    /// A job that cannot be fulfilled.
+    Physics,
+    /// The run was stopped.
+    Interrupted,
+    /// A fault of grainpath.
+    Fault,
+}
+
 /// Why a run failed, in the words of the command line.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct Refusal {
     /// One line that says what is wrong, where, and what would be right.
     pub message: String,
-    /// Exit code of the command line: 2 usage or job, 3 an input file, 4 the physics, 130 interrupted.
-    pub code: i32,
+    /// The cause.
+    pub kind: RefusalKind,
 }
 
 impl Refusal {
     /// Wrong usage, or a file that may not be read or written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2 }
+        Self { message: message.into(), kind: RefusalKind::Usage }
     }
 
     /// An input file that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 3 }
+        Self { message: message.into(), kind: RefusalKind::Input }
     }
 }
 

@@ -18,7 +18,7 @@ use tokio::sync::watch;
 
 use crate::engine::Finished;
 use crate::records::{Frame, Records};
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, RefusalKind};
 
 /// The greatest number of waiting runs. Source: chosen; a page that asks for more has a fault.
 const MOST_WAITING: usize = 64;
@@ -246,25 +246,23 @@ struct Queue {
     is_closed: bool,
 }
 
+/// The exit code of the command line for a kind of failure.
+type ExitCode = Box<dyn Fn(RefusalKind) -> i32 + Send + Sync>;
+
 /// All runs of a studio.
 pub struct Runs {
     shared: Arc<(Mutex<Queue>, Condvar)>,
     last: AtomicU64,
-}
-
-impl Default for Runs {
-    fn default() -> Self {
-        Self::new()
-    }
+    exit_code: ExitCode,
 }
 
 impl Runs {
     /// An empty queue and the thread that works on it.
-    pub fn new() -> Self {
+    pub fn new(exit_code: ExitCode) -> Self {
         let shared: Arc<(Mutex<Queue>, Condvar)> = Arc::default();
         let own = Arc::clone(&shared);
         std::thread::spawn(move || work(&own));
-        Self { shared, last: AtomicU64::new(0) }
+        Self { shared, last: AtomicU64::new(0), exit_code }
     }
 
     /// Adds a run to the queue.
@@ -350,7 +348,7 @@ impl Runs {
             ready: ready.unwrap_or(0),
             elapsed_s: (elapsed_s * 1e3).round() / 1e3,
             error: refusal.map(|r| r.message.clone()),
-            code: refusal.map(|r| r.code),
+            code: refusal.map(|r| (self.exit_code)(r.kind)),
         }
     }
 
@@ -384,8 +382,7 @@ impl Drop for Runs {
 }
 
 fn interrupted() -> Refusal {
-    // Source: the exit code of the command line for an interrupted run.
-    Refusal { message: "cancelled; nothing more was written".to_owned(), code: 130 }
+    Refusal { message: "cancelled; nothing more was written".to_owned(), kind: RefusalKind::Interrupted }
 }
 
 /// Works on the queue until it is closed.
@@ -412,7 +409,7 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
         }));
         let outcome = caught.unwrap_or_else(|_| {
             let message = "the run failed by a fault of grainpath; the terminal shows where";
-            Err(Refusal { message: message.to_owned(), code: 1 })
+            Err(Refusal { message: message.to_owned(), kind: RefusalKind::Fault })
         });
         let is_stopped = run.diagnostics.check().is_err();
         match outcome {
@@ -455,7 +452,7 @@ mod tests {
 
     #[test]
     fn runs_wait_for_each_other_and_can_be_cancelled() {
-        let runs = Runs::new();
+        let runs = Runs::new(Box::new(|kind| kind as i32));
         let first = runs.add(Kind::Plan, "a".into(), endless()).expect("room");
         let second =
             runs.add(Kind::Plan, "b".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
@@ -478,7 +475,7 @@ mod tests {
 
     #[test]
     fn refusals_and_panics_end_a_run_and_not_the_queue() {
-        let runs = Runs::new();
+        let runs = Runs::new(Box::new(|kind| kind as i32));
         let refused = runs
             .add(Kind::View, "a".into(), Box::new(|_, _| Err(Refusal::input("a.stl: is empty"))))
             .expect("room");
@@ -486,14 +483,14 @@ mod tests {
         let good = runs.add(Kind::View, "c".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
         until(&good, Phase::Done);
         let state = runs.state(&refused);
-        assert_eq!((state.phase, state.code), (Phase::Failed, Some(3)));
+        assert_eq!((state.phase, state.code), (Phase::Failed, Some(RefusalKind::Input as i32)));
         assert_eq!(state.error.as_deref(), Some("a.stl: is empty"));
         assert_eq!(runs.state(&broken).phase, Phase::Failed);
     }
 
     #[test]
     fn old_runs_are_dropped_and_the_queue_has_an_end() {
-        let runs = Runs::new();
+        let runs = Runs::new(Box::new(|kind| kind as i32));
         let hold = runs.add(Kind::Plan, "held".into(), endless()).expect("room");
         until(&hold, Phase::Running);
         let mut refused = 0;

@@ -76,10 +76,12 @@ impl Studio {
             }
         };
         let random = |e: getrandom::Error| Refusal::usage(format!("the system gives no random bytes: {e}"));
+        let own = Arc::clone(&engine);
+        let exit_code = Box::new(move |kind| own.exit_code(kind));
         Ok(Self {
             access: Access::new(&options.hosts).map_err(random)?,
             roots: Arc::new(Roots::new(&options.work, &folders)?),
-            runs: Runs::new(),
+            runs: Runs::new(exit_code),
             engine,
             max_upload: options.max_upload,
             opened,

@@ -39,6 +39,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
         };
         note("planning");
         let mut done = test_one(input, args.job.as_deref(), &args.common, mass_g, None, &note)?;
+        args.common.refuse(&done.warnings, false)?;
         // The beads take most of a program's memory, and the table does not need them.
         done.program.layers = Vec::new();
         let report = &done.tested.report;

@@ -70,9 +70,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     let (ranked, solve_s) = ranked(&settings, &shape, &folder, None, &diagnostics)?;
     let warnings = diagnostics.warnings();
     drop(diagnostics);
-    if args.common.strict && !warnings.is_empty() {
-        return Err(Failure::strict(warnings, false));
-    }
+    args.common.refuse(&warnings, false)?;
     let mut written = None;
     if args.write {
         let [x, y, z] = ranked[0].rotate_deg;

@@ -87,9 +87,7 @@ fn check(
     claims.check()?;
     let guide = checked(settings, Given::default(), shape, base, &diagnostics)?;
     let warnings = diagnostics.warnings();
-    if common.strict && !warnings.is_empty() {
-        return Err(Failure::strict(warnings, false));
-    }
+    common.refuse(&warnings, false)?;
     let outputs = outputs::write_check(&guide, &paths)?;
     // The progress line is cleared before anything is printed.
     drop(diagnostics);
@@ -173,12 +171,7 @@ pub(crate) fn execute(
     let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
     // With --strict, a warning during planning ends the job before anything is written. Warnings during
     // writing can only be reported afterwards.
-    if common.strict {
-        let warnings = diagnostics.warnings();
-        if !warnings.is_empty() {
-            return Err(Failure::strict(warnings, false));
-        }
-    }
+    common.refuse(&diagnostics.warnings(), false)?;
     let report =
         outputs::write(settings, planned, &paths, read_s, common.json, truth, &|_, _| {}, &diagnostics)?;
     // The progress line is cleared before anything is printed.
@@ -198,5 +191,5 @@ pub(crate) fn execute(
             files::print(&format!("{}\n", report.summary()));
         }
     }
-    if refused { Err(Failure::strict(report.warnings, true)) } else { Ok(()) }
+    common.refuse(&report.warnings, true)
 }

@@ -40,6 +40,7 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let deck = args.deck.as_deref();
     let done = test_one(&args.input, args.job.as_deref(), &args.common, None, deck, &|_| {})?;
+    args.common.refuse(&done.warnings, false)?;
     let mut written = Value::Null;
     if let Some(folder) = &args.preview {
         for (name, picture) in outputs::strength_pictures(&done.tested) {

@@ -18,7 +18,7 @@ use grainpath_parts::presets;
 use grainpath_studio::records::NO_ANGLE;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, serve,
+    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, RefusalKind, serve,
 };
 use serde_json::json;
 
@@ -55,7 +55,12 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
     };
     let served = serve(&options, Arc::new(Commands::default()), ready);
     interrupt::remove_temporary();
-    served.map_err(|r| Failure { message: r.message, code: r.code, warnings: Vec::new(), page: None })
+    served.map_err(|r| Failure {
+        message: r.message,
+        code: exit_code(r.kind),
+        warnings: Vec::new(),
+        page: None,
+    })
 }
 
 /// Opens an address in the user's browser.
@@ -88,8 +93,22 @@ impl Commands {
     }
 }
 
+/// The exit code of each kind of failure.
+fn exit_code(kind: RefusalKind) -> i32 {
+    match kind {
+        RefusalKind::Fault => 1,
+        RefusalKind::Usage => 2,
+        RefusalKind::Input => 3,
+        RefusalKind::Physics => 4,
+        RefusalKind::Interrupted => interrupt::EXIT_CODE,
+    }
+}
+
 fn refusal(failure: Failure) -> Refusal {
-    Refusal { message: failure.message.replace('\n', " "), code: failure.code }
+    use RefusalKind::{Fault, Input, Interrupted, Physics, Usage};
+    let kinds = [Usage, Input, Physics, Interrupted];
+    let kind = kinds.into_iter().find(|kind| exit_code(*kind) == failure.code).unwrap_or(Fault);
+    Refusal { message: failure.message.replace('\n', " "), kind }
 }
 
 /// The settings of a job. Profiles and other texts are read only from folders that the studio may read.
@@ -151,6 +170,10 @@ fn angles_to_guide(program: &Program, planned: &Planned) -> Option<Vec<Vec<u8>>>
 }
 
 impl Engine for Commands {
+    fn exit_code(&self, kind: RefusalKind) -> i32 {
+        exit_code(kind)
+    }
+
     fn job_for(&self, file: &Path) -> Result<String, Refusal> {
         slice::job_text(file).map_err(refusal)?.ok_or_else(|| {
             Refusal::usage(format!(

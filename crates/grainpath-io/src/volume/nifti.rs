@@ -80,9 +80,9 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     // The low three bits of xyzt_units are the unit of space, the others that of time.
     let units = if second { h.i32(500) } else { i32::from(head[123]) } & 7;
     let unit_mm = match units {
-        1 => Some(1e3),
-        2 => Some(1.0),
-        3 => Some(1e-3),
+        1 => Some(LengthUnit::Metre.mm()),
+        2 => Some(LengthUnit::Millimetre.mm()),
+        3 => Some(LengthUnit::Micron.mm()),
         _ => None,
     };
     let mm = unit_mm.unwrap_or(1.0);

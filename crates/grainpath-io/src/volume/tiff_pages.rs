@@ -89,15 +89,17 @@ fn spacing_of(decoder: &mut Pages, info: &mut VolumeInfo) {
     };
     // ImageJ gives the unit in the description and leaves ResolutionUnit at none.
     let imagej = description.starts_with("ImageJ");
-    let unit_mm = match said("unit").as_deref() {
-        Some("mm") => Some(1.0),
-        Some("cm") => Some(10.0),
-        Some("micron" | "um" | "\\u00B5m" | "µm") => Some(1e-3),
-        Some("inch") => Some(25.4),
-        _ => match decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit) {
+    let unit = match said("unit").as_deref() {
+        Some("\\u00B5m" | "µm") => Some(LengthUnit::Micron),
+        Some(name) => LengthUnit::from_name(name),
+        None => None,
+    };
+    let unit_mm = match unit {
+        Some(unit) => Some(unit.mm()),
+        None => match decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit) {
             // TIFF 6.0: 2 is inch, 3 is centimetre.
-            Ok(Some(2)) if !imagej => Some(25.4),
-            Ok(Some(3)) if !imagej => Some(10.0),
+            Ok(Some(2)) if !imagej => Some(LengthUnit::Inch.mm()),
+            Ok(Some(3)) if !imagej => Some(LengthUnit::Centimetre.mm()),
             _ => None,
         },
     };
