@@ -152,7 +152,7 @@ pub(crate) fn write(
                 title:
                     "Density of sparse infill over cells of 5 mm: asked for on the left, laid on the right"
                         .into(),
-                png: grainpath_view::density::density_png(laid, GUIDE_PX),
+                png: grainpath_view::density_map::density_png(laid, GUIDE_PX),
                 of: page::Of::Density,
                 scale: Some(page::ColourScale { low: laid.min, high: laid.max, what: "share" }),
             };

@@ -10,7 +10,7 @@ use crate::{Bounds2, Contour, DVec2, Polygon, Region};
 
 /// Position and size of the cells. Two masks can be combined only if they have the same grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct MaskGrid {
     origin: DVec2,
     cell_mm: f64,
     nx: usize,
@@ -18,7 +18,7 @@ pub struct Grid {
     words: usize,
 }
 
-impl Grid {
+impl MaskGrid {
     /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or
     /// wider if their number would otherwise exceed about 600,000.
     pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
@@ -27,7 +27,7 @@ impl Grid {
         Self::exactly(bounds, cell_mm.max(coarsest))
     }
 
-    /// As [`Grid::over`], but with cells of exactly this width. A mask takes an eighth of a byte for each cell.
+    /// As [`MaskGrid::over`], but with cells of exactly this width. A mask takes an eighth of a byte for each cell.
     pub fn exactly(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let margin = 8.0 * cell_mm;
@@ -140,23 +140,23 @@ pub enum Coverage {
 /// A set of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
-    grid: Grid,
+    grid: MaskGrid,
     bits: Vec<u64>,
 }
 
 impl Mask {
     /// A mask without cells.
-    pub fn empty(grid: Grid) -> Self {
+    pub fn empty(grid: MaskGrid) -> Self {
         Self { grid, bits: vec![0; grid.words * grid.ny] }
     }
 
     /// The cells whose centres lie in the region.
-    pub fn from_region(grid: Grid, region: &Region) -> Self {
+    pub fn from_region(grid: MaskGrid, region: &Region) -> Self {
         Self::of_contours(grid, region.contours())
     }
 
     /// The cells whose centres lie inside closed lines by the even-odd rule.
-    pub fn of_contours<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
+    pub fn of_contours<'a>(grid: MaskGrid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
         let mut mask = Self::empty(grid);
         // Even-odd filling without sorting: each edge flips one bit in each row that it crosses, and a running
         // parity turns the flips into runs of cells.
@@ -183,7 +183,7 @@ impl Mask {
 
     /// The cells whose centres lie inside closed lines by the non-zero winding rule. The cost grows with the rows that the
     /// edges cross and does not depend on the number of crossings between lines.
-    pub fn wound<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
+    pub fn wound<'a>(grid: MaskGrid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
         // The change of the winding number at each cell, from left to right.
         let mut turns = vec![0i32; grid.nx * grid.ny];
         for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
@@ -203,7 +203,7 @@ impl Mask {
 
     /// As [`Mask::from_region`], plus the cells that a border passes through, so that thin parts between cell
     /// centres are not lost.
-    pub fn touched(grid: Grid, region: &Region) -> Self {
+    pub fn touched(grid: MaskGrid, region: &Region) -> Self {
         let mut mask = Self::from_region(grid, region);
         for (a, b) in region.contours().flat_map(|c| edges(c)) {
             // Samples are half a cell apart, so a cell is missed only if the border crosses it over less than
@@ -224,7 +224,7 @@ impl Mask {
         let (grid, bits) = (self.grid, &mut self.bits);
         grid.convex_rows(corners, 0.0, |row, from, to| {
             for word in from / 64..=to / 64 {
-                bits[row * grid.words + word] |= Grid::run(word, from, to);
+                bits[row * grid.words + word] |= MaskGrid::run(word, from, to);
             }
         });
     }
@@ -234,7 +234,7 @@ impl Mask {
         let mut any = false;
         self.grid.convex_rows(corners, 1.0, |row, from, to| {
             any |= (from / 64..=to / 64)
-                .any(|word| self.bits[row * self.grid.words + word] & Grid::run(word, from, to) != 0);
+                .any(|word| self.bits[row * self.grid.words + word] & MaskGrid::run(word, from, to) != 0);
         });
         any
     }
@@ -471,8 +471,8 @@ mod tests {
     use super::*;
     use crate::poly::signed_area_mm2;
 
-    fn grid() -> Grid {
-        Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(30.0) }, 0.2)
+    fn grid() -> MaskGrid {
+        MaskGrid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(30.0) }, 0.2)
     }
 
     fn square(lo: f64, hi: f64) -> Region {
@@ -546,7 +546,7 @@ mod tests {
 
     #[test]
     fn cells_that_touch_at_corners_stay_apart() {
-        let g = Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 1.0);
+        let g = MaskGrid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 1.0);
         let two = square(0.0, 1.0).union(&square(1.0, 2.0));
         assert_eq!(Mask::from_region(g, &two).contours().len(), 2);
     }

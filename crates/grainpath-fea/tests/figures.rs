@@ -11,9 +11,9 @@ use grainpath_fea::strength::Outcome;
 use grainpath_fea::strength::brick_strength::SolidTest;
 use grainpath_fea::strength::bricks::{BrickPly, Bricks};
 use grainpath_fea::strength::card::StrengthCard;
-use grainpath_fea::strength::elements::{GridHold, PlateElements};
 use grainpath_fea::strength::laminate::{CellGrid, Laminate, Ply};
 use grainpath_fea::strength::plate_strength::PlateTest;
+use grainpath_fea::strength::squares::{GridHold, PlateElements};
 
 fn pla() -> StrengthCard {
     StrengthCard {

@@ -8,10 +8,10 @@ use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::brick_strength::SolidTest;
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
-use grainpath_fea::strength::elements::{GridHold, PlateElements, middle_strain, square};
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, Ply};
 use grainpath_fea::strength::plate_strength::PlateTest;
 use grainpath_fea::strength::plate_system::PlateSystem;
+use grainpath_fea::strength::squares::{GridHold, PlateElements, middle_strain, square};
 use grainpath_fea::strength::{BROKEN_SHARE, Outcome};
 
 /// PLA; the raster along its beads is as strong as data sheets say.

@@ -22,7 +22,7 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, Region};
 use rayon::prelude::*;
 
-use crate::layers::{Bead, BeadLayer};
+use crate::layer_groups::{Bead, BeadLayer};
 use crate::simulate::Program;
 
 /// Measures of a print, as shares of the part's area in the measured layers.

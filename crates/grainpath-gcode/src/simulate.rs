@@ -19,7 +19,7 @@ use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::{DVec2, Role, Warning, WarningId};
 
 use crate::kinematics::{Limits, Move, TimeEstimator, arc_pieces};
-use crate::layers::{Bead, BeadLayer, LayerCollector, LayerMark};
+use crate::layer_groups::{Bead, BeadLayer, LayerCollector, LayerMark};
 use crate::read::{Line, Lines};
 
 /// The result of replaying a program.

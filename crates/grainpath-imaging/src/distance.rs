@@ -46,7 +46,7 @@ impl Raster {
         self.origin + DVec2::new(i as f64, j as f64) * self.pixel_mm
     }
 
-    /// Converts a point of a contour from pixels (see [`Grid::contours`](crate::scan::Grid::contours)) to mm.
+    /// Converts a point of a contour from pixels (see [`SignedImage::contours`](crate::scan::SignedImage::contours)) to mm.
     pub fn to_mm(&self, p: DVec2) -> DVec2 {
         self.origin + (p - 0.5) * self.pixel_mm
     }

@@ -11,5 +11,5 @@ pub mod photo;
 pub mod raster;
 pub mod scan;
 pub mod smooth;
-pub mod tensor;
+pub mod structure_tensor;
 pub mod threshold;

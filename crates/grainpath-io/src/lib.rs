@@ -6,7 +6,7 @@
 pub mod directions;
 pub mod fe;
 pub mod image;
-mod layers;
+mod layer_files;
 mod mesh;
 mod mesh_formats;
 mod outline;
@@ -17,7 +17,7 @@ pub mod volume;
 mod xml;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
-pub use layers::{write_cli, write_svg_layers};
+pub use layer_files::{write_cli, write_svg_layers};
 pub use mesh::model::{
     MeshBody, MeshError, MeshFile, MeshFormat, MeshProblem, ModifierVolume, PaintedSupports,
 };

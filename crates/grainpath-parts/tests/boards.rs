@@ -9,11 +9,11 @@ use grainpath_core::polyline::length_mm;
 use grainpath_imaging::canny::{CannySettings, canny};
 use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::corners::find_corners;
-use grainpath_imaging::photo::curves::{CurveSettings, Join, edge_curves};
-use grainpath_imaging::photo::orientation::oriented;
+use grainpath_imaging::photo::edge_curves::{CurveSettings, Join, edge_curves};
 use grainpath_imaging::photo::warp::rectify;
+use grainpath_imaging::photo::width_side::oriented;
 use grainpath_imaging::raster::Grey;
-use grainpath_imaging::tensor::{TensorSettings, axis_difference_rad, grain_axes};
+use grainpath_imaging::structure_tensor::{TensorSettings, axis_difference_rad, grain_axes};
 use grainpath_parts::board::{Board, Knot};
 
 const CURVES: CurveSettings =

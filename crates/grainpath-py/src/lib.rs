@@ -10,7 +10,7 @@ mod cli;
 mod errors;
 mod image;
 mod mesh;
-mod pieces;
+mod tools;
 mod plan;
 mod pool;
 mod program;
@@ -33,8 +33,6 @@ mod _grainpath {
     #[pymodule_export]
     use crate::mesh::{MeshData, mesh_from_arrays, mesh_from_file};
     #[pymodule_export]
-    use crate::pieces::{example, inspect, marker_sheet, pieces, specimen, support};
-    #[pymodule_export]
     use crate::plan::{PlanData, ScanData, check, plan, plan_parted};
     #[pymodule_export]
     use crate::program::{ProgramData, program_from_bytes};
@@ -50,6 +48,8 @@ mod _grainpath {
     use crate::strength::{StrengthData, compare, strength};
     #[pymodule_export]
     use crate::stress::StressData;
+    #[pymodule_export]
+    use crate::tools::{example, inspect, marker_sheet, pieces, specimen, support};
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");

@@ -33,7 +33,7 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
-use crate::{assets, history, runs, section, surface, uploads};
+use crate::{assets, cut_view, history, runs, surface_bytes, uploads};
 
 /// Filament diameter for programs that state none, mm. Source: the nominal diameter of common filament, which the command
 /// line uses too.
@@ -690,7 +690,7 @@ async fn made(
 async fn surface_bytes(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
     let result = done(&studio, id)?;
     let none = || Problem::new(StatusCode::NOT_FOUND, "this job shows no shape");
-    made(&headers, move || result.finished.surface.as_ref().map(surface::part).ok_or_else(none)).await
+    made(&headers, move || result.finished.surface.as_ref().map(surface_bytes::part).ok_or_else(none)).await
 }
 
 const NO_STRESS: &str = "this job solved no such load case";
@@ -698,7 +698,8 @@ const NO_STRESS: &str = "this job solved no such load case";
 async fn stressed(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
     let result = done(&studio, id)?;
     let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
-    made(&headers, move || result.finished.stress.as_ref().map(surface::stressed).ok_or_else(none)).await
+    made(&headers, move || result.finished.stress.as_ref().map(surface_bytes::stressed).ok_or_else(none))
+        .await
 }
 
 /// An answer of bytes that are made from the values of a load case.
@@ -721,7 +722,7 @@ async fn case_bytes(
 type CasePath = Path<(u64, usize)>;
 
 async fn case(State(studio): Shared, Path(of): CasePath, headers: HeaderMap) -> Answer<Response> {
-    case_bytes(&studio, of, &headers, |_, case| surface::case(case)).await
+    case_bytes(&studio, of, &headers, |_, case| surface_bytes::case(case)).await
 }
 
 #[derive(Deserialize)]
@@ -746,19 +747,20 @@ async fn section_bytes(
 ) -> Answer<Response> {
     let Query(Plane { axis, at }) = query?;
     let cut = move |stress: &StressSurface, case: &CaseValues| {
-        surface::section(&section::cut(&stress.volume, &case.inside, axis as usize, at))
+        surface_bytes::section(&cut_view::cut(&stress.volume, &case.inside, axis as usize, at))
     };
     case_bytes(&studio, of, &headers, cut).await
 }
 
 async fn lines(State(studio): Shared, Path(of): CasePath, headers: HeaderMap) -> Answer<Response> {
-    case_bytes(&studio, of, &headers, |_, case| surface::lines(&case.lines)).await
+    case_bytes(&studio, of, &headers, |_, case| surface_bytes::lines(&case.lines)).await
 }
 
 async fn branches(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
     let result = done(&studio, id)?;
     let none = || Problem::new(StatusCode::NOT_FOUND, "this job grew no supports");
-    made(&headers, move || result.finished.branches.as_deref().map(surface::branches).ok_or_else(none)).await
+    made(&headers, move || result.finished.branches.as_deref().map(surface_bytes::branches).ok_or_else(none))
+        .await
 }
 
 async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {

@@ -21,10 +21,10 @@ pub mod records;
 mod refusal;
 pub mod roots;
 pub mod runs;
-mod section;
+mod cut_view;
 mod serve;
 mod studio;
-mod surface;
+mod surface_bytes;
 mod uploads;
 
 pub use api::{description, router};

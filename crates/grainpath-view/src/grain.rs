@@ -7,7 +7,7 @@ use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Strok
 use grainpath::guide::grain::{GrainGuide, PhotoSteps};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::ShownSlice;
-use grainpath_imaging::tensor::AxisSample;
+use grainpath_imaging::structure_tensor::AxisSample;
 
 use crate::layer::encode_png;
 use crate::page::Picture;

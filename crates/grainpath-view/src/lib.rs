@@ -2,7 +2,7 @@
 //!
 //! All pictures show data that the planner returns; this crate decides nothing about beads.
 
-pub mod density;
+pub mod density_map;
 pub mod faces;
 pub mod grain;
 pub mod guide;

@@ -21,7 +21,7 @@ use grainpath_fea::principal::plane_principal;
 use grainpath_fea::strength::bricks::{BrickPly, Bricks};
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::first_failure_of_bricks;
-use grainpath_fea::strength::frame::convex_hull;
+use grainpath_fea::strength::grid_turn::convex_hull;
 use rayon::prelude::*;
 use serde::Serialize;
 

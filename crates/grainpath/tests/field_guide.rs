@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use grainpath::guide::field::{FieldError, FieldGuide, FieldSettings};
+use grainpath::guide::given_field::{FieldError, FieldGuide, FieldSettings};
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, DVec3, Diagnostics, Layer, LayerStack, Region, WarningId};
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions};

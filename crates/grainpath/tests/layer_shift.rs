@@ -1,6 +1,6 @@
 //! Ends of beads do not stand on each other from layer to layer.
 
-use grainpath::guide::field::{FieldGuide, FieldSettings};
+use grainpath::guide::given_field::{FieldGuide, FieldSettings};
 use grainpath::measure::stacked::{Stacked, count};
 use grainpath::run::{Steps, config};
 use grainpath_core::math::direction;

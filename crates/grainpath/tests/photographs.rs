@@ -5,10 +5,10 @@ use grainpath::guide::grain::{Corners, GrainError, GrainGuide, GrainSettings, Mo
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, Region};
 use grainpath_imaging::canny::CannySettings;
 use grainpath_imaging::photo::Photo;
-use grainpath_imaging::photo::curves::{CurveSettings, Join};
+use grainpath_imaging::photo::edge_curves::{CurveSettings, Join};
 use grainpath_imaging::photo::warp::CornerError;
 use grainpath_imaging::raster::Grey;
-use grainpath_imaging::tensor::{Tangent, axis_difference_rad};
+use grainpath_imaging::structure_tensor::{Tangent, axis_difference_rad};
 use grainpath_parts::board::{Board, Knot};
 
 fn settings(size_mm: DVec2, mode: Mode) -> GrainSettings {

@@ -13,7 +13,7 @@ use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_imaging::raster::Grey;
-use grainpath_imaging::tensor::{TensorSettings, grain_axes};
+use grainpath_imaging::structure_tensor::{TensorSettings, grain_axes};
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
@@ -375,7 +375,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
 
 /// Length, pieces, cuts and radii of the fibre in a program; null for programs without fibre.
 fn fibre_json(p: &Program) -> Value {
-    let fibre = grainpath::measure::fibre::measure(p, DVec2::ZERO, 0.0, 0.0, None);
+    let fibre = grainpath::measure::laid_fibre::measure(p, DVec2::ZERO, 0.0, 0.0, None);
     if fibre.layers.is_empty() {
         return Value::Null;
     }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
+use super::face_kind::Surface;
 use super::fit::{Model, Shape};
 use super::graph::{Graph, NONE};
 use super::planes::Pieces;
-use super::surface::Surface;
 use crate::DisjointSets;
 
 /// The kind of a face, before the face is measured.

@@ -28,17 +28,17 @@ mod grow;
 mod leftovers;
 pub mod name;
 mod planes;
-mod surface;
+mod face_kind;
 
 use std::fmt::Write as _;
 
 use glam::DVec3;
 
 use crate::TriMesh;
+pub use face_kind::Surface;
 use graph::{Graph, NONE};
 use name::{DIGITS, Description, MAX_DISTANCE, MIN_MARGIN};
 pub use name::{FaceError, FaceName};
-pub use surface::Surface;
 
 /// A face of a part.
 #[derive(Debug, Clone, PartialEq)]

@@ -18,7 +18,7 @@ use super::model::quadratic_tet::{self as element, Law};
 use super::solver::block_matrix::{assemble, dot};
 use super::solver::easing::{self, RoughPart, Rows};
 use super::solver::half_matrix::{self, AFTER, SUM_BYTES, Slab};
-use super::solver::multigrid::{GRID, Grid, Multigrid, Transfer};
+use super::solver::multigrid::{CoarseGrid, GRID, Multigrid, Transfer};
 use super::solver::operator::inverse;
 use super::solver::solution::{Solution, SolveSettings};
 use super::solver::solve::{Solved, iterate};
@@ -751,7 +751,7 @@ impl VoxelCells {
             }
             sum
         });
-        let grid = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+        let grid = CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         Multigrid::below(self, first, (matrix, GRID), grid)
     }
 }

@@ -17,7 +17,7 @@ use std::sync::{Mutex, PoisonError};
 
 use grainpath_core::diagnostics::CancelFlag;
 
-use super::elements::PlateElements;
+use super::squares::PlateElements;
 use crate::dense_elimination::eliminate;
 use crate::sparse::{BYTES_PER_MIB, SparseError};
 

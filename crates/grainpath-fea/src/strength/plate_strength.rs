@@ -16,10 +16,10 @@ use rayon::prelude::*;
 
 use super::card::StrengthCard;
 use super::damage::{damaged_plane_stiffness, with_joined};
-use super::elements::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::laminate::Laminate;
 use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
 use super::plate_system::PlateSystem;
+use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::wall_bending::{
     BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, highest_index, unresolved_bending,
 };

@@ -7,8 +7,8 @@
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::tuned::Tuned;
 
-use super::elements::{GridHold, PlateElements};
 use super::fronts::{Fronts, Lower};
+use super::squares::{GridHold, PlateElements};
 use crate::sparse::SparseError;
 
 /// Stiffness of the springs of fixtures over that of the stiffest node. Source: derived. A held node moves by a
@@ -110,8 +110,8 @@ impl PlateSystem {
 mod tests {
     use grainpath_core::DVec2;
 
-    use super::super::elements::square;
     use super::super::laminate::CellGrid;
+    use super::super::squares::square;
     use super::*;
     use crate::material::Orthotropic;
 

@@ -267,7 +267,7 @@ mod tests {
     use grainpath_core::poly::{FillRule, signed_area_mm2};
 
     use super::*;
-    use crate::scan::Grid;
+    use crate::scan::SignedImage;
 
     const SETTINGS: CannySettings = CannySettings { sigma_px: 1.0, low: 40.0, high: 100.0 };
     const PI: f64 = std::f64::consts::PI;
@@ -278,7 +278,7 @@ mod tests {
         let values: Vec<f32> = (0..n * n).map(at).collect();
         let signed: Vec<f32> = values.iter().map(|v| v - threshold).collect();
         let (found, points) =
-            on_edges(Grid::new(&signed, n, n).contours(), &values, n, n, &SETTINGS, |_| false);
+            on_edges(SignedImage::new(&signed, n, n).contours(), &values, n, n, &SETTINGS, |_| false);
         let mut areas: Vec<f64> = found.iter().map(|c| signed_area_mm2(c)).collect();
         areas.sort_by(f64::total_cmp);
         let covered = Region::from_contours(&found, FillRule::Positive);

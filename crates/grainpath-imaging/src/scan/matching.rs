@@ -26,7 +26,7 @@ use grainpath_core::{Bounds2, Contour, DVec2, Polygon, Region};
 
 use super::correspond::{Features, Pairing, by_features, dynamic};
 use super::split::split;
-use super::trace::Grid;
+use super::trace::SignedImage;
 use crate::distance::{Raster, signed_distance};
 
 /// Parameters for matching neighbouring slices.
@@ -100,7 +100,7 @@ impl Blend {
     }
 
     fn at(&self, t: f64) -> Vec<Contour> {
-        let grid = Grid::mixed(&self.lower, &self.upper, t as f32, self.raster.nx, self.raster.ny);
+        let grid = SignedImage::mixed(&self.lower, &self.upper, t as f32, self.raster.nx, self.raster.ny);
         let to_mm = |c: Contour| c.into_iter().map(|p| self.raster.to_mm(p)).collect();
         grid.contours().into_iter().map(to_mm).collect()
     }

@@ -58,7 +58,7 @@ pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
 pub use parts::{PartedScan, ScanPart};
 pub use sheet::ContactSheet;
 pub use survey::Survey;
-pub use trace::Grid;
+pub use trace::SignedImage;
 
 use survey::Lattice;
 use turned::Turned;
@@ -542,7 +542,7 @@ impl Job<'_> {
         // For interpolated grey values sections are made per layer, so none is needed here.
         let region = (self.mode != Interpolation::Grey).then(|| {
             let step = self.survey.contrast as f32;
-            let mut contours = Grid::new(&signed, nx, ny).with_flats(|_| step).contours();
+            let mut contours = SignedImage::new(&signed, nx, ny).with_flats(|_| step).contours();
             // Points are kept denser than in the result, because pairing needs them.
             let mut simplify_mm = 0.2 * self.settings.simplify_mm;
             if self.settings.tracing == Tracing::Canny {
@@ -608,7 +608,7 @@ impl Job<'_> {
     /// The section of a slice.
     fn region(&self, slice: &Prepared) -> Region {
         slice.region.clone().unwrap_or_else(|| {
-            let grid = Grid::new(&slice.signed, self.lattice.nx, self.lattice.ny);
+            let grid = SignedImage::new(&slice.signed, self.lattice.nx, self.lattice.ny);
             self.without_specks(
                 self.section(grid.contours(), self.settings.simplify_mm),
                 &mut Lost::default(),
@@ -721,7 +721,8 @@ impl Job<'_> {
         if self.mode == Interpolation::Grey {
             let layer = |i: usize| {
                 let (a, b) = (&slab.lower.signed, &slab.upper.signed);
-                let grid = Grid::mixed(a, b, share(i) as f32, nx, ny).with_flats(|k| (a[k] - b[k]).abs());
+                let grid =
+                    SignedImage::mixed(a, b, share(i) as f32, nx, ny).with_flats(|k| (a[k] - b[k]).abs());
                 let region = self.section(grid.contours(), s.simplify_mm);
                 (i, self.without_specks(region, &mut lost))
             };
@@ -773,7 +774,7 @@ impl Job<'_> {
         };
         let (a, b) = (distance(lower, upper), distance(upper, lower));
         let layer = |i: usize| {
-            let grid = Grid::mixed(&a, &b, share(i) as f32, raster.nx, raster.ny);
+            let grid = SignedImage::mixed(&a, &b, share(i) as f32, raster.nx, raster.ny);
             let contours: Vec<Contour> = grid
                 .contours()
                 .into_iter()

@@ -170,7 +170,7 @@ fn truth(solid: Solid, z: f64) -> (f64, [usize; 2]) {
     let step = 20.0 / n as f64;
     let at =
         |p: usize| solid([(p % n) as f64 * step + 0.5 * step, (p / n) as f64 * step + 0.5 * step, z]) as f32;
-    let contours = Grid::new(&(0..n * n).map(at).collect::<Vec<f32>>(), n, n).contours();
+    let contours = SignedImage::new(&(0..n * n).map(at).collect::<Vec<f32>>(), n, n).contours();
     let areas: Vec<f64> = contours.iter().map(|c| signed_area_mm2(c) * step * step).collect();
     let counted = |positive: bool| areas.iter().filter(|a| a.abs() > 0.2 && (**a > 0.0) == positive).count();
     (areas.iter().sum(), [counted(true), counted(false)])

@@ -23,7 +23,7 @@ use serde::Serialize;
 
 use super::{CtSettings, ScanError, Slices};
 use crate::raster::{Grey, gaussian_taps, quantile};
-use crate::tensor::{AxisSample, Evidence, FAINT, smoothed, spread_darkness};
+use crate::structure_tensor::{AxisSample, Evidence, FAINT, smoothed, spread_darkness};
 
 /// Settings for reading the texture of a scan, and the position of the scan on the part.
 #[derive(Debug, Clone, PartialEq)]
@@ -549,7 +549,7 @@ mod tests {
 
     use super::super::Threshold;
     use super::*;
-    use crate::tensor::axis_difference_rad;
+    use crate::structure_tensor::axis_difference_rad;
 
     /// A volume made up as it is read.
     struct Made<F: Fn(DVec3) -> f64 + Send> {

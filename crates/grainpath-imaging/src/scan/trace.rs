@@ -18,14 +18,14 @@ use grainpath_core::{Contour, DVec2, Polygon, Region};
 
 /// An image whose zero line is the border of the part: positive inside.
 #[derive(Debug, Clone)]
-pub struct Grid {
+pub struct SignedImage {
     /// `(rows, columns)`, row-major, with a frame of one pixel that is never inside.
     values: Vec<f32>,
     nx: usize,
     ny: usize,
 }
 
-impl Grid {
+impl SignedImage {
     /// A grid of `nx` x `ny` values, mixed of two: `(1 - t) a + t b`. A part that extends beyond the
     /// picture ends half a pixel outside.
     pub fn mixed(a: &[f32], b: &[f32], t: f32, nx: usize, ny: usize) -> Self {
@@ -341,7 +341,7 @@ mod tests {
             (r - p.length()) as f32
         };
         let values: Vec<f32> = (0..nx * ny).map(value).collect();
-        let contours = Grid::new(&values, nx, ny).contours();
+        let contours = SignedImage::new(&values, nx, ny).contours();
         assert_eq!(contours.len(), 1);
         let area = signed_area_mm2(&contours[0]);
         assert!((area / (std::f64::consts::PI * r * r) - 1.0).abs() < 1e-3, "{area}");
@@ -353,7 +353,7 @@ mod tests {
         let (nx, ny) = (19, 17);
         let value = |i: usize| ((i * i * 7 + i * 3) % 23) as f32 - 11.5;
         let picture: Vec<f32> = (0..nx * ny).map(value).collect();
-        let expected = Grid::new(&picture, nx, ny).contours();
+        let expected = SignedImage::new(&picture, nx, ny).contours();
         assert!(expected.len() > 15, "{} contours", expected.len());
         for (before, after) in (0..130).flat_map(|k| [(k, 0), (k, 1), (k, 130 - k)]) {
             let width = before + nx + after;
@@ -364,7 +364,7 @@ mod tests {
                 [air(own[0], before), own.to_vec(), air(own[nx - 1], after)].concat()
             };
             let values: Vec<f32> = (0..ny).flat_map(row).collect();
-            let contours = Grid::new(&values, width, ny).contours();
+            let contours = SignedImage::new(&values, width, ny).contours();
             assert_eq!(contours.len(), expected.len(), "{before} {after}");
             for (contour, expected) in contours.iter().zip(&expected) {
                 let moved = expected.iter().map(|p| *p + DVec2::new(before as f64, 0.0));
@@ -376,16 +376,23 @@ mod tests {
 
     #[test]
     fn what_fills_the_picture_ends_half_a_pixel_outside_its_middles() {
-        let contours = Grid::new(&[1.0; 12], 4, 3).contours();
+        let contours = SignedImage::new(&[1.0; 12], 4, 3).contours();
         assert_eq!(contours.len(), 1);
         assert!((signed_area_mm2(&contours[0]) - 12.0).abs() < 0.6);
         let hole = [1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
-        let areas: Vec<f64> = Grid::new(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
+        let areas: Vec<f64> =
+            SignedImage::new(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
         assert!(areas.len() == 2 && areas[0] > 0.0 && areas[1] < 0.0, "{areas:?}");
-        assert!(Grid::new(&[-1.0; 9], 3, 3).contours().is_empty());
+        assert!(SignedImage::new(&[-1.0; 9], 3, 3).contours().is_empty());
         // Exact zeros are outside and break nothing; what meets at corners hangs together if its mean is inside.
-        assert_eq!(Grid::new(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 1);
-        assert_eq!(Grid::new(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(), 4);
+        assert_eq!(
+            SignedImage::new(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(),
+            1
+        );
+        assert_eq!(
+            SignedImage::new(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(),
+            4
+        );
     }
 
     #[test]
@@ -397,9 +404,10 @@ mod tests {
         let below: Vec<f32> =
             (0..n * n).map(|i| if framed(i) { 10.0 + noise(i, 1) } else { -10.0 }).collect();
         let above: Vec<f32> = (0..n * n).map(|i| -10.0 + noise(i, 5)).collect();
-        let torn = Grid::mixed(&below, &above, 0.48, n, n);
+        let torn = SignedImage::mixed(&below, &above, 0.48, n, n);
         assert!(torn.contours().len() > 1);
-        let whole = Grid::mixed(&below, &above, 0.48, n, n).with_flats(|k| (below[k] - above[k]).abs());
+        let whole =
+            SignedImage::mixed(&below, &above, 0.48, n, n).with_flats(|k| (below[k] - above[k]).abs());
         assert_eq!(whole.contours().len(), 1);
     }
 }

@@ -3,14 +3,14 @@
 use grainpath_core::triangulation::delaunay;
 use grainpath_core::{DVec2, DVec3};
 
-use super::grid::Grid;
+use super::grid::DirectionGrid;
 use super::model::BlendedDirection;
 use crate::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 
 /// The data structure that interpolates the samples at a point.
 #[derive(Debug, Clone)]
 pub(super) enum Carrier {
-    Grid(Grid),
+    Grid(DirectionGrid),
     /// Planes of points, each with its height in mm, from the lowest up. A single plane applies at all heights.
     Planes(Vec<(f64, Cloud)>),
     /// Points or a mesh in space, or a mesh of a plane.

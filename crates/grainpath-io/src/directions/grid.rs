@@ -11,7 +11,7 @@ const FILLED_STRENGTH: f32 = 1e-6;
 
 /// A grid of directions; cells are numbered from the lower left one, row by row.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
+pub(super) struct DirectionGrid {
     pub columns: usize,
     pub rows: usize,
     /// Cosine and sine of the doubled angle.
@@ -27,7 +27,7 @@ pub(super) struct Grid {
 /// a direction.
 pub(super) type GridCell = Option<(DVec2, f64)>;
 
-impl Grid {
+impl DirectionGrid {
     /// A grid of `columns` x `rows` cells, at least one of which has a direction. `cell` gives a
     /// cell by column and row from the lower left.
     pub(super) fn new(columns: usize, rows: usize, cell: impl Fn(usize, usize) -> GridCell) -> Self {

@@ -5,7 +5,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec2, DVec3, Warning, WarningId};
 
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points, tensor};
-use super::grid::{Grid, GridCell};
+use super::grid::{DirectionGrid, GridCell};
 use super::model::{
     AngleUnit, DirectionError, DirectionOptions, DirectionSummary, GridAxes, MAX_CELLS, invalid,
 };
@@ -306,7 +306,7 @@ fn grid(
         let text = "the grid has one cell, so the direction is the same everywhere";
         warnings.push(Warning::new(WarningId::FieldOneSample, text));
     }
-    let mut grid = Grid::new(columns, rows, cell);
+    let mut grid = DirectionGrid::new(columns, rows, cell);
     if let Some(spacing) = numbers.spacing {
         let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
         let spacing_mm = |(c, r): (usize, usize)| (unit * spacing.fields[0].1[index(c, r)]) as f32;
@@ -473,7 +473,7 @@ fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError
         warnings
             .push(Warning::new(WarningId::FieldAssumed, text).with_remedy("save the angle picture as PNG"));
     }
-    let grid = Grid::new(columns, rows, cell);
+    let grid = DirectionGrid::new(columns, rows, cell);
     let summary = DirectionSummary {
         format: image.format.name(),
         layout: format!("a grid of {columns} x {rows} cells (x, y)"),

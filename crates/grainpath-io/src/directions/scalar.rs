@@ -9,7 +9,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec2, DVec3};
 
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points};
-use super::grid::Grid;
+use super::grid::DirectionGrid;
 use super::model::{DirectionError, DirectionSummary, GridAxes, MAX_CELLS, MAX_POINTS, invalid};
 use super::npy::{MAGIC, read_npy};
 use super::read::{grey, header, matrix, rows};
@@ -164,7 +164,7 @@ fn grid(
             all.push(checked(value(from * n1 + column), place)? as f32);
         }
     }
-    let grid = Grid::new(n1, n0, |_, _| Some((DVec2::X, 1.0))).with_spacing(all);
+    let grid = DirectionGrid::new(n1, n0, |_, _| Some((DVec2::X, 1.0))).with_spacing(all);
     let summary = summary(format, format!("a grid of {n1} x {n0} cells (x, y)"), n0 * n1, String::new());
     Ok(DensitySamples(DirectionSamples::new(Carrier::Grid(grid), summary, Vec::new())))
 }

@@ -22,7 +22,7 @@ mod csv;
 mod deck;
 mod deck_conditions;
 mod element;
-mod field;
+mod stress_field;
 mod frd;
 mod gmsh;
 mod inp;
@@ -43,12 +43,12 @@ pub use deck::{
 };
 pub use deck_conditions::{DeckConditions, DeckLoad, DeckMaterial, DeckPlace, DeckStep, DeckSupport};
 pub use element::{ElementKind, MAX_NODES, Shape};
-pub use field::{Location, StressField};
 pub use grainpath_core::tensor::{Principal, principal, von_mises};
 pub use model::{Element, FeArray, FeError, FeFile, FeFormat, Group, On};
 pub use plate_deck::{PlateDeck, write_plate_deck};
 pub use problem::FeProblem;
 pub use result::{FeOptions, FeResult, Order, StressUnit};
+pub use stress_field::{Location, StressField};
 pub use write::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 
 /// The format of these bytes, if they can be a finite-element file.

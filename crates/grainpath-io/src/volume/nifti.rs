@@ -17,6 +17,7 @@ use flate2::bufread::MultiGzDecoder;
 
 use grainpath_core::DVec3;
 use grainpath_core::slices::SliceSource;
+use grainpath_core::units::LengthUnit;
 
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};

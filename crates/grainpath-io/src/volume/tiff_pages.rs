@@ -12,6 +12,7 @@
 
 use std::io::BufReader;
 
+use grainpath_core::units::LengthUnit;
 use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
 

@@ -4,7 +4,7 @@ use grainpath_core::{Bounds2, DVec2};
 use tiny_skia::{Color, Pixmap};
 
 use super::colour::{Rgb, ramp};
-use super::raster::{draw_line, png};
+use super::rasteriser::{draw_line, png};
 
 /// A colour scale: blue through green and yellow to red.
 #[derive(Debug, Clone, Copy, PartialEq)]

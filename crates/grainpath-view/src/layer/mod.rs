@@ -5,7 +5,7 @@
 
 mod canvas;
 mod colour;
-mod raster;
+mod rasteriser;
 mod svg;
 mod thumbnail;
 
@@ -14,8 +14,8 @@ use grainpath_gcode::BeadLayer;
 
 pub use canvas::{Canvas, Ramp};
 pub use colour::{ColourBy, Scale, of_role as role_colour};
-pub use raster::layer_png;
-pub(crate) use raster::png as encode_png;
+pub use rasteriser::layer_png;
+pub(crate) use rasteriser::png as encode_png;
 pub use svg::layer_svg;
 pub use thumbnail::{Ground, thumbnail_png, thumbnails};
 

@@ -12,7 +12,7 @@
 use grainpath_core::{Bounds2, DVec2, DVec3, Role};
 use grainpath_gcode::{Program, Thumbnail};
 
-use super::raster::png;
+use super::rasteriser::png;
 use super::{DrawnBead, LayerPicture};
 
 /// Colour of the part at full light.

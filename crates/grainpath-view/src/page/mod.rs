@@ -8,7 +8,7 @@
 //! Limits: very large prints show every second or third layer. Without scripts the page shows one layer as a
 //! picture in place of the slider; everything else is the same.
 
-mod layers;
+mod packed_layers;
 
 use std::fmt::Write;
 
@@ -255,7 +255,7 @@ fn settings_section(settings: &[Setting]) -> String {
 
 /// The slider of layers with its data; empty where nothing was printed.
 fn layers_section(contents: &Contents<'_>) -> String {
-    let Some(packed) = layers::pack(contents.layers) else { return String::new() };
+    let Some(packed) = packed_layers::pack(contents.layers) else { return String::new() };
     let (all, shown) = (contents.layers, &packed.shown);
     let roles: Vec<String> = Role::ALL
         .into_iter()
@@ -303,8 +303,8 @@ fn layers_section(contents: &Contents<'_>) -> String {
         low.y,
         size.x,
         size.y,
-        layers::WIDTH_STEP_MM,
-        layers::TRAVEL,
+        packed_layers::WIDTH_STEP_MM,
+        packed_layers::TRAVEL,
         roles.join(","),
         marks.join(","),
         base64::engine::general_purpose::STANDARD.encode(&packed.bytes)
@@ -314,7 +314,7 @@ fn layers_section(contents: &Contents<'_>) -> String {
     out
 }
 
-fn fibre_table(f: &grainpath::measure::fibre::FibreReport) -> String {
+fn fibre_table(f: &grainpath::measure::laid_fibre::FibreReport) -> String {
     // Each layer has a row, because totals would hide a layer whose paths are too short or turn too sharply.
     let mut out = String::from(
         "<table><tr><th>layer</th><th>z mm</th><th>length mm</th><th>paths</th><th>shortest mm</th><th>cuts</th>\

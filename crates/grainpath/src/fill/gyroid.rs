@@ -19,7 +19,7 @@ use grainpath_core::poly::{LineClipper, simplify_line};
 use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
-use crate::guide::density::DensityMap;
+use crate::guide::graded_density::DensityMap;
 
 /// Slices of `sin x cos y + sin y cos z + sin z cos x = 0`.
 pub struct Gyroid;

@@ -11,7 +11,7 @@ mod field;
 #[cfg(test)]
 #[path = "../../../../tests/figure.rs"]
 mod figure;
-pub mod graded;
+pub mod graded_infill;
 mod gyroid;
 mod hatch;
 mod honeycomb;

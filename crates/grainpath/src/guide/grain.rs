@@ -20,16 +20,16 @@ use grainpath_imaging::canny::{CannySettings, Edges, canny};
 use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
-use grainpath_imaging::photo::curves::{CurveSettings, along_grain, edge_curves};
+use grainpath_imaging::photo::edge_curves::{CurveSettings, along_grain, edge_curves};
 use grainpath_imaging::photo::markers::{Sheet, find_markers};
-use grainpath_imaging::photo::orientation::oriented;
 use grainpath_imaging::photo::warp::{CornerError, Shrinking, check_corners, native_px_mm, rectify};
+use grainpath_imaging::photo::width_side::oriented;
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::{
     AxisVolume, ShownSlice, TextureReport, TextureSettings, read_texture,
 };
 use grainpath_imaging::scan::{ScanError, Slices};
-use grainpath_imaging::tensor::{
+use grainpath_imaging::structure_tensor::{
     AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
 };
 

@@ -6,11 +6,11 @@
 //! smoothed where the stress is nearly the same in all directions. Lengths are in mm, stresses in
 //! MPa.
 
-mod deck;
+mod deck_loads;
 mod degenerate;
-pub mod density;
+pub mod graded_density;
 mod direction;
-pub mod field;
+pub mod given_field;
 pub mod grain;
 mod import;
 mod inside;
@@ -18,7 +18,7 @@ mod known;
 mod mix;
 mod plane;
 mod results;
-mod solid;
+mod solid_stress;
 mod trust;
 
 use std::cell::OnceCell;
@@ -387,7 +387,7 @@ pub fn boundary_conditions(
         cases.push(LoadCase { name: case.name.clone(), weight: case.weight, loads });
     }
     if let Some(deck) = typed.deck {
-        let (held, steps) = deck::conditions(deck, mesh, standing, fixtures.len() + 1)?;
+        let (held, steps) = deck_loads::conditions(deck, mesh, standing, fixtures.len() + 1)?;
         fixtures.extend(held);
         cases.extend(steps);
     }
@@ -700,12 +700,12 @@ fn solve(
     }
     let solve = || match settings.analysis {
         Analysis::Plane => plane::solve(settings, part, conditions),
-        Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
+        Analysis::Solid => solid_stress::solve(settings, part, conditions, diagnostics),
         Analysis::Auto => match plane::solve(settings, part, conditions) {
             // A plate is modelled at mid-height, so a load or fixture above or below that height
             // catches nothing. The solid model finds it.
             Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
-                solid::solve(settings, part, conditions, diagnostics)
+                solid_stress::solve(settings, part, conditions, diagnostics)
             }
             other => other,
         },

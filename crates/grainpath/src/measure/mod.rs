@@ -1,8 +1,8 @@
 //! Results of a run: the planned job, and measurements on the written program.
 
 pub mod alignment;
-pub mod density;
-pub mod fibre;
+pub mod laid_density;
+pub mod laid_fibre;
 pub mod plan_json;
 mod planned;
 pub mod report;

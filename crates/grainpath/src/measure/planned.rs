@@ -6,9 +6,9 @@ use grainpath_gcode::WriteConfig;
 use grainpath_imaging::scan::CtReport;
 
 use crate::guide::Guide;
-use crate::guide::field::FieldGuide;
+use crate::guide::given_field::FieldGuide;
 use crate::guide::grain::GrainGuide;
-use crate::measure::density::LaidDensity;
+use crate::measure::laid_density::LaidDensity;
 use crate::measure::strength::TestSetup;
 use crate::support::Support;
 

@@ -10,11 +10,11 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::guide::field::FieldReport;
+use crate::guide::given_field::FieldReport;
 use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
-use crate::measure::density::LaidDensity;
-use crate::measure::fibre::FibreReport;
+use crate::measure::laid_density::LaidDensity;
+use crate::measure::laid_fibre::FibreReport;
 use crate::measure::stacked::{self, Stacked};
 use crate::measure::strength::{ReserveReport, StrengthReport};
 use crate::measure::{DirectionError, Planned};
@@ -612,7 +612,7 @@ pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -
     let shift = planned.plan.plate_from_part_mm.truncate();
     let off = direction_error(planned);
     let density = tool.material.density_g_cm3;
-    Some(crate::measure::fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
+    Some(crate::measure::laid_fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
 }
 
 /// Mean and 95th percentile of the angle in degrees between infill and the guide's direction.

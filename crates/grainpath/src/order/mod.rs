@@ -5,7 +5,7 @@
 //! Travels take more time to plan and depend only on their own layer, so they are planned in parallel
 //! for the layers that are already ordered.
 
-mod bytes;
+mod unordered_bytes;
 mod chain;
 mod comb;
 mod nearest;
@@ -22,11 +22,11 @@ use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, 
 use rayon::prelude::*;
 
 use crate::wall::Wall;
-pub use bytes::{PathBytesError, paths_from_bytes, paths_to_bytes};
 pub(crate) use chain::{opened, part};
 pub use comb::CombSettings;
 pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;
+pub use unordered_bytes::{PathBytesError, paths_from_bytes, paths_to_bytes};
 
 /// Settings of the printing order.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -21,14 +21,14 @@ use grainpath_io::{OutlineOptions, PaintedSupports};
 use crate::fibre::FibreSettings;
 use crate::fill::shift::{self, Ends};
 use crate::fill::{Continuous, SideBySide, TreeKind};
-use crate::guide::density::DensitySettings;
-use crate::guide::field::FieldSettings;
+use crate::guide::given_field::FieldSettings;
+use crate::guide::graded_density::DensitySettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
 use crate::guide::{StressSettings, TypedLoads};
 use crate::measure::strength::{CORNERS, StrengthSettings};
 use crate::order::{CombSettings, OrderSettings};
-use crate::run::place::PlaceSettings;
+use crate::run::placing::PlaceSettings;
 use crate::run::steps::{ExtrudedMass, InfillSettings, RasterAngles, RegionSettings, StepSettings};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings, Standing};
 use crate::support::beads::BeadSettings;
@@ -37,10 +37,10 @@ use crate::wall::WallSettings;
 use crate::wall::adhesion::AdhesionSettings;
 use crate::wall::skin::SkinSettings;
 use grainpath_imaging::canny::CannySettings;
-use grainpath_imaging::photo::curves::{CurveSettings, Join};
+use grainpath_imaging::photo::edge_curves::{CurveSettings, Join};
 use grainpath_imaging::scan::texture::TextureSettings;
 use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
-use grainpath_imaging::tensor::Tangent;
+use grainpath_imaging::structure_tensor::Tangent;
 use grainpath_job::choices::{
     self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CaseMix, CellTree, Choice, ComponentOrder,
     Contours, CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode,

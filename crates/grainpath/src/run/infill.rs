@@ -14,9 +14,10 @@ use super::steps::Steps;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, graded, infill, join_rings,
+    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, graded_infill, infill,
+    join_rings,
 };
-use crate::guide::density::DensityMap;
+use crate::guide::graded_density::DensityMap;
 use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::region::on_border;
@@ -262,7 +263,7 @@ impl Steps<'_> {
             let mut notes = Vec::new();
             let continuous = &self.settings.infill.continuous;
             match asked.graded {
-                Some(map) => graded::one_path(continuous, context, map, regions, out, &mut notes),
+                Some(map) => graded_infill::one_path(continuous, context, map, regions, out, &mut notes),
                 None => continuous.lay_island(context, regions, out, &mut notes),
             }
             self.note(i, context.role, notes);
@@ -273,7 +274,9 @@ impl Steps<'_> {
             let context =
                 &FillContext { border_mm: self.border_of(i, context.border_mm, region), ..*context };
             match (asked.grain, asked.graded) {
-                (_, Some(map)) => graded::fill(self.settings.infill.pattern, context, map, region, out),
+                (_, Some(map)) => {
+                    graded_infill::fill(self.settings.infill.pattern, context, map, region, out)
+                }
                 (Some(grain), None) => self.along_grain(grain, context, region, out),
                 (None, None) => asked.pattern.fill(context, region, out),
             }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::steps::{LayerWalls, Steps};
 use crate::error::Error;
-use crate::guide::density::GradedDensity;
+use crate::guide::graded_density::GradedDensity;
 use crate::wall::skin::SkinSplit;
 
 /// Share of the required mass by which a print may differ without bisection and without a warning. Source: chosen; twice

@@ -10,7 +10,7 @@
 
 pub mod config;
 mod mass;
-mod place;
+mod placing;
 mod infill;
 mod steps;
 
@@ -29,13 +29,13 @@ use grainpath_io::directions::{DensitySamples, DirectionSamples};
 use grainpath_io::fe::{DeckConditions, StressField};
 
 use crate::error::Error;
-use crate::guide::density::{GradedDensity, stress_share};
-use crate::guide::field::FieldGuide;
+use crate::guide::given_field::FieldGuide;
+use crate::guide::graded_density::{GradedDensity, stress_share};
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, Guide, GuidedPart, KnownStress, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
-use crate::measure::density::{AskedDensity, LaidDensity};
+use crate::measure::laid_density::{AskedDensity, LaidDensity};
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::{Island, LayerPaths, order_stack};
@@ -44,8 +44,8 @@ use crate::shape::{self, ShapeError};
 use crate::support;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
 use grainpath_job::{Settings, WallCount};
-pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
-use place::{check_bed, outside_bed, part_bounds, plate_from_part};
+pub use placing::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
+use placing::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{
     ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, RasterAngles, RegionSettings, StepSettings, Steps,
 };

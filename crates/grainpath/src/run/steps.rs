@@ -35,10 +35,10 @@ use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::shift::{Ends, TURNS};
-use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded};
+use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded_infill};
 use crate::guide::Guide;
-use crate::guide::density::{DensityMap, GradedDensity};
-use crate::guide::field::FieldGuide;
+use crate::guide::given_field::FieldGuide;
+use crate::guide::graded_density::{DensityMap, GradedDensity};
 use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::region::RegionAreas;
@@ -46,7 +46,7 @@ use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
 use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
 use crate::wall::divided::{Share, lay_divided};
-use crate::wall::graded::lay_graded;
+use crate::wall::graded_walls::lay_graded;
 use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
 use crate::wall::stagger::stagger;
 use crate::wall::{Wall, WallSettings};
@@ -263,7 +263,7 @@ impl<'a> Steps<'a> {
         Self {
             settings,
             stack,
-            part: super::place::part_bounds(stack),
+            part: super::placing::part_bounds(stack),
             support: None,
             guide: None,
             grain: None,
@@ -679,7 +679,7 @@ impl<'a> Steps<'a> {
         // Angle of sparse lines, angle of dense ones, and whether graded density turns these.
         let raster = |i: usize| {
             let angle_rad = |density| self.angle_rad(i, density);
-            let turned = graded::is_turned(self.z_mid_mm(i), layers[i].height_mm());
+            let turned = graded_infill::is_turned(self.z_mid_mm(i), layers[i].height_mm());
             (angle_rad(Density::Sparse(0.5)), angle_rad(Density::Dense), turned)
         };
         for k in 1..skins.len() {

@@ -19,7 +19,7 @@
 //! cells.
 
 use grainpath_core::Bounds2;
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::{FillRule, crosses_more_than, simplify_contour};
 use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId, segment};
 
@@ -182,7 +182,7 @@ fn gridded(contours: &[Contour]) -> Region {
     let Some(bounds) = Bounds2::around_points(contours.iter().flatten().copied()) else {
         return Region::default();
     };
-    let mask = Mask::wound(Grid::over(bounds, CELL_MM), contours);
+    let mask = Mask::wound(MaskGrid::over(bounds, CELL_MM), contours);
     Region::from_contours(&mask.contours(), FillRule::NonZero)
 }
 

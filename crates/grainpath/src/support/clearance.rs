@@ -14,7 +14,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack};
 use rayon::prelude::*;
 
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 
 /// A step of stored distances, mm. Source: derived. Distances between centres of cells of 0.4 mm are off by up to 0.28 mm
 /// (half a diagonal), so a fifth of that adds little. The largest distance is 255 steps, 12.75 mm, more than branches keep.
@@ -45,7 +45,7 @@ const BLOCKED: u8 = u8::MAX;
 
 /// Distances from the part and ways to the plate, on a grid over plan and height.
 pub struct Clearance {
-    grid: Grid,
+    grid: MaskGrid,
     nx: usize,
     ny: usize,
     /// Upper end of each slab above the plate, mm.
@@ -73,7 +73,7 @@ impl Clearance {
         let per_slab = (SLAB_MM.value() / mean.max(1e-9)).round().max(1.0) as usize;
         let n_slabs = layers.len().div_ceil(per_slab);
         let cell_mm = CELL_MM.value().max((size.x * size.y * n_slabs as f64 / MAX_CELLS).sqrt());
-        let grid = Grid::over(bounds, cell_mm);
+        let grid = MaskGrid::over(bounds, cell_mm);
         let [nx, ny] = grid.size();
         let slabs: Vec<&[grainpath_core::Layer]> = layers.chunks(per_slab).collect();
         let mut distance = vec![0u8; nx * ny * slabs.len()];

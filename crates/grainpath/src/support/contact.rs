@@ -41,7 +41,7 @@ pub struct Contact {
 
 /// The grid in plan that the contacts of an overhang are placed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct ContactGrid {
     /// Lowest corner of the overhang, where the grid begins.
     pub low: DVec3,
     /// Width of a cell, mm.

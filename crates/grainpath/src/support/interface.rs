@@ -25,7 +25,7 @@ use grainpath_core::{DVec2, DVec3, LayerStack, Role, Toolpath};
 use rayon::prelude::*;
 
 use super::SupportSettings;
-use super::contact::{Contact, Grid, Sample};
+use super::contact::{Contact, ContactGrid, Sample};
 use super::cut::Heights;
 
 /// Largest distance in bead widths by which a layer's outline may lie beyond the one below while its wall still has support.
@@ -93,19 +93,23 @@ pub struct Point {
 }
 
 /// Lines on the undersides of flat overhangs. Points lie at multiples of [`SupportSettings::sample_mm`] in plan.
-pub fn lines(points: &[Point], grids: &BTreeMap<u32, Grid>, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
+pub fn lines(
+    points: &[Point],
+    grids: &BTreeMap<u32, ContactGrid>,
+    settings: &SupportSettings,
+) -> Vec<Vec<DVec3>> {
     let mut groups: BTreeMap<u32, Vec<Point>> = BTreeMap::new();
     points.iter().for_each(|p| groups.entry(p.group).or_default().push(*p));
-    let groups: Vec<(Grid, Vec<Point>)> = groups
+    let groups: Vec<(ContactGrid, Vec<Point>)> = groups
         .into_iter()
         .filter(|(_, points)| points.iter().any(|p| p.is_flat))
         .map(|(g, points)| (grids[&g], points))
         .collect();
     let swap = |p: DVec3| DVec3::new(p.y, p.x, p.z);
-    let of_group = |(grid, points): &(Grid, Vec<Point>)| {
+    let of_group = |(grid, points): &(ContactGrid, Vec<Point>)| {
         let mut lines = rows(points, *grid, settings);
         let turned: Vec<Point> = points.iter().map(|p| Point { at: swap(p.at), ..*p }).collect();
-        let across = rows(&turned, Grid { low: swap(grid.low), ..*grid }, settings);
+        let across = rows(&turned, ContactGrid { low: swap(grid.low), ..*grid }, settings);
         lines.extend(across.into_iter().map(|line| line.into_iter().map(swap).collect()));
         lines
     };
@@ -139,7 +143,7 @@ fn usual_height_mm(stack: &LayerStack, settings: &SupportSettings) -> f64 {
 
 /// Lines in x along the rows of points nearest to the middles of the grid's cells, and lines along the parts of the rim
 /// that run more in y than in x.
-fn rows(points: &[Point], grid: Grid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
+fn rows(points: &[Point], grid: ContactGrid, settings: &SupportSettings) -> Vec<Vec<DVec3>> {
     let (pitch_mm, cell_mm) = (settings.sample_mm(), grid.cell_mm);
     let index = |v: f64| (v / pitch_mm).round() as i64;
     // The row of samples in the middle of the cell that contains `v`. The first row of a cell lies on its border. Of two

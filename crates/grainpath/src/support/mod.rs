@@ -13,7 +13,7 @@ pub mod held;
 pub mod interface;
 pub mod overhang;
 pub mod poisson;
-pub mod solid;
+pub mod closed_surface;
 mod spread;
 pub mod tree;
 
@@ -286,10 +286,10 @@ pub fn surface(
     method: SupportSurface,
     diagnostics: &Diagnostics,
 ) -> Result<TriMesh, Interrupted> {
-    let settings = solid::SolidSettings::default();
+    let settings = closed_surface::SolidSettings::default();
     match method {
         SupportSurface::Poisson => poisson::poisson(layers, stack, settings.cell_mm, diagnostics),
-        SupportSurface::Distance => solid::solid(layers, stack, &settings, diagnostics),
+        SupportSurface::Distance => closed_surface::solid(layers, stack, &settings, diagnostics),
     }
 }
 

@@ -29,7 +29,7 @@ use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
-use super::contact::{Contact, Grid, Reason, Sample};
+use super::contact::{Contact, ContactGrid, Reason, Sample};
 use super::{SupportSettings, interface};
 
 /// A piece of a layer with nothing below it.
@@ -401,7 +401,7 @@ fn grids(
     samples: &[(u32, Reason, Sample)],
     stack: &LayerStack,
     settings: &SupportSettings,
-) -> BTreeMap<u32, Grid> {
+) -> BTreeMap<u32, ContactGrid> {
     let mut groups: BTreeMap<u32, (DVec3, usize, usize)> = BTreeMap::new();
     for (g, reason, s) in samples {
         let (low, all, flat) = groups.entry(*g).or_insert((s.at, 0, 0));
@@ -412,7 +412,7 @@ fn grids(
     let grid = |(low, all, flat): (DVec3, usize, usize)| {
         let has_lines = settings.interface_lines && 2 * flat > all;
         let cell_mm = if has_lines { interface::spacing_mm(settings) } else { settings.spacing_mm() };
-        Grid { low, cell_mm }
+        ContactGrid { low, cell_mm }
     };
     groups.into_iter().map(|(g, group)| (g, grid(group))).collect()
 }
@@ -421,7 +421,7 @@ fn grids(
 /// all its samples too. Then every sample still too far from any contact becomes a contact itself.
 fn place(
     samples: &[(u32, Reason, Sample)],
-    grids: &BTreeMap<u32, Grid>,
+    grids: &BTreeMap<u32, ContactGrid>,
     settings: &SupportSettings,
 ) -> Vec<Contact> {
     let d = settings.spacing_mm();

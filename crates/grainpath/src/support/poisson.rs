@@ -7,15 +7,15 @@
 //! of threads does not change the result.
 //!
 //! Lengths are in mm. Cost: linear in the cells, at most 12 million. It is slower than the signed distance of
-//! [`solid`](super::solid), and it rounds off tips thinner than two cells.
+//! [`solid`](super::closed_surface), and it rounds off tips thinner than two cells.
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
+use super::closed_surface::{Mesher, Plane, PlaneGrid};
 use super::cut::SupportLayer;
-use super::solid::{Mesher, Plane, PlaneGrid};
 
 /// Largest number of cells; where there would be more, cells are made larger. Source: derived. Four arrays of four bytes,
 /// and a seventh more for the coarser grids, make 220 MB.
@@ -56,7 +56,7 @@ pub fn poisson(
     let count = |mm: f64| ((mm / cell_mm).ceil() as usize + 2 * MARGIN.value()).next_multiple_of(MULTIPLE);
     let n = [count(size.x), count(size.y), count(height)];
     let low = (bounds.min - MARGIN.value() as f64 * cell_mm).extend(-(MARGIN.value() as f64) * cell_mm);
-    let grid = Grid { n, low, cell_mm };
+    let grid = SolutionGrid { n, low, cell_mm };
     let points = points(&regions, stack, last, &grid);
     diagnostics.check()?;
     let mut right = vec![0f32; grid.len()];
@@ -94,7 +94,7 @@ struct Point {
 }
 
 /// Points on the walls and the steps of all layers.
-fn points(regions: &[&Region], stack: &LayerStack, last: usize, grid: &Grid) -> Vec<Point> {
+fn points(regions: &[&Region], stack: &LayerStack, last: usize, grid: &SolutionGrid) -> Vec<Point> {
     let c = grid.cell_mm;
     let of_layer = |k: usize| {
         let layer = &stack.layers()[k];
@@ -118,7 +118,14 @@ fn points(regions: &[&Region], stack: &LayerStack, last: usize, grid: &Grid) -> 
 }
 
 /// The flat faces of a layer that its neighbour does not cover.
-fn steps(region: &Region, other: Option<&Region>, z: f64, up: f64, grid: &Grid, out: &mut Vec<Point>) {
+fn steps(
+    region: &Region,
+    other: Option<&Region>,
+    z: f64,
+    up: f64,
+    grid: &SolutionGrid,
+    out: &mut Vec<Point>,
+) {
     let open = other.map_or_else(|| region.clone(), |o| region.difference(o));
     let c = 0.5 * grid.cell_mm;
     for polygon in &open.polygons {
@@ -141,13 +148,13 @@ fn steps(region: &Region, other: Option<&Region>, z: f64, up: f64, grid: &Grid, 
     }
 }
 
-struct Grid {
+struct SolutionGrid {
     n: [usize; 3],
     low: DVec3,
     cell_mm: f64,
 }
 
-impl Grid {
+impl SolutionGrid {
     fn len(&self) -> usize {
         self.n[0] * self.n[1] * self.n[2]
     }

@@ -15,7 +15,7 @@
 
 pub mod adhesion;
 pub mod divided;
-pub mod graded;
+pub mod graded_walls;
 pub mod skin;
 pub mod stagger;
 

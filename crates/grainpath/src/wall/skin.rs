@@ -12,7 +12,7 @@ use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::{Bounds2, Contour, Diagnostics, Layer, Polygon, Region};
 use rayon::prelude::*;
 
-use grainpath_core::mask::{Coverage, Grid, Mask};
+use grainpath_core::mask::{Coverage, Mask, MaskGrid};
 
 /// Settings of skins.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ pub fn split_window<T: Send>(
     // Cells of half a bead: finer ones would resolve details that no bead can follow.
     let most = |layers: fn(&SkinSettings) -> usize| settings.iter().map(layers).max().unwrap_or(0);
     let (most_top, most_bottom) = (most(|s| s.top_layers), most(|s| s.bottom_layers));
-    let grid = Grid::over(bounds, 0.5 * settings.first().map_or(1.0, |s| s.spacing_mm));
+    let grid = MaskGrid::over(bounds, 0.5 * settings.first().map_or(1.0, |s| s.spacing_mm));
     let chunks: Vec<usize> = window.clone().step_by(CHUNK).collect();
     let results: Vec<Result<Vec<T>, Interrupted>> = chunks
         .into_par_iter()
@@ -118,7 +118,7 @@ pub fn split_window<T: Send>(
 
 /// The sections of some consecutive layers as masks.
 struct Window<'a> {
-    grid: Grid,
+    grid: MaskGrid,
     masks: VecDeque<Mask>,
     lowest: usize,
     sections: &'a [Layer],
@@ -126,7 +126,7 @@ struct Window<'a> {
 
 /// The masks of the sections over and under a layer.
 struct Cover {
-    grid: Grid,
+    grid: MaskGrid,
     /// Cells covered by all of the skin layers above and below. `None` near the top and the plate,
     /// where no cell can be covered, and where the inside is dense too.
     inside: Option<Mask>,
@@ -190,7 +190,7 @@ fn skin_zone(cells: &Mask, inside: Mask) -> Mask {
     cells.clone().and_not(&sparse).grown(3).and_not(&sparse)
 }
 
-fn cells_of(grid: Grid, polygons: &[IslandPolygon]) -> Mask {
+fn cells_of(grid: MaskGrid, polygons: &[IslandPolygon]) -> Mask {
     Mask::of_contours(grid, polygons.iter().flat_map(|(_, p)| p.contours()))
 }
 

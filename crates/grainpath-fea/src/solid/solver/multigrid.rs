@@ -176,7 +176,7 @@ impl Multigrid {
         let width = longest.max(2.0 * (2.0 * volume / places.len() as f64).cbrt());
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
-        let grid = Grid { origin: places[0] - 0.37 * width, width };
+        let grid = CoarseGrid { origin: places[0] - 0.37 * width, width };
         Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
     }
 
@@ -198,7 +198,7 @@ impl Multigrid {
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
             // The origin of each coarser grid is that of the finer one, so that every second node
             // coincides.
-            (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+            (transfer, cells) = CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         }
         let dense = CoarsestFactor::new(&matrix);
         let dense_x = vec![0.0; 3 * matrix.n()];
@@ -392,12 +392,12 @@ fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports)
     transfer
 }
 
-pub(crate) struct Grid {
+pub(crate) struct CoarseGrid {
     pub(crate) origin: DVec3,
     pub(crate) width: f64,
 }
 
-impl Grid {
+impl CoarseGrid {
     /// Trilinear weights of the grid's nodes at some places, and the grid nodes in use.
     pub(crate) fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
         let weights = |&p: &DVec3| {

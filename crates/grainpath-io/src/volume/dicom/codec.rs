@@ -1,7 +1,7 @@
 //! Ways in which the pixels of a frame are packed.
 
 use super::super::{VolumeError, damaged, unsupported};
-use super::frame::{Fault, Frame};
+use super::unpacked::{Fault, Frame};
 use super::{grey_jpeg, jpeg_ls, run_length};
 
 /// How the pixels of a file are packed.

@@ -10,7 +10,7 @@ use std::io::Read;
 use super::super::files::MAX_FILE;
 use super::super::{Files, MAX_SLICES, VolumeError, VolumeProblem, error, io_error};
 use super::codec::Codec;
-use super::elements::Parser;
+use super::data_elements::Parser;
 
 /// Limit on the fragments of a file. Source: derived. Four fragments for each frame of the largest file that is read.
 const MAX_FRAGMENTS: usize = 4 * MAX_SLICES;

@@ -17,8 +17,8 @@
 
 use grainpath_core::math;
 
-use super::frame::{Fault, Frame};
 use super::jpeg_stream::{self, Segments, marker, word};
+use super::unpacked::{Fault, Frame};
 
 type Bits<'a> = jpeg_stream::Bits<'a, false>;
 

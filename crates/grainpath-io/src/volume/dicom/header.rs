@@ -9,7 +9,7 @@ use std::io::BufRead;
 use super::super::{Files, MAX_SLICES, VolumeError, VolumeProblem, check_size, error, io_error, unsupported};
 use super::FORMAT;
 use super::codec::Codec;
-use super::elements::Parser;
+use super::data_elements::Parser;
 use super::fragments::Packed;
 
 /// The header of a slice file.

@@ -14,7 +14,7 @@
 
 use hayro_jpeg2000::{ComponentData, DecodeSettings, DecoderContext, Image};
 
-use super::frame::{Fault, Frame};
+use super::unpacked::{Fault, Frame};
 
 /// The first bytes of a stream: the markers SOC and SIZ.
 // Source: ISO/IEC 15444-1, A.4.1 and A.5.1; SIZ stands directly behind SOC.

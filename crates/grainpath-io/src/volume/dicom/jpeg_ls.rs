@@ -13,8 +13,8 @@
 //! restarts, which DICOM's encoders do not write. No crate in pure Rust decodes it; the C++ library CharLS, which
 //! dicom-pixeldata 0.10 binds, needs a C++ compiler.
 
-use super::frame::{Fault, Frame};
 use super::jpeg_stream::{self, Segments, marker, word};
+use super::unpacked::{Fault, Frame};
 
 type Bits<'a> = jpeg_stream::Bits<'a, true>;
 

@@ -3,7 +3,7 @@
 //! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after 0xff).
 //! Both formats are read forward only, each byte once.
 
-use super::frame::Fault;
+use super::unpacked::Fault;
 
 /// Markers that both formats use.
 pub(super) mod marker {

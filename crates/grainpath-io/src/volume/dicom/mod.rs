@@ -19,9 +19,9 @@
 //! JPEG 2000 38 ms (theirs 53), JPEG-LS 12 ms and 12-bit JPEG 7 ms, both refused by them; JPEG of 8 bits 3 ms (theirs 1).
 
 mod codec;
-mod elements;
+mod data_elements;
 mod fragments;
-mod frame;
+mod unpacked;
 mod grey_jpeg;
 mod header;
 #[cfg(feature = "jpeg2000")]

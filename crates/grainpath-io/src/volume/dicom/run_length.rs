@@ -4,7 +4,7 @@
 //! pass over the pixels; the memory is that of the pixels, even for damaged bytes. Segments that end early, or that reach
 //! past the frame, are damaged.
 
-use super::frame::{Fault, Frame};
+use super::unpacked::{Fault, Frame};
 
 /// Unpacks a frame of pixels of `n_bytes` bytes.
 pub(super) fn unpack(bytes: &[u8], n_pixels: usize, n_bytes: usize) -> Result<Frame, Fault> {

@@ -7,7 +7,7 @@ use grainpath_core::{DVec2, DVec3, Density, DirectionField, DirectionSample, Pol
 
 use super::cells::{self, Taken};
 use super::rings::{Facing, Rings};
-use super::{Continuous, Pull, strips, tree};
+use super::{Continuous, Pull, cell_tree, strips};
 use crate::fill::FillContext;
 
 /// Axes that wave along x.
@@ -51,8 +51,15 @@ fn the_figure_of_strips_and_cells() {
     let mut taken = Taken::new(&rings, 0.25 * spacing);
     let cells =
         cells::cut(&rings, 2.0 * fill.aspect * spacing, spacing, crate::fill::Shift::NONE, &mut taken);
-    let exchanges =
-        tree::join(&rings, &cells, fill.tree, spacing, crate::fill::Shift::NONE, &|p| pull.at(p), &mut taken);
+    let exchanges = cell_tree::join(
+        &rings,
+        &cells,
+        fill.tree,
+        spacing,
+        crate::fill::Shift::NONE,
+        &|p| pull.at(p),
+        &mut taken,
+    );
     let (mut paths, mut notes) = (Vec::new(), Vec::new());
     fill.lay_island(&context, &[&infill_region], &mut paths, &mut notes);
     assert_eq!((paths.len(), notes.len()), (1, 0), "one path: {notes:?}");

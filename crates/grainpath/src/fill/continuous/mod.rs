@@ -33,7 +33,7 @@ mod cells;
 mod finish;
 mod rings;
 mod strips;
-mod tree;
+mod cell_tree;
 mod verify;
 
 use grainpath_core::math::direction;
@@ -42,9 +42,9 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Density, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
+pub use cell_tree::TreeKind;
 use cells::Taken;
 use rings::Rings;
-pub use tree::TreeKind;
 pub(super) use verify::necks;
 pub use verify::{Note, Problem};
 
@@ -229,7 +229,7 @@ impl Continuous {
         }
         let mut taken = Taken::new(&rings, 0.25 * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, context.shift, &mut taken);
-        let exchanges = tree::join(&rings, &cells, self.tree, spacing, context.shift, &axis, &mut taken);
+        let exchanges = cell_tree::join(&rings, &cells, self.tree, spacing, context.shift, &axis, &mut taken);
         rejoined(rings.exchanged(&exchanges), infill_region, spacing)
     }
 }
@@ -241,7 +241,7 @@ fn rejoined(mut joined: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing: f64) 
     let mut apart = joined.len();
     while apart > 1 {
         let rings = Rings::around_short(joined, infill_region, spacing);
-        let rest = tree::join_rest(&rings, spacing);
+        let rest = cell_tree::join_rest(&rings, spacing);
         joined = rings.exchanged(&rest);
         // Rings too short to print are dropped later and need no joint.
         let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS * spacing).count();

@@ -27,7 +27,7 @@
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::field_mesh::FieldMesh;
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
 use grainpath_core::polyline::{self, resampled};
 use grainpath_core::segment::{self, Meeting};
@@ -392,7 +392,7 @@ fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mu
 /// of all beads would cost more than the rest of the fill together.
 fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
     let Some(bounds) = infill_region.bounds() else { return Region::default() };
-    let grid = Grid::exactly(bounds, cell_mm);
+    let grid = MaskGrid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));

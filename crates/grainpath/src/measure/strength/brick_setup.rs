@@ -8,7 +8,7 @@ use grainpath_fea::load_case::{Action, Held};
 use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_cells};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
-use grainpath_fea::strength::frame::Frame;
+use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::BeadSheet;
 use grainpath_fea::strength::{Outcome, TestError, UnresolvedBending};
 use rayon::prelude::*;

@@ -17,7 +17,7 @@ use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
-use grainpath_fea::strength::frame::Frame;
+use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
@@ -371,7 +371,7 @@ impl Tested {
 /// Position of the elements of a test.
 pub enum Map {
     /// Elements of a plate.
-    Plane(grainpath_fea::strength::elements::PlateElements),
+    Plane(grainpath_fea::strength::squares::PlateElements),
     /// Cells of a solid.
     Voxels {
         /// Cells along each axis.

@@ -14,13 +14,13 @@
 //! distributed evenly over the filled share, while the test follows single lines; notches between the ends of beads at a
 //! border without walls are ignored; no reserve is stated if the peak of the stress cannot be trusted.
 
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, Density, Diagnostics, LayerStack};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
-use grainpath_fea::strength::frame::Frame;
+use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, Laminate};
 use grainpath_gcode::Program;
 use serde::Serialize;
@@ -348,7 +348,7 @@ impl<'a> LaidCells<'a> {
                 let layer = self.layer_at(at(slab.start).z) - 1;
                 let Some(region) = layers.get(layer).map(|l| l.region()) else { continue };
                 let Some(bounds) = region.bounds() else { continue };
-                let mask = Mask::from_region(Grid::over(bounds, 0.5 * cell_mm[0]), region);
+                let mask = Mask::from_region(MaskGrid::over(bounds, 0.5 * cell_mm[0]), region);
                 for cell in slab {
                     inside[cell] = f32::from(u8::from(mask.contains(at(cell).truncate())));
                 }

@@ -10,9 +10,9 @@ use grainpath_core::poly::Join;
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Held, LoadCase};
-use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
-use grainpath_fea::strength::frame::Frame;
+use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, MAX_BEAD_WIDTH_MM};
+use grainpath_fea::strength::squares::{GridHold, PlateElements, connected_cells, free_motion};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::choices;
 

@@ -18,7 +18,7 @@ use grainpath_core::polyline::{length_mm, resampled};
 
 use crate::canny::Edges;
 use crate::metric::MetricImage;
-use crate::tensor::AxisGrid;
+use crate::structure_tensor::AxisGrid;
 
 /// Method that joins edge points to curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,14 +5,14 @@
 //! cell counts if at least half of it is sparse infill, because smaller pieces hold less than one line. Cost: linear in
 //! the area and in the beads.
 
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, Region, Role, Warning, WarningId};
 use grainpath_job::choices::{Choice, DensityBy};
 use serde::Serialize;
 
-use crate::guide::density::DensityMap;
+use crate::guide::graded_density::DensityMap;
 use crate::order::LayerPaths;
 
 /// Side of a cell, mm. Source: chosen; a requirement of the project.
@@ -92,7 +92,7 @@ impl LaidDensity {
             let (h, z) = (layer.height_mm(), layer.z_top_mm() - 0.5 * layer.height_mm());
             let k = (((z - bottom) / high_mm) as usize).min(n[2] - 1);
             let Some(own) = area.bounds() else { continue };
-            let grid = Grid::over(own, SQUARE_MM);
+            let grid = MaskGrid::over(own, SQUARE_MM);
             let mask = Mask::from_region(grid, area);
             let ([nx, ny], square_mm) = (grid.size(), grid.cell_mm());
             for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))).filter(|&(x, y)| mask.get(x, y))

@@ -3,8 +3,8 @@
 //! All numbers are 32 bits, little-endian. A surface begins with its counts, so that the page can lay typed arrays over
 //! the answer without a copy. Cost: 12 bytes a vertex and 16 bytes a triangle; 36 bytes a point and case.
 
+use crate::cut_view::StressSection;
 use crate::engine::{Branch, CaseValues, StressLine, StressSurface, Surface};
-use crate::section::StressSection;
 
 fn put(bytes: &mut Vec<u8>, words: impl IntoIterator<Item = u32>) {
     words.into_iter().for_each(|w| bytes.extend(w.to_le_bytes()));

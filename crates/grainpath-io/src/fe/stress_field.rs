@@ -46,7 +46,7 @@ pub struct Location {
 pub struct StressField {
     result: FeResult,
     maps: Vec<Map>,
-    elements: Grid,
+    elements: BoxGrid,
     /// Free faces cut into triangles. A free edge of a plane mesh is a triangle whose last two corners coincide.
     rim: Bvh,
     /// The element of each of these triangles.
@@ -83,7 +83,7 @@ impl StressField {
             Map::Straight(..) => node_box(e),
             Map::Curved(lo, hi) => (lo, hi),
         });
-        let elements = Grid::new(&boxes.collect::<Vec<_>>());
+        let elements = BoxGrid::new(&boxes.collect::<Vec<_>>());
         let (triangles, rim_elements) = rim(&result).into_iter().unzip();
         let rim = Bvh::new(&TriMesh { vertices: result.nodes.clone(), triangles });
         let mut points = Vec::new();
@@ -353,7 +353,7 @@ fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
 /// Boxes sorted into the cells of a regular grid. A grid answers which boxes hold a point faster than a
 /// tree does. `grainpath_core::buckets` holds points, each in one cell; a box lies in many.
 #[derive(Debug, Clone)]
-struct Grid {
+struct BoxGrid {
     lo: DVec3,
     /// Cells per mm along each axis.
     scale: DVec3,
@@ -363,7 +363,7 @@ struct Grid {
     items: Vec<u32>,
 }
 
-impl Grid {
+impl BoxGrid {
     fn new(boxes: &[(DVec3, DVec3)]) -> Self {
         let mut grid =
             Self { lo: DVec3::ZERO, scale: DVec3::ONE, dims: [1; 3], starts: vec![0, 0], items: Vec::new() };

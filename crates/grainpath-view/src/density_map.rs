@@ -1,6 +1,6 @@
 //! Graded density as a map: the density that was asked for beside the density that was laid.
 
-use grainpath::measure::density::{CELL_MM, LaidDensity};
+use grainpath::measure::laid_density::{CELL_MM, LaidDensity};
 use grainpath_core::{Bounds2, DVec2};
 
 use crate::layer::{Canvas, Ramp};

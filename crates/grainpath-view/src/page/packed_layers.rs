@@ -63,7 +63,7 @@ fn pack_at_most(layers: &[LayerPicture], most: usize) -> Option<Packed> {
     let all = layers.iter().flat_map(|l| l.travels.iter().flatten().copied());
     let bounds = all.fold(beads, |b, p| Bounds2 { min: b.min.min(p), max: b.max.max(p) });
     let step = (bounds.size().max_element() / f64::from(u16::MAX)).max(1e-9);
-    let grid = Grid { min: bounds.min, step };
+    let grid = CoordinateGrid { min: bounds.min, step };
     let mut raw = Vec::new();
     raw.extend((shown.len() as u32).to_le_bytes());
     for v in [bounds.min.x, bounds.min.y, step] {
@@ -83,12 +83,12 @@ fn pack_at_most(layers: &[LayerPicture], most: usize) -> Option<Packed> {
     })
 }
 
-struct Grid {
+struct CoordinateGrid {
     min: DVec2,
     step: f64,
 }
 
-impl Grid {
+impl CoordinateGrid {
     fn at(&self, p: DVec2) -> [u16; 2] {
         let cell = (p - self.min) / self.step;
         // Rounding may exceed the range by less than a step; `as` clamps the result to the range.
@@ -108,7 +108,7 @@ impl Grid {
     }
 }
 
-fn layer(k: usize, layer: &LayerPicture, grid: &Grid, out: &mut Vec<u8>) {
+fn layer(k: usize, layer: &LayerPicture, grid: &CoordinateGrid, out: &mut Vec<u8>) {
     // Successive pieces of the same role that meet are one path. They meet if their ends are less than a thousandth
     // of a millimetre apart, as for pictures.
     let meets = |a: &DrawnBead, b: &DrawnBead| a.b.distance_squared(b.a) < 1e-6 && a.role == b.role;

@@ -17,7 +17,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use grainpath_core::isolines::isolines;
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::FillRule;
 use grainpath_core::{Bounds2, DMat3, DVec2, DVec3, LayerStack, Region};
 use grainpath_fea::principal::plane_principal;
@@ -26,7 +26,7 @@ use grainpath_io::directions::DensitySamples;
 use grainpath_job::choices::DensityBy;
 
 use super::Guide;
-use super::field::{FieldSettings, to_file};
+use super::given_field::{FieldSettings, to_file};
 
 /// The distance between lines grows by at most this much for each mm. Source: derived. Over one distance it
 /// then grows by half, so two sparse lines face three dense ones. With faster growth, lines end before they
@@ -423,7 +423,7 @@ fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
         let above = layers.partition_point(|l| l.z_top_mm() < z - 1e-9).min(layers.len().saturating_sub(1));
         let Some(region) = layers.get(above).map(|l| l.region()) else { continue };
         let Some(bounds) = region.bounds() else { continue };
-        let mask = Mask::from_region(Grid::over(bounds, 0.25 * map.cell_mm.x.min(map.cell_mm.y)), region);
+        let mask = Mask::from_region(MaskGrid::over(bounds, 0.25 * map.cell_mm.x.min(map.cell_mm.y)), region);
         for i in 0..nx * ny {
             out[k * nx * ny + i] = mask.contains(map.node(k * nx * ny + i).truncate());
         }

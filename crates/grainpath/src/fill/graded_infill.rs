@@ -31,7 +31,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
-use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::Join;
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
@@ -45,14 +45,14 @@ use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
 use super::hatch::{Hatch, Joints, Lines};
 use super::rectilinear::sparse;
 use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, Streamlines, gyroid};
-use crate::guide::density::DensityMap;
+use crate::guide::graded_density::DensityMap;
 
 /// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at a
 /// density of 0.8 would overlap over 0.16 of the area and more.
 const DENSE_FROM: f64 = 0.8;
 /// Density of the finest level of crossing lines. Its beads are wider by the root of 2 where it meets dense lines.
 const FINEST: f64 = DENSE_FROM / SQRT_2;
-/// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (`measure/density.rs`).
+/// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (`measure/laid_density.rs`).
 const WINDOW_MM: f64 = 5.0;
 /// Distance between points at which a bead may change its width, mm. Source: derived: a quarter of the window.
 const VERTICES_MM: f64 = 1.25;
@@ -324,8 +324,8 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
     let area = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
     let Some(bounds) = area.bounds() else { return };
     let (h, nominal) = (context.height_mm, context.bead_width_mm);
-    let mask = Mask::from_region(Grid::over(bounds, 0.5), &area);
-    let grid = Grid::over(bounds, 0.5);
+    let mask = Mask::from_region(MaskGrid::over(bounds, 0.5), &area);
+    let grid = MaskGrid::over(bounds, 0.5);
     let ([nx, ny], cell_mm, origin) = (grid.size(), grid.cell_mm(), grid.origin());
     let at = |p: DVec2| map.at(p.extend(context.z_mid_mm));
     let asked = |k: usize| {
