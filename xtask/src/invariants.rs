@@ -4,7 +4,7 @@
 //! of `xtask`, or a test of a crate; [`check`] fails where a point names nothing, or a function that is not there.
 //! The rules are lexical: they know names and not types. Tests may do what they like.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
 use proc_macro2::{TokenStream, TokenTree};
@@ -35,6 +35,33 @@ const KEPT_IN: [(&str, &[(&str, &str)]); 5] = [
     ("multiversion", &[("grainpath-fea", "dense_elimination")]),
 ];
 
+/// Names of files of several folders, and what all of them hold. Any other name stands once.
+const SAME_IN_EACH: [(&str, &str); 23] = [
+    ("codec", "a file format's compressions"),
+    ("error", "a library's errors"),
+    ("field", "a field of directions"),
+    ("files", "opening files"),
+    ("grain", "the grain of wood: its directions, and a picture of them"),
+    ("image", "grey values of a photograph"),
+    ("markers", "the marker sheet, and the command that prints it"),
+    ("memory", "memory that a run takes"),
+    ("model", "what all readers of a folder return"),
+    ("nodal_forces", "forces at nodes: of a load, and of a deck"),
+    ("number", "numbers as text"),
+    ("orient", "poses of a part, and the command that ranks them"),
+    ("profiles", "profiles, and the command that lists them"),
+    ("program", "a G-code program"),
+    ("read", "a folder's reader"),
+    ("schema", "the schema of jobs, and the command that prints it"),
+    ("specimen", "test specimens, and the command that writes them"),
+    ("streamlines", "streamlines, and the fill of them"),
+    ("strength", "the strength test: its command, Python function and picture"),
+    ("studio", "the studio, and the command that serves it"),
+    ("support", "pictures of supports, and the command that grows them"),
+    ("svg", "an SVG file, read or written"),
+    ("write", "a folder's writer"),
+];
+
 /// Endings of names of lengths, angles, stresses and the like, which are floats.
 const UNITS: [&str; 12] =
     ["_mm", "_mm2", "_mm3", "_mm_s", "_mm_s2", "_um", "_rad", "_deg", "_mpa", "_nmm", "_g", "_s"];
@@ -52,6 +79,7 @@ pub fn check() -> Result<(), String> {
     broken.extend(only_front_ends_open_files(sources));
     broken.extend(only_diagnostics_read_the_clock(sources));
     broken.extend(no_length_is_an_integer(sources));
+    broken.extend(a_file_name_means_one_thing(sources));
     broken.extend(platform_maths_and_hash_order_are_banned()?);
     broken.extend(points_name_what_holds_them()?);
     if broken.is_empty() {
@@ -94,6 +122,25 @@ fn only_front_ends_open_files(sources: &[Source]) -> Vec<String> {
             }
         }
     }
+    broken
+}
+
+/// A file's name stands in one folder, unless [`SAME_IN_EACH`] says what the files of that name have in common.
+fn a_file_name_means_one_thing(sources: &[Source]) -> Vec<String> {
+    let mut named: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for source in sources.iter().filter(|s| s.path.starts_with("crates/")) {
+        let name = source.path.rsplit('/').next().and_then(|file| file.strip_suffix(".rs"));
+        let Some(name) = name.filter(|n| !["lib", "main", "mod", "tests"].contains(n)) else { continue };
+        named.entry(name).or_default().push(&source.path);
+    }
+    let twice = |name: &str| named.get(name).is_some_and(|paths| paths.len() > 1);
+    let is_listed = |name: &str| SAME_IN_EACH.iter().any(|(listed, _)| *listed == name);
+    let mut broken: Vec<String> = Vec::new();
+    for (name, paths) in named.iter().filter(|(name, _)| twice(name) && !is_listed(name)) {
+        broken.push(format!("{name}.rs means two things: {}", paths.join(", ")));
+    }
+    let once = SAME_IN_EACH.iter().filter(|(name, _)| !twice(name));
+    broken.extend(once.map(|(name, _)| format!("{name}.rs stands once and needs no line in SAME_IN_EACH")));
     broken
 }
 

@@ -392,7 +392,7 @@ fn joined(a: &Node, b: &Node) -> Node {
 
 /// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5). In a triangle without area, it
 /// is the nearest point of its sides.
-pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
+pub(crate) fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, aq) = (b - a, c - a, q - a);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));
     if d1 <= 0.0 && d2 <= 0.0 {

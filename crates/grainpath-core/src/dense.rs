@@ -17,7 +17,7 @@
 /// before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002`
 /// in docs/references.bib), which is 2e-15 for ten unknowns. A remainder of 1e-9 therefore
 /// still has a relative error of only 2e-6.
-pub const RANK_TOLERANCE: f64 = 1e-9;
+pub(crate) const RANK_TOLERANCE: f64 = 1e-9;
 
 /// The dot product in four partial sums: in a single sum each addition would wait for the previous
 /// one.

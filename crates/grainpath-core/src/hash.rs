@@ -5,7 +5,7 @@
 //! bit depends on every input bit. It is not a cryptographic hash.
 
 /// The odd number nearest to 2⁶⁴ divided by the golden ratio. Source: steele2014.
-pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+pub(crate) const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Mixes the bits of a number; different inputs give different outputs.
 ///

@@ -79,7 +79,7 @@ impl Orthotropic {
 
 /// A plane stiffness rotated by an angle: `T C T'`. `T` transforms stresses, its transpose
 /// engineering strains.
-pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
+pub(crate) fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     let (s, k) = sin_cos(angle_rad);
     // The matrix `T`: stresses in the axes x, y from stresses in the material's axes.
     let t = [[k * k, s * s, -2.0 * s * k], [s * s, k * k, 2.0 * s * k], [s * k, -s * k, k * k - s * s]];
@@ -97,12 +97,12 @@ pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
 }
 
 /// The strain xx, yy, xy in axes turned by this angle in the layer; shear is engineering strain.
-pub fn plane_strain_along(strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
+pub(crate) fn plane_strain_along(strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
     turned_strain(strain, sin_cos(angle_rad))
 }
 
 /// The strain xx, yy, zz, xy, yz, zx in axes turned about z by this angle; shear is engineering strain.
-pub fn strain_along([xx, yy, zz, xy, yz, zx]: [f64; 6], angle_rad: f64) -> [f64; 6] {
+pub(crate) fn strain_along([xx, yy, zz, xy, yz, zx]: [f64; 6], angle_rad: f64) -> [f64; 6] {
     let (s, c) = sin_cos(angle_rad);
     let [along, across, shear] = turned_strain([xx, yy, xy], (s, c));
     [along, across, zz, shear, c * yz - s * zx, s * yz + c * zx]

@@ -72,8 +72,6 @@ impl Symmetric {
 pub struct Cholesky {
     /// The unknown that is eliminated at each place, `(n)`.
     order: Vec<u32>,
-    /// The place at which each unknown is eliminated, `(n)`.
-    place: Vec<u32>,
     /// The elimination tree: for each column the row of its first entry below the diagonal, `(n)`; [`NO_PARENT`] for
     /// roots.
     parents: Vec<u32>,
@@ -113,17 +111,9 @@ impl Cholesky {
         }
         let starts = running_sums(&counts);
         let rows = above.rows_of_factor(&parents, &starts);
-        let mut factor = Self { order, place, parents, starts, rows, values: vec![0.0; n_values] };
+        let mut factor = Self { order, parents, starts, rows, values: vec![0.0; n_values] };
         factor.compute(&above)?;
         Ok(factor)
-    }
-
-    /// Factors a matrix with the same pattern and other values.
-    ///
-    /// # Errors
-    /// [`SparseError::Singular`] when the matrix is not positive definite.
-    pub fn refactor(&mut self, a: &Symmetric) -> Result<(), SparseError> {
-        self.compute(&Above::new(a, &self.place))
     }
 
     /// Computes the entries of the factor, row by row.

@@ -139,17 +139,17 @@ impl TimeEstimator {
     }
 
     /// Counts the moves from here on for a span of their own. The first span begins with the first move.
-    pub fn begin_span(&mut self) {
+    pub(crate) fn begin_span(&mut self) {
         self.spans_s.push(0.0);
     }
 
     /// Number of spans.
-    pub fn n_spans(&self) -> usize {
+    pub(crate) fn n_spans(&self) -> usize {
         self.spans_s.len()
     }
 
     /// Time of each span so far, s. The last move ends at rest.
-    pub fn spans_s(&self) -> Vec<f64> {
+    pub(crate) fn spans_s(&self) -> Vec<f64> {
         let mut rest = self.clone();
         rest.settle(usize::MAX);
         rest.spans_s
@@ -212,7 +212,7 @@ impl TimeEstimator {
     }
 
     /// Adds a stop of this many seconds.
-    pub fn dwell(&mut self, seconds: f64) {
+    pub(crate) fn dwell(&mut self, seconds: f64) {
         // Motion ends at rest before a pause.
         self.settle(usize::MAX);
         let seconds = seconds.max(0.0);

@@ -203,7 +203,7 @@ impl Edges {
 
     /// The edge near the centre of an edge pixel, in pixels ((0.5, 0.5) is the centre of the first), and
     /// the direction along the edge.
-    pub fn crest(&self, k: usize) -> ([f64; 2], [f64; 2]) {
+    pub(crate) fn crest(&self, k: usize) -> ([f64; 2], [f64; 2]) {
         let (x, y) = (k % self.width, k / self.width);
         let [gx, gy] = gradient(&self.smooth, x, y).map(f64::from);
         let length = (gx * gx + gy * gy).sqrt().max(1e-12);

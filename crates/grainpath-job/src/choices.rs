@@ -328,7 +328,7 @@ impl Pattern {
     }
 
     /// Whether the ends of this pattern's beads can differ from layer to layer (`fill.layer_shift`).
-    pub const fn takes_layer_shift(self) -> bool {
+    pub(crate) const fn takes_layer_shift(self) -> bool {
         match self {
             Self::Stripes | Self::Continuous => true,
             // `streamlines` and `seed-lines` place their lines one by one; the others follow no field.

@@ -130,7 +130,7 @@ impl ValueError {
 
     /// The same error with `key` put in front of its path, for a value that stands in a table.
     #[must_use]
-    pub fn in_key(self, key: &str) -> Self {
+    pub(crate) fn in_key(self, key: &str) -> Self {
         self.inside(Step::Key(key.to_owned()))
     }
 }

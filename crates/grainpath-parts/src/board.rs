@@ -180,7 +180,7 @@ impl Board {
 }
 
 /// Wood colours for the pixels of a grey picture: red, green and blue, row by row.
-pub fn wood_rgb(grey: &Grey) -> Vec<u8> {
+pub(crate) fn wood_rgb(grey: &Grey) -> Vec<u8> {
     // Blue falls faster than red as wood darkens, so late wood is brown and not grey. The curves are
     // chosen for looks.
     let tint = |v: f32| {

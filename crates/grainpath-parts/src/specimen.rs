@@ -64,7 +64,7 @@ const POST_MM: f64 = 6.0;
 /// 90 degrees from the vertical in steps of 10, and rows in steps of 1 from 30 to 49. Raised digits
 /// before each branch give its angle. The piece stands on z = 0 and consists of overlapping bodies, which
 /// slicing unites.
-pub fn critical_angle() -> TriMesh {
+pub(crate) fn critical_angle() -> TriMesh {
     let fine: Vec<u32> = FINE_DEG.collect();
     let mut rows: Vec<&[u32]> = vec![&COARSE_DEG];
     rows.extend(fine.chunks(10));
@@ -72,7 +72,7 @@ pub fn critical_angle() -> TriMesh {
 }
 
 /// The short calibration piece: one row of shorter branches that lean by 25 to 70 degrees in steps of 5.
-pub fn critical_angle_short() -> TriMesh {
+pub(crate) fn critical_angle_short() -> TriMesh {
     leaning_branches(&[&SHORT_DEG], SHORT_LENGTH_MM)
 }
 
@@ -223,7 +223,7 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
 
 /// A horseshoe tray as dentists print them, the second case of `Shen2016`. The tray leans by 30
 /// degrees and its lowest point hangs 4 mm above the plate, beside a small plate.
-pub fn dental_tray() -> TriMesh {
+pub(crate) fn dental_tray() -> TriMesh {
     let mut mesh = TriMesh::default();
     // A channel, open above, swept along a parabola. The section is listed counter-clockwise.
     let section: [(f64, f64); 8] =

@@ -130,7 +130,7 @@ pub(crate) fn fill_window<'py>(
         if first > end || end > stack.layers().len() {
             return Err(Failure::input(format!("no layers {first} to {end} of {}", stack.layers().len())));
         }
-        Ok(paths_to_bytes(&filled(&settings, &stack, first..end, diagnostics)?))
+        Ok(paths_to_bytes(&filled(&config::steps(&settings), &stack, first..end, diagnostics)?))
     })?;
     Ok(PyBytes::new(py, &bytes))
 }

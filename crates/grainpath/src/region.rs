@@ -349,7 +349,7 @@ fn below_face(mesh: &TriMesh, triangles: &[u32], depth_mm: f64) -> TriMesh {
 }
 
 /// Whether the middle of an edge lies on the border between two areas of a layer, within `off_mm` of it.
-pub fn on_border(areas: &[Region], edge: (DVec2, DVec2), off_mm: f64) -> bool {
+pub(crate) fn on_border(areas: &[Region], edge: (DVec2, DVec2), off_mm: f64) -> bool {
     let middle = 0.5 * (edge.0 + edge.1);
     let near = |(a, b): (DVec2, DVec2)| {
         grainpath_core::segment::distance_squared_mm2(middle, a, b) < off_mm * off_mm

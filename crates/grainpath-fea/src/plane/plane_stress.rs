@@ -48,7 +48,7 @@ impl PlaneStress {
     }
 
     /// A field from stresses given at the nodes.
-    pub fn from_nodes(mesh: PlaneMesh, nodal: Vec<PlaneTensor>, error: f64) -> Self {
+    pub(crate) fn from_nodes(mesh: PlaneMesh, nodal: Vec<PlaneTensor>, error: f64) -> Self {
         let bounds = Bounds2::around_points(mesh.nodes.iter().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         let size = bounds.size().max(DVec2::splat(1e-9));

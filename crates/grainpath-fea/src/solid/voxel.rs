@@ -359,7 +359,7 @@ impl VoxelSystem {
     /// How much the strain differs between the middle of a cell and its face at the upper end of `axis`, in a wall
     /// whose normal is that axis. The strain in the plane of the wall follows from the corners. The other
     /// components are such that no stress acts on the face. `None` for a void cell.
-    pub fn bending_strain(&self, displacement: &[DVec3], cell: usize, axis: usize) -> Option<[f64; 6]> {
+    pub(crate) fn bending_strain(&self, displacement: &[DVec3], cell: usize, axis: usize) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let middle = self.strain_at(displacement, cell, DVec3::ZERO)?;
         let face = self.strain_at(displacement, cell, DVec3::AXES[axis])?;

@@ -148,7 +148,7 @@ impl Bricks {
     }
 
     /// The plies of a cell.
-    pub fn plies_in(&self, cell: usize) -> &[BrickPly] {
+    pub(crate) fn plies_in(&self, cell: usize) -> &[BrickPly] {
         &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 

@@ -87,7 +87,7 @@ impl StrengthCard {
     }
 
     /// Whether shear along the beads contributes more than opening to the index between beads.
-    pub fn is_sliding(&self, [_, s2, s12]: [f64; 3]) -> bool {
+    pub(crate) fn is_sliding(&self, [_, s2, s12]: [f64; 3]) -> bool {
         let y = if s2 >= 0.0 { self.yt_mpa } else { self.yc_mpa };
         s12.abs() / self.s12_mpa > s2.abs() / y
     }

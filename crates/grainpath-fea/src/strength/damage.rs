@@ -10,7 +10,7 @@ use crate::plane::PlaneStiffness;
 
 /// The smallest share of the stiffness that damage leaves. Source: derived. A crack right through a bar still carries
 /// this share of its load, which is below the accuracy of a peak, and the matrix stays definite.
-pub const MIN_REMAINING: f64 = 1e-4;
+pub(crate) const MIN_REMAINING: f64 = 1e-4;
 
 /// Share of the stiffness that is lost at a damage strain: 0 up to a damage strain of 1, and all but
 /// [`MIN_REMAINING`] from the final strain on. In between, stress falls on a straight line.
@@ -23,7 +23,7 @@ pub fn damage(damage_strain: f64, final_strain: f64) -> f64 {
 }
 
 /// Share of the fracture energy that is spent at a damage strain, 0 to 1.
-pub fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
+pub(crate) fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
     // The triangle under the softening line, minus the energy that unloading to the origin gives back.
     let strain = damage_strain.clamp(1.0, final_strain);
     ((strain - 1.0) / (final_strain - 1.0)).clamp(0.0, 1.0)
@@ -33,7 +33,7 @@ pub fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
-pub fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Result<PlaneStiffness, Unstable> {
+pub(crate) fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Result<PlaneStiffness, Unstable> {
     // Torn beads carry no stress across their direction either.
     let (l1, l2) = (1.0 - damage[0], 1.0 - damage[1].max(damage[0]));
     let [e1, e2, _] = elastic.e_mpa;
@@ -50,13 +50,13 @@ pub fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Resul
 /// The damage in the plane of a ply of which only the share `joined` carries across its beads ([`Ply::joined`]).
 ///
 /// [`Ply::joined`]: super::laminate::Ply::joined
-pub fn with_joined(damage: [f64; 2], joined: f64) -> [f64; 2] {
+pub(crate) fn with_joined(damage: [f64; 2], joined: f64) -> [f64; 2] {
     [damage[0], 1.0 - (1.0 - damage[1]) * joined]
 }
 
 /// The share of each of the stresses 11, 22, 33, 12, 23, 13 that remains. `damage` is given along the beads,
 /// between beads and between layers; `bond` is the share of a layer that rests on the one below.
-pub fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {
+pub(crate) fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {
     let (along, across, up) = (1.0 - damage[0], 1.0 - damage[1].max(damage[0]), (1.0 - damage[2]) * bond);
     [along, across, up, across, across.min(up), up]
 }
@@ -65,7 +65,7 @@ pub fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
-pub fn damaged_stiffness(elastic: &Orthotropic, damage: [f64; 3], bond: f64) -> Result<Stiffness, Unstable> {
+pub(crate) fn damaged_stiffness(elastic: &Orthotropic, damage: [f64; 3], bond: f64) -> Result<Stiffness, Unstable> {
     let l = remaining_shares(damage, bond);
     let (e, nu, g) = (elastic.e_mpa, elastic.nu, elastic.g_mpa);
     // Only the direct moduli fall. Poisson's compliances stay, and the stiffness stays positive definite.

@@ -171,7 +171,7 @@ impl CellGrid {
     ///
     /// # Errors
     /// As [`CellGrid::over`].
-    pub fn moved_over(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
+    pub(crate) fn moved_over(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut laid_mm3 = 0.0;
         for s in sheets {
@@ -243,7 +243,7 @@ pub struct Ply {
 /// The least [`Ply::joined`]. Source: derived. Lines that lean by 0.7 mm a mm of height (`LEAN` of graded fills) form a wall
 /// at 35 degrees from upright, whose stiffness along the plate is that of the wall times the sine to the power of four,
 /// 0.11.
-pub const LEAST_JOINED: f64 = 0.1;
+pub(crate) const LEAST_JOINED: f64 = 0.1;
 
 /// All layers of a part added up over the thickness, as plies in each cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -355,7 +355,7 @@ impl Laminate {
     }
 
     /// The plies of a cell.
-    pub fn plies_in(&self, cell: usize) -> &[Ply] {
+    pub(crate) fn plies_in(&self, cell: usize) -> &[Ply] {
         &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 

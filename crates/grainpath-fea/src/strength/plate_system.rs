@@ -87,7 +87,7 @@ impl PlateSystem {
     }
 
     /// Stops a factorization when this flag is set.
-    pub fn stop_on(&mut self, cancel: CancelFlag) {
+    pub(crate) fn stop_on(&mut self, cancel: CancelFlag) {
         self.fronts.cancel = cancel;
     }
 

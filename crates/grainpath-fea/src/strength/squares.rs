@@ -108,7 +108,7 @@ pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
 /// How much the strain differs between the middle of a square and its side at the upper end of `axis`, in a strip whose
 /// normal is that axis. The strain along the strip follows from the corners; the rest is such that no stress acts on the
 /// side.
-pub fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &PlaneStiffness) -> [f64; 3] {
+pub(crate) fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &PlaneStiffness) -> [f64; 3] {
     let twist = (u[0] - u[1] + u[2] - u[3]) * (0.5 / cell_mm);
     // Components along the strip, across it, and shear.
     let (along, across, change) = if axis == 0 { (1, 0, twist.y) } else { (0, 1, twist.x) };

@@ -37,7 +37,7 @@ use crate::raster::Grey;
 /// Side of a marker, mm. Rim and white ring are a sixth of it wide, the inner square is a third.
 /// Source: chosen; at six pixels a millimetre a ring is twelve pixels wide, so that blur of some pixels leaves it
 /// whole.
-pub const MARKER_MM: f64 = 12.0;
+pub(crate) const MARKER_MM: f64 = 12.0;
 
 /// The sheet that a photograph shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

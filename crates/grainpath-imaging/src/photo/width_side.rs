@@ -48,7 +48,7 @@ pub struct Oriented {
 
 /// Ratio of width to height of the rectangle whose corners appear at `corners` (clockwise as seen, rows
 /// downwards) in a picture of `size_px`.
-pub fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
+pub(crate) fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
     let diagonal = size_px.length();
     // Coordinates from the centre of the picture, in units of its diagonal.
     let point = |k: usize| ((corners[k] - 0.5 * size_px) / diagonal).extend(1.0);

@@ -50,7 +50,7 @@ impl SignedImage {
     /// Removes noise where a face of the part lies in the plane of the slice. There the grey value
     /// changes from slice to slice and is near zero over an area instead of along a line. `step` is the
     /// change between slices at a pixel.
-    pub fn with_flats(mut self, step: impl Fn(usize) -> f32) -> Self {
+    pub(crate) fn with_flats(mut self, step: impl Fn(usize) -> f32) -> Self {
         const REACH: usize = 2;
         let (w, nx) = (self.nx + 2, self.nx);
         // A value below 12 % of the change means that the face lies within 12 % of a slice distance.

@@ -149,7 +149,7 @@ impl ElementKind {
     }
 
     /// Number VTK gives the kind.
-    pub const fn vtk_type(self) -> u8 {
+    pub(crate) const fn vtk_type(self) -> u8 {
         match self {
             // Source: *VTK File Formats*, cell types (vtkCellType.h).
             Self::Tri3 => 5,

@@ -109,6 +109,21 @@ mod tests {
     use grainpath_core::mesh::diagnose;
 
     #[test]
+    fn every_job_of_a_preset_states_the_format_of_this_version() {
+        let mut jobs = 0;
+        for (file, content) in PRESETS.iter().filter_map(|name| preset(name)).flatten() {
+            let text = String::from_utf8(content).unwrap_or_default();
+            // The file with the true dimensions of the scan is TOML too, but not a job.
+            if file.ends_with(".toml") && text.lines().any(|line| line.starts_with("[shape")) {
+                jobs += 1;
+                let format = text.parse::<toml::Table>().expect("TOML").get("format").and_then(toml::Value::as_integer);
+                assert_eq!(format, Some(grainpath_job::parse::FORMAT), "{file}");
+            }
+        }
+        assert!(jobs > 20, "{jobs}");
+    }
+
+    #[test]
     fn the_plate_is_closed_and_has_its_volume() {
         let mesh = plate();
         let health = diagnose(&mesh).expect("triangles");

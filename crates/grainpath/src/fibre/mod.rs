@@ -133,7 +133,7 @@ impl FibreSettings {
     ///
     /// # Errors
     /// [`FibreError`] when no path became fibre.
-    pub fn report_outcome(
+    pub(crate) fn report_outcome(
         &self,
         all: &Tally,
         any: bool,
@@ -218,7 +218,7 @@ impl FibreSettings {
 
     /// Lays fibre rings along every contour of `regions`, in which centrelines may lie. Neighbouring rings are
     /// one bead spacing apart. Returns the regions that are left for the centrelines of the pattern.
-    pub fn lay_rings(
+    pub(crate) fn lay_rings(
         &self,
         regions: &[Polygon],
         height_mm: f64,

@@ -47,7 +47,7 @@ pub struct Flow<'a> {
 
 /// Fills an infill region with the given curves, in their order of importance, and with lines along
 /// the flow between them.
-pub fn lay_curves(
+pub(crate) fn lay_curves(
     context: &FillContext<'_>,
     infill_region: &Polygon,
     curves: &[Vec<DVec2>],

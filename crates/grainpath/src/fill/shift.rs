@@ -65,17 +65,17 @@ impl Shift {
     }
 
     /// How far cuts and starts move on along their line, mm.
-    pub fn onward_mm(self) -> f64 {
+    pub(crate) fn onward_mm(self) -> f64 {
         self.turn as f64 * STEP_MM
     }
 
     /// Factor on the squares of the grid of a phase.
-    pub fn grid_factor(self) -> f64 {
+    pub(crate) fn grid_factor(self) -> f64 {
         1.0 + self.turn as f64 * GRID_SHARE.value()
     }
 
     /// Whether a joint whose place is free may lie here.
-    pub fn may_join(self, p: DVec2) -> bool {
+    pub(crate) fn may_join(self, p: DVec2) -> bool {
         if self.ends.is_none() {
             return true;
         }
@@ -89,13 +89,13 @@ impl Shift {
 
     /// The same where the beads along the border are laid.
     #[must_use]
-    pub fn without_border(self) -> Self {
+    pub(crate) fn without_border(self) -> Self {
         Self { ends: self.ends.map(|_| Ends::Inner), ..self }
     }
 
     /// Number of beads along the border that come before the lines, for beads `spacing_mm` apart that come in groups of
     /// `group`.
-    pub fn border_beads(self, spacing_mm: f64, group: usize) -> usize {
+    pub(crate) fn border_beads(self, spacing_mm: f64, group: usize) -> usize {
         match self.ends {
             None | Some(Ends::Inner) => 0,
             Some(Ends::All) => {

@@ -125,7 +125,7 @@ impl DensityMap {
     }
 
     /// The least and the greatest density within a box of the plan, at height `z_mm`.
-    pub fn range_in(&self, bounds: Bounds2, z_mm: f64) -> [f64; 2] {
+    pub(crate) fn range_in(&self, bounds: Bounds2, z_mm: f64) -> [f64; 2] {
         let step = self.cell_mm.x.min(self.cell_mm.y);
         let size = bounds.size();
         let [nx, ny] = [size.x, size.y].map(|mm| (mm / step).ceil().max(1.0) as usize);
@@ -141,7 +141,7 @@ impl DensityMap {
     }
 
     /// The region in which the density is at least `density`, at height `z_mm` and within `bounds`.
-    pub fn at_least(&self, density: f64, bounds: Bounds2, z_mm: f64) -> Region {
+    pub(crate) fn at_least(&self, density: f64, bounds: Bounds2, z_mm: f64) -> Region {
         // Around the bounds lies a margin of lower density, so that every contour is closed.
         let bounds = bounds.grown(2.0);
         let size = bounds.size();
@@ -269,7 +269,7 @@ impl GradedDensity {
     }
 
     /// The densities with this mean over the part, or with the nearest mean that the range allows.
-    pub fn of_mean(&self, mean: f64) -> Arc<DensityMap> {
+    pub(crate) fn of_mean(&self, mean: f64) -> Arc<DensityMap> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, map)) = made.iter().find(|m| m.0 == mean) {
             return map.clone();
@@ -304,7 +304,7 @@ impl GradedDensity {
     }
 
     /// The mean density over the part.
-    pub fn mean_of(&self, map: &DensityMap) -> f64 {
+    pub(crate) fn mean_of(&self, map: &DensityMap) -> f64 {
         let all = map.values.iter().zip(&self.inside).filter(|v| *v.1);
         let (sum, n) = all.fold((0.0, 0.0), |(sum, n), (v, _)| (sum + f64::from(*v), n + 1.0));
         if n > 0.0 { sum / n } else { self.range[0] }
@@ -345,7 +345,7 @@ impl<'a> Nodes<'a> {
 ///
 /// # Errors
 /// [`DensityError::NoStress`] if the stress is zero everywhere.
-pub fn stress_share(
+pub(crate) fn stress_share(
     stack: &LayerStack,
     guide: &Guide,
     card: Option<&StrengthCard>,

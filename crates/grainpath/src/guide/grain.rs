@@ -270,7 +270,7 @@ pub fn read_grain(
 ///
 /// # Errors
 /// As [`read_texture`], and [`ScanError`] for a window or crop outside the scan.
-pub fn read_scan(
+pub(crate) fn read_scan(
     source: &mut dyn SliceSource,
     settings: &TextureSettings,
     diagnostics: &Diagnostics,
@@ -490,7 +490,7 @@ impl GrainGuide {
 
     /// Factor on the mean line spacing at a point, for lines that are denser where the picture is dark;
     /// 1 if darkness has no effect.
-    pub fn sparseness(&self, p: DVec3) -> f64 {
+    pub(crate) fn sparseness(&self, p: DVec3) -> f64 {
         if self.darkness <= 0.0 {
             return 1.0;
         }
@@ -511,7 +511,7 @@ impl GrainGuide {
     }
 
     /// Whether lines are denser where the picture is dark.
-    pub fn has_darkness(&self) -> bool {
+    pub(crate) fn has_darkness(&self) -> bool {
         self.darkness > 0.0
     }
 

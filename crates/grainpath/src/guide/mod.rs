@@ -55,7 +55,7 @@ pub use results::{Families, ResultSurface};
 
 /// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the contact with the
 /// testing machine and not on the part.
-pub const UNBREAKABLE_MM: f64 = 1.5;
+pub(crate) const UNBREAKABLE_MM: f64 = 1.5;
 
 /// Distance from a fixture or load within which a strength test with cells of this size does not look for failure, mm.
 fn unbreakable_mm(cell_mm: f64) -> f64 {
@@ -129,7 +129,7 @@ impl From<SolidError> for GuideError {
 
 impl GuideError {
     /// Whether the job itself contains the error; false for a correct job that has no solution.
-    pub fn is_usage(&self) -> bool {
+    pub(crate) fn is_usage(&self) -> bool {
         matches!(
             self,
             Self::Missing(_)
@@ -303,7 +303,7 @@ impl Guide {
 
     /// Whether tension and compression of about equal amount cross at a point, in the case with the largest weight.
     /// `None` if the job says which of the two the beads follow.
-    pub fn is_pure_shear(&self, p: DVec3) -> Option<bool> {
+    pub(crate) fn is_pure_shear(&self, p: DVec3) -> Option<bool> {
         if self.follow != Follow::MaxAbs {
             return None;
         }
@@ -319,13 +319,13 @@ impl Guide {
     }
 
     /// Number of degenerate points of a kind: counted once for a plate, and summed over the layers for other parts.
-    pub fn count_degenerate(&self, kind: Degenerate) -> usize {
+    pub(crate) fn count_degenerate(&self, kind: Degenerate) -> usize {
         let layers = if self.summary.degenerate.is_some() { 1 } else { self.layers.len() };
         (0..layers).map(|i| self.degenerate(i).count(kind)).sum()
     }
 
     /// The largest equivalent stress at a node of any case, MPa, and the position of that node, mm.
-    pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
+    pub(crate) fn peak_stress(&self) -> Option<(f64, DVec3)> {
         trust::peak_stress(&self.results)
     }
 
@@ -336,7 +336,7 @@ impl Guide {
     }
 
     /// Whether the peak stress can be trusted: neither far beyond the strength nor hidden by the mesh.
-    pub fn is_trusted(&self) -> bool {
+    pub(crate) fn is_trusted(&self) -> bool {
         trust::is_trusted(&self.summary)
     }
 
@@ -642,7 +642,7 @@ pub fn build(
 ///
 /// # Errors
 /// As [`build`].
-pub fn solved_only(
+pub(crate) fn solved_only(
     settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,

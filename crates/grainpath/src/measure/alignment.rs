@@ -39,7 +39,7 @@ struct LayerSums {
 
 /// Adds a warning if the infill deviates far from its guide, and one if tension and compression of
 /// equal amount cross in most of it.
-pub fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Diagnostics) {
+pub(crate) fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Diagnostics) {
     let layers = &planned.plan.layers;
     let picked: Vec<usize> = if layers.len() <= MAX_LAYERS {
         (0..layers.len()).collect()

@@ -21,9 +21,9 @@ use super::segments::Segments;
 
 /// Side of a column, mm. Source: derived; about two beads of the usual width, so that neighbouring ends
 /// count as one place.
-pub const COLUMN_MM: f64 = 1.0;
+pub(crate) const COLUMN_MM: f64 = 1.0;
 /// So many layers in a row may have a place in the same column. Source: as [`COLUMN_MM`].
-pub const LONGEST_RUN: usize = 3;
+pub(crate) const LONGEST_RUN: usize = 3;
 /// A path turns back where its direction changes by 150 degrees or more: the cosine of that. Source: derived; the joint
 /// of two parallel beads turns by 180 degrees, and a corner of a contour by 120 at most but for splinters.
 const BACK_COS: f64 = -0.866;

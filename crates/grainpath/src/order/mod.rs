@@ -92,7 +92,7 @@ impl OrderState {
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub fn order_stack(
+pub(crate) fn order_stack(
     stack: &LayerStack,
     layers: Vec<LayerPaths>,
     settings: &OrderSettings,
@@ -109,7 +109,7 @@ pub fn order_stack(
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub fn order_window(
+pub(crate) fn order_window(
     sections: &[Layer],
     window: Range<usize>,
     layers: Vec<LayerPaths>,

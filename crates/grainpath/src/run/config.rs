@@ -1,6 +1,7 @@
 //! Makes the settings of each stage from the settings of a job.
 //!
-//! This is the only module of the planner that reads a job. Every choice is matched exhaustively,
+//! Stages read their own settings alone. Besides this module, the run reads the job to decide which stages there are
+//! (`run/mod.rs`), and `region.rs` reads the job's regions. Every choice is matched exhaustively,
 //! so that the code does not compile until a new word in `grainpath_job::choices` is handled here.
 //! Units are converted here too: degrees become radians.
 

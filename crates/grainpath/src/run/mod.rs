@@ -223,13 +223,12 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
 /// # Errors
 /// [`Error`] if the run was cancelled.
 pub fn fill_window(
-    settings: &Settings,
+    step_settings: &StepSettings,
     stack: &LayerStack,
     window: Range<usize>,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<LayerPaths>, Error> {
-    let step_settings = config::steps(settings);
-    let steps = Steps::new(&step_settings, stack);
+    let steps = Steps::new(step_settings, stack);
     let mut walls = steps.walls(window.clone(), diagnostics)?;
     let skins = steps.skins(window.clone(), &mut walls, diagnostics)?;
     let density = step_settings.infill.density;

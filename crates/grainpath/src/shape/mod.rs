@@ -135,7 +135,7 @@ pub struct Slicer<'a> {
 }
 
 /// Sections of a closed mesh at given heights, with all its bodies united.
-pub fn sections_at(mesh: &TriMesh, planes_mm: &[f64], settings: &SliceSettings) -> Vec<Region> {
+pub(crate) fn sections_at(mesh: &TriMesh, planes_mm: &[f64], settings: &SliceSettings) -> Vec<Region> {
     let triangles = section::TrianglesByPlane::new(mesh, planes_mm);
     let cut = |(i, z): (usize, &f64)| section::section(mesh, triangles.triangles(i), *z, settings).0;
     planes_mm.par_iter().enumerate().map(cut).collect()

@@ -179,12 +179,12 @@ impl Clearance {
     }
 
     /// Whether a branch at `p` can get to the plate.
-    pub fn leads_to_plate(&self, p: DVec3) -> bool {
+    pub(crate) fn leads_to_plate(&self, p: DVec3) -> bool {
         self.index(p).is_some_and(|i| self.ways[i] & TO_PLATE != 0)
     }
 
     /// Whether there is nothing but the plate straight below `p`.
-    pub fn is_straight(&self, p: DVec3) -> bool {
+    pub(crate) fn is_straight(&self, p: DVec3) -> bool {
         self.index(p).is_some_and(|i| self.ways[i] & STRAIGHT_DOWN != 0)
     }
 
@@ -220,7 +220,7 @@ impl Clearance {
 
     /// A way from `p` down to a place with nothing but the plate below, as the list of corners after `p`; empty where
     /// there is no way. Each leg stays within the branch angle and clear of the part.
-    pub fn way_down(&self, p: DVec3) -> Vec<DVec3> {
+    pub(crate) fn way_down(&self, p: DVec3) -> Vec<DVec3> {
         let n = self.nx * self.ny;
         let Some((mut x, mut y)) = self.cell(p.truncate()) else { return Vec::new() };
         let mut at = p.truncate();

@@ -138,7 +138,7 @@ impl Heights {
 
     /// The number of support layers below a contact. They end at least the gap below the bottom of the layer in which
     /// the part begins there.
-    pub fn end_below(&self, z_mm: f64, gap_mm: f64) -> usize {
+    pub(crate) fn end_below(&self, z_mm: f64, gap_mm: f64) -> usize {
         let part = self.middles.partition_point(|&m| m < z_mm - 1e-9);
         let limit = self.bottom(part.min(self.tops.len())) - gap_mm + 1e-6;
         self.tops.partition_point(|&t| t <= limit)

@@ -196,7 +196,7 @@ pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSet
 }
 
 /// Whether a bead of the layer lies within a distance of a point.
-pub fn any_within(layer: &SupportLayer, p: DVec2, reach_mm: f64) -> bool {
+pub(crate) fn any_within(layer: &SupportLayer, p: DVec2, reach_mm: f64) -> bool {
     let near = |path: &Toolpath| {
         let mut segments = (0..path.n_segments()).map(|i| path.segment(i));
         segments.any(|(a, b, _)| segment::distance_squared_mm2(p, a, b) <= reach_mm * reach_mm)

@@ -66,7 +66,7 @@ pub(super) const END_MM: f64 = 0.11;
 
 /// The least lean from the vertical, radians, at which walls of a part hang over those below: a layer `height_mm`
 /// thick then steps outwards by three quarters of a bead.
-pub fn flat_rad(height_mm: f64, settings: &SupportSettings) -> f64 {
+pub(crate) fn flat_rad(height_mm: f64, settings: &SupportSettings) -> f64 {
     atan2(FREE_STEP_BEADS * settings.beads.bead_width_mm, height_mm).max(settings.critical_angle_rad)
 }
 
@@ -119,7 +119,7 @@ pub fn lines(
 
 /// Lengthens the tips below lines to the height of the arches that carry the lines. A tip under a flat overhang is upright,
 /// so both sides of an arch can end on it. The branch below the tip leans, and one side would follow it far down.
-pub fn lengthen_tips(
+pub(crate) fn lengthen_tips(
     contacts: &mut [Contact],
     lines: &[Vec<DVec3>],
     stack: &LayerStack,

@@ -120,7 +120,7 @@ impl SupportSettings {
     }
 
     /// Spacing of the sample points of an overhang.
-    pub fn sample_mm(&self) -> f64 {
+    pub(crate) fn sample_mm(&self) -> f64 {
         (0.1 * self.max_unsupported_mm).clamp(0.2, 1.0)
     }
 

@@ -478,7 +478,7 @@ fn place(
 }
 
 /// Pieces of layers that begin in mid-air, except those at places for which `left_alone` is true.
-pub fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) -> Vec<MidAir> {
+pub(crate) fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) -> Vec<MidAir> {
     let layers = stack.layers();
     let first = layers.iter().position(|l| !l.region().is_empty()).unwrap_or(0).max(1);
     let of_layer = |k: usize| -> Vec<MidAir> {
@@ -510,7 +510,7 @@ pub fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) ->
 }
 
 /// A point inside a polygon, near its middle.
-pub fn inner_point(polygon: &Polygon) -> DVec2 {
+pub(crate) fn inner_point(polygon: &Polygon) -> DVec2 {
     let middle = polygon.bounds().map_or(DVec2::ZERO, |b| b.centre());
     if polygon.contains(middle) {
         return middle;

@@ -49,7 +49,7 @@ pub struct DividedWalls {
 }
 
 /// Lays the walls of a polygon in which each region has its own number of walls. Areas of regions must not overlap.
-pub fn lay_divided(
+pub(crate) fn lay_divided(
     polygon: &Polygon,
     settings: &WallSettings,
     rest: Share<'_>,

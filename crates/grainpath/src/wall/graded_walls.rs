@@ -23,7 +23,7 @@ use super::{MIN_GAP_MM2, WallSettings, Walls, lay_walls};
 
 /// Lays the walls of a polygon: the number of the settings everywhere, and one wall more in each of the areas `more`. Each
 /// of these areas lies within the one before.
-pub fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -> Walls {
+pub(crate) fn lay_graded(polygon: &Polygon, settings: &WallSettings, more: &[Region]) -> Walls {
     let section = Region::from(polygon.clone());
     let zones: Vec<Region> = more
         .iter()

@@ -210,7 +210,7 @@ fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out:
 /// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is
 /// the part itself ([`Role::ThinWall`]), the bead is as wide as the part is thick. Between strips,
 /// the strip of the bead is as wide as the gap.
-pub fn single_beads(
+pub(crate) fn single_beads(
     left: &Region,
     bead_width_mm: f64,
     min_bead_width_mm: f64,

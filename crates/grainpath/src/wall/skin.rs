@@ -70,7 +70,7 @@ const MIN_SPLIT_MM2: f64 = 4.0;
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub fn split_window<T: Send>(
+pub(crate) fn split_window<T: Send>(
     sections: &[Layer],
     window: Range<usize>,
     fills: &[Vec<Vec<IslandPolygon>>],

@@ -156,7 +156,7 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
 ///
 /// Source: the peak of the pressure is `2 F / (pi r L)`, the usual bearing load of a pin without play
 /// (`shigley2015`).
-pub fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n: DVec3) {
+pub(crate) fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n: DVec3) {
     let Some(along) = force_n.try_normalize() else { return };
     // The pin pushes where the outward normal of the part points against the force.
     let unit = |_: DVec3, normal: DVec3| -normal * (-normal.dot(along)).max(0.0);
@@ -175,7 +175,7 @@ pub fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_
 
 /// Adds tractions in MPa where `traction` returns one. Their sum may fall short of a force in N and of a moment about the
 /// origin in N mm; the difference is spread evenly over the same faces. Returns the area on which the tractions act, mm2.
-pub fn add_carried(
+pub(crate) fn add_carried(
     forces: &mut [DVec3],
     mesh: &TetMesh,
     traction: impl Fn(DVec3, DVec3) -> Option<DVec3>,
@@ -210,7 +210,7 @@ fn corners(mesh: &TetMesh, face: &Face) -> [DVec3; 3] {
 }
 
 /// The faces of the boundary as flat triangles, to look up the nearest one.
-pub fn flat_faces(mesh: &TetMesh) -> Bvh {
+pub(crate) fn flat_faces(mesh: &TetMesh) -> Bvh {
     Bvh::new(&TriMesh {
         vertices: mesh.faces.iter().flat_map(|face| corners(mesh, face)).collect(),
         triangles: (0..mesh.faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
@@ -219,7 +219,7 @@ pub fn flat_faces(mesh: &TetMesh) -> Bvh {
 
 /// Adds forces in N at points of the surface. Each is distributed to the nodes of the nearest face by the shape functions.
 /// Moving a force onto the face changes its moment; the difference is spread over the faces concerned.
-pub fn add_points(forces: &mut [DVec3], mesh: &TetMesh, points: &[(DVec3, DVec3)]) {
+pub(crate) fn add_points(forces: &mut [DVec3], mesh: &TetMesh, points: &[(DVec3, DVec3)]) {
     let search = flat_faces(mesh);
     let mut raw = vec![DVec3::ZERO; forces.len()];
     let mut faces = Vec::new();
@@ -264,7 +264,7 @@ fn complete(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], (force_n, mom
 /// Adds a torque in N mm about an axis (a point on it and a unit vector), by tractions perpendicular to
 /// the radius that grow with the distance. Faces on one side of the axis alone would also make a net
 /// force, which is subtracted evenly.
-pub fn add_torque(
+pub(crate) fn add_torque(
     forces: &mut [DVec3],
     mesh: &TetMesh,
     faces: &[usize],

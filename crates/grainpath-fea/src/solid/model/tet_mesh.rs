@@ -139,12 +139,12 @@ impl TetMesh {
 
     /// Edge of the cubes of a body-centred lattice whose tetrahedra have the mean volume of these,
     /// mm. A cube has the volume of twelve tetrahedra.
-    pub fn mean_cell_mm(&self) -> f64 {
+    pub(crate) fn mean_cell_mm(&self) -> f64 {
         (12.0 * self.volume_mm3().abs() / self.tets.len().max(1) as f64).cbrt()
     }
 
     /// Shape of each element.
-    pub fn qualities(&self) -> Vec<TetQuality> {
+    pub(crate) fn qualities(&self) -> Vec<TetQuality> {
         (0..self.tets.len()).into_par_iter().map(|t| shape::quality(&self.corners(t))).collect()
     }
 
@@ -165,7 +165,7 @@ impl TetMesh {
     }
 
     /// For each element, the lowest-numbered one that it is connected to over faces.
-    pub fn piece_of_tets(&self) -> Vec<u32> {
+    pub(crate) fn piece_of_tets(&self) -> Vec<u32> {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
         pieces_of(&corners)
     }

@@ -123,7 +123,7 @@ impl<'a> Pull<'a> {
 
 impl Continuous {
     /// Fills the infill regions of one island, and notes what prevented a single path.
-    pub fn lay_island(
+    pub(crate) fn lay_island(
         &self,
         context: &FillContext<'_>,
         infill_regions: &[&Polygon],

@@ -178,7 +178,7 @@ impl StrengthSettings {
     ///
     /// # Errors
     /// [`StrengthError::NoCard`] naming every strength that is missing.
-    pub fn bounding_cards(&self) -> Result<[StrengthCard; 3], StrengthError> {
+    pub(crate) fn bounding_cards(&self) -> Result<[StrengthCard; 3], StrengthError> {
         Ok([
             card(&self.material, CORNERS[1])?,
             card(&self.material, CORNERS[0])?,
