@@ -1,12 +1,23 @@
 //! The medial axis of thin places: where a single bead runs, and how wide it has to be.
 //!
-//! Method: the chordal axis (`prasad1997`). The region is triangulated from samples of its border,
-//! and the midpoints of the triangles' inner sides are joined. In a strip of constant width this is
-//! the medial axis itself. Branches that only reach into a corner are cut off.
+//! Method: the chordal axis (`prasad1997`). The border of each polygon is sampled, the samples are joined by
+//! a constrained Delaunay triangulation, and the midpoints of the triangles' inner sides are joined. A
+//! triangle with two inner sides continues the axis, one with a single inner side ends it, and one with three
+//! makes a fork. In a strip of constant width this is the medial axis itself. The width is the part of an
+//! inner side across the axis, smoothed over three nodes. Branches that only reach into a corner are shorter
+//! than 0.9 of the thickness at their fork and are cut off. At a fork the two branches that continue most
+//! nearly straight become one line. An open line is extended to 0.4 widths before the border, because the
+//! round end of the bead fills the rest.
 //!
-//! Lengths are in mm. Cost: a triangulation of the border's samples, n log n; at most 100 000
-//! samples a polygon. Degenerate cases: slivers and polygons that cannot be triangulated give no
-//! path; a place so short that it has a single chord gets a short bead at right angles to the chord.
+//! Lengths are in mm. Samples are 0.06 to 0.4 mm apart, 0.6 of the mean thickness, but farther on long
+//! borders: about 100 000 samples a polygon at most, and 5000 an edge. Cost: n log n for n samples. The width
+//! that a test finds in a strip of 0.5 mm is right to 0.03 mm. The region should be thinner than the largest
+//! width almost everywhere.
+//!
+//! Degenerate cases: an empty region gives no path, and neither do slivers below 1e-4 mm2 or with a mean
+//! thickness below a fifth of the least width. A polygon that cannot be triangulated gives none. Places
+//! thinner than the least width interrupt a path; greater widths are cut to the largest. A place so short
+//! that it has a single chord gets a short bead at right angles to the chord.
 
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};

@@ -2,11 +2,16 @@
 //!
 //! - A Gaussian moves every bent edge inwards; it suits scans whose edges are blurred anyway.
 //! - The median of 3 x 3 pixels removes single bright pixels and leaves straight edges in place.
-//! - Diffusion that stops at edges (`perona1990` in docs/references.bib, its second conductance 1 / (1 + (d / step)^2)): six
-//!   steps of 0.2, which is within the stability limit of 0.25 in two dimensions. `step` is the grey step that counts as an
-//!   edge.
+//! - Diffusion that stops at edges (`perona1990` in docs/references.bib, its second conductance
+//!   `1 / (1 + (d / step)^2)`): six steps of 0.2, which is within the stability limit of 0.25 in two
+//!   dimensions. `step` is the grey step that counts as an edge.
 //!
-//! Slices are `(ny, nx)`, row-major; the border values continue beyond the border.
+//! Slices are `(ny, nx)`, row-major, in the grey values of the scan; lengths are in pixels. The border values
+//! continue beyond the border. Cost: linear in the pixels; for a Gaussian times its standard deviation, as it
+//! is separable. A copy of the slice is made for each step.
+//!
+//! Degenerate cases: an empty slice stays empty. A Gaussian narrower than 0.05 px and an edge step of 0
+//! change nothing. Pixels that are not numbers spread to their neighbours in a Gaussian and in diffusion.
 
 use crate::raster::Grey;
 

@@ -76,12 +76,13 @@ struct Ratio {
 }
 
 impl Ratio {
-    /// The peak load of `part` over that of `first`. The interval spans the ratios at each corner of the material card,
-    /// which both parts share, and is widened on both sides by the larger `grid_share`.
+    /// The peak load of `part` over that of `first`. The interval spans the ratios at all corners of the material card,
+    /// which both parts share, and is widened on both sides by the larger `grid_share`. A corner is one choice of low,
+    /// nominal or high for the strengths along the beads and for the others.
     fn new(part: &StrengthReport, first: &StrengthReport) -> Self {
         let nominal = part.peak_load_n / first.peak_load_n;
-        // Taken corner by corner, an uncertainty of the material that affects both parts alike cancels. Dividing the
-        // two intervals would give a much wider one.
+        // Each ratio is formed at one corner, that is with the same strengths for both parts. An error of the strengths
+        // that affects both parts alike then cancels. Dividing the two intervals would give a much wider one.
         let corners = part.corners.iter().filter_map(|(k, v)| first.corners.get(k).map(|w| v / w));
         let (low, high) = corners.fold((nominal, nominal), |(low, high), r| (low.min(r), high.max(r)));
         let grid = part.grid_share.max(first.grid_share);

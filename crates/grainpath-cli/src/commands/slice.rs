@@ -61,7 +61,8 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     Ok((String::new(), None))
 }
 
-/// The part of a job that holds and loads a mesh at its faces, with beads along the stress.
+/// The tables `fill` and `guide` of a job whose beads follow the stress. `holds` names the faces of the mesh that are
+/// held, `loads` the faces that are loaded, each with its force.
 fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String, Failure> {
     let mut job = String::from("[fill]\npattern = \"stripes\"\ndensity = 1\n\n[guide]\nkind = \"stress\"\n");
     let face = |option: &str, name: &str| {

@@ -1,7 +1,20 @@
-//! Boolean operations on regions: union, intersection and difference.
+//! Boolean operations on regions: union, intersection, difference, and the region that a set of closed lines
+//! encloses.
 //!
-//! The work is done by a sweep over integer coordinates of `GRID_MM`; results are polygons with
-//! holes whose vertices lie on that grid. Cost: n log n in the vertices and crossings.
+//! Method: coordinates are rounded to integers of `GRID_MM`, and the crate `i_overlay` does the rest. It
+//! splits all edges where they cross, sweeps over them to find the winding number on both sides of each, and
+//! traces the edges between inside and outside. A [`FillRule`] says which winding numbers count as inside.
+//! Integers make the result the same to the bit in every run. Vertices of a result lie on the grid; outlines
+//! run counter-clockwise and holes clockwise. Slivers of any area are kept, and the caller decides whether
+//! they matter.
+//!
+//! Coordinates are mm, up to 4e14 mm in size, which is the range of the integers. Cost: (n + k) log(n + k)
+//! for n vertices and k crossings. Regions whose boxes lie apart cost only the boxes: their intersection is
+//! empty, and their difference is the first region.
+//!
+//! Degenerate cases: a union with an empty region is the other region, unrounded. A difference with a region
+//! that is empty or lies apart is the first region, unrounded. Contours that collapse on the grid vanish.
+//! Closed lines may cross and overlap each other. A coordinate that is not a number is taken as 0.
 
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule as OverlayFill;

@@ -1,8 +1,21 @@
-//! Clipping open lines by a region, and finding where a straight line crosses its border.
+//! Clips open lines by a region, and finds where a straight line crosses the region's border.
 //!
-//! The side of a line on which a point lies is computed exactly (`shewchuk1997`); a point on the line counts
-//! as on its right. Crossings therefore alternate between entering and leaving, which clipping relies on.
-//! Lengths are in mm. Cost: a line visits the buckets that it passes through, each with about one edge.
+//! Method: the edges of the region are sorted into the buckets of a grid with about one edge in each. A
+//! segment is tested against the edges in the buckets that it passes. An edge is crossed if its ends lie on
+//! different sides of the segment and the segment's ends lie on different sides of the edge. The side is
+//! computed exactly (`shewchuk1997`); a point on the line counts as on its right. Crossings therefore
+//! alternate between entering and leaving, and clipping needs a single point test, at the beginning of a
+//! line.
+//!
+//! Lengths are in mm. A crossing is given as a share of the segment, 0 to 1. A point of a clipped piece is
+//! given as vertex index plus share of the segment after it. Cost: building is about linear in the vertices.
+//! A segment costs the buckets that it passes, with the edges in them. A point test costs the row of buckets
+//! to the left of the point. The grid has at most about 2000 buckets a side.
+//!
+//! Degenerate cases: an empty region has no crossings and clips every line to nothing. A line through a
+//! vertex crosses the border once or not at all. A piece that runs exactly along an edge is inside on one
+//! side of the border only. Pieces of a single point are left out. The position of a crossing between nearly
+//! parallel segments is as inexact as their angle is small; that it exists is exact.
 
 use glam::DVec2;
 

@@ -1,9 +1,19 @@
-//! Growing and shrinking regions by a distance.
+//! Grows and shrinks regions by a distance, and makes the region around a line.
 //!
-//! Coordinates are rounded to `GRID_MM` on the way in. Offsets may overlap themselves, so every
-//! result passes through a boolean. Cost: n log n in the vertices. Degenerate cases: an empty
-//! region and a distance of zero give the region itself; a region thinner than twice a negative
-//! distance vanishes.
+//! Method: coordinates are rounded to integers of `GRID_MM`, and the crate `clipper2-rust` moves every edge
+//! along its normal and joins neighbouring edges by an arc or a sharp corner. These raw outlines may overlap
+//! themselves; the winding number decides which places belong to the result (`chen2005`). A boolean with the
+//! non-zero rule then orders outlines and holes, and the result is simplified. Opening is an offset inwards
+//! and out again; closing is one outwards and in again.
+//!
+//! Distances are in mm, positive outwards. Arcs are polylines within 0.005 mm, and vertices that move the
+//! border by less than 0.002 mm are left out, so the border of one offset is right to about 0.007 mm. Cost: n
+//! log n for n vertices of input and arcs together, as long as the raw outlines cross each other in few
+//! places.
+//!
+//! Degenerate cases: an empty region and a distance of 0 return the region itself. A distance below half a
+//! grid step only rounds and simplifies. A region thinner than twice a negative distance vanishes. The region
+//! around a line without points is empty.
 
 use clipper2_rust as c2;
 use glam::DVec2;

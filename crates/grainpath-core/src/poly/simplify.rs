@@ -1,7 +1,17 @@
-//! Simplification: leaving out vertices that hardly change a line (`douglas1973`).
+//! Leaves out the vertices of lines and contours that hardly change them.
 //!
-//! Tolerances are in mm. Cost: n log n for usual lines, n squared at worst. Degenerate cases: lines
-//! of fewer than three points stay; a contour whose area vanishes becomes empty.
+//! Method: Douglas and Peucker (`douglas1973`). The vertex farthest from the chord between two kept vertices
+//! is kept if it lies farther than the tolerance from it. The two halves are then treated in the same way. A
+//! closed line needs two vertices to begin with: its leftmost one, and the vertex farthest from that. Both
+//! are corners of the convex hull, so the result is independent of where the contour begins. A stack replaces
+//! recursion, whose depth could reach the number of vertices.
+//!
+//! Tolerances are in mm; every vertex left out lies within the tolerance of the simplified line. Cost: n log
+//! n for usual lines, n squared at worst; memory is one flag a vertex and the stack.
+//!
+//! Degenerate cases: open lines of fewer than three points stay. Contours of fewer than three points, and
+//! contours whose area becomes 0, become empty; a polygon whose outline becomes empty is dropped with its
+//! holes. Contours are simplified one by one, so two that come closer than the tolerance may touch or cross.
 
 use glam::DVec2;
 

@@ -1,7 +1,16 @@
-//! Loads of a plate as consistent forces at its nodes.
+//! Loads of a plate as forces at its nodes.
 //!
-//! A traction or body force is integrated against the shape functions, so a constant traction gives
-//! the middle node of a side four times the force of an end. Forces are in N.
+//! Method: consistent forces. A traction on the border or a force per volume is integrated against the shape
+//! functions of the element, so it does the same work as its nodal forces in every displacement of the mesh.
+//! A constant traction on a straight side therefore gives the middle node four times the force of an end. A
+//! side is integrated at three Gauss points, exact for a traction that is quadratic along a straight side;
+//! sides may be curved. An element is integrated at three points, exact to degree 2. A load may begin or end
+//! within a side.
+//!
+//! Tractions are in MPa, forces per volume in N/mm3, thickness in mm; results are N, one vector a node. The
+//! normal points out of the plate. Cost: linear in the loaded sides, or in the elements for a force per
+//! volume. Degenerate cases: without sides all forces are zero. A loaded stretch of length zero gives none. A
+//! side must have a length, or its normal is undefined.
 
 use grainpath_core::DVec2;
 

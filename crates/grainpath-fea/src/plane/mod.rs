@@ -1,4 +1,7 @@
-//! Plates loaded in their plane: quadratic triangles, one direct solve, stress recovered at the nodes.
+//! Plates loaded in their plane: quadratic triangles under plane stress, one direct solution, stress
+//! recovered at the nodes. `plane_mesh` makes the mesh, `plane_loads` turns fixtures and loads into holds and
+//! forces, `plane_system` solves, `plane_stress` gives the stress at any point. Lengths are in mm, forces in
+//! N, stresses in MPa.
 
 mod edge_loads;
 mod patch_fit;

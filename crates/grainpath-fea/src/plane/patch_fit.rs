@@ -1,10 +1,17 @@
-//! Stress at the nodes from stress inside the elements: superconvergent patch recovery
-//! (`zienkiewicz1992`).
+//! Stress at the nodes of a plate from the stress inside its elements.
 //!
-//! For each corner node a quadratic is fitted by least squares to the stresses at the integration
-//! points of the elements around it. There the stresses of the elements are most accurate. Stresses are
-//! in MPa, components xx, yy, xy. Cost: linear in the elements. Degenerate cases: a patch with few
-//! samples also uses the elements around it; coefficients that the samples do not determine stay zero.
+//! Method: superconvergent patch recovery (`zienkiewicz1992`). Stresses are computed at the three integration
+//! points of each element, where they are most accurate. For each corner node a quadratic in x and y is
+//! fitted to them by least squares, one for each component. The patch holds the elements around the corner,
+//! and up to three rings of elements more until it has 12 samples, twice the coefficients. The middle of a
+//! side gets the mean of the quadratics of both its ends.
+//!
+//! Stresses are in MPa, components xx, yy, xy, one for each node. Cost: linear in the elements. The stiffness
+//! is taken at the middle of each element.
+//!
+//! Degenerate cases: coefficients that the samples do not determine stay zero. A node that belongs to no
+//! element has no stress. A fit reaches across a jump of the stiffness, and smooths the jump of stress that
+//! belongs to it.
 
 use grainpath_core::DVec2;
 use grainpath_core::dense::solve_spd;

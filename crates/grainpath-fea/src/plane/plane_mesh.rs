@@ -1,7 +1,17 @@
 //! Meshes of quadratic triangles for plates.
 //!
-//! Lengths are in mm. Sides are straight; the middle nodes lie half way between the corners. Cost:
-//! sorting the sides.
+//! Method: the region is cut into triangles of good shape (`ruppert1995`), with shorter sides around small
+//! holes. Each side then gets a node half way between its ends, shared by both triangles. To number them, the
+//! sides are sorted by their ends; a side that occurs once lies on the border. Connected pieces are found by
+//! union-find over the nodes.
+//!
+//! Lengths are in mm. `nodes` is `(n)`, corners first; `elements` is `(n_elements, 6)`, counter-clockwise:
+//! corners, then the middles of sides 01, 12 and 20. `border` has both ends and the middle of a side, with
+//! the material on the left. Cost: sorting three sides a triangle, after the triangulation.
+//!
+//! Limits: sides are straight; the contour of a hole is cut into at least 72 of them where these are longer
+//! than the shortest side allowed. An empty region, contours that cross, and more than three million points
+//! are errors of the triangulation.
 
 use std::collections::BTreeMap;
 

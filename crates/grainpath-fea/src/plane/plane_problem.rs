@@ -1,6 +1,14 @@
 //! A plate with its supports, and the check that the supports prevent rigid motion.
 //!
-//! Lengths are in mm, stresses in MPa.
+//! Method of the check, for each connected piece: every support gives a row of three coefficients, its part
+//! along x, along y and its lever arm about a node of the piece, over the size of the piece. The Gram matrix
+//! of the rows has full rank if and only if the supports leave no rigid motion. Elimination in the order x,
+//! y, rotation finds the first one that is free; a pivot below 1e-9 of the trace counts as zero. The test is
+//! our own; it needs no factorization of the stiffness, and it names the motion.
+//!
+//! Lengths are in mm, stresses in MPa, memory in MiB. A stiffness gives stress xx, yy, xy from strain xx, yy
+//! and the doubled strain xy. Cost: linear in nodes and supports for each piece. Degenerate cases: a piece
+//! without supports is free to move along x. The direction of a support must be a unit vector.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;

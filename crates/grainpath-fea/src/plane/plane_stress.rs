@@ -1,8 +1,17 @@
-//! The stress field of a plate, and its values at any point.
+//! The stress field of a plate: its values at any point, and an estimate of the error that the mesh leaves.
 //!
-//! Stresses at the nodes are recovered (`zienkiewicz1992`); their difference from the stresses
-//! inside the elements estimates the error of the mesh (`zienkiewicz1987`). Between nodes,
-//! components are linear. Stresses are in MPa, lengths in mm. Cost: a query visits a few buckets.
+//! Method: stresses at the nodes are recovered from those inside the elements (`zienkiewicz1992`). Their
+//! difference from the stresses inside, in the mean square over the area, estimates the error relative to the
+//! recovered stress (`zienkiewicz1987`); the norm of the stress stands for the energy norm. Between nodes
+//! each component is linear in the four triangles between corners and middle nodes, so no value overshoots
+//! the nodal ones. A grid of buckets, about one element in each, finds the element at a point.
+//!
+//! Stresses are in MPa, components xx, yy, xy, `(n_nodes)`; positions in mm. Cost: linear in the elements to
+//! build. A query visits a few buckets; a point outside the plate may visit many rings of them.
+//!
+//! Degenerate cases: outside the plate the stress is that of the nearest point. A mesh without elements has
+//! stress zero everywhere. Without stress the estimated error is zero. Elements are searched by their
+//! corners, as if their sides were straight.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;

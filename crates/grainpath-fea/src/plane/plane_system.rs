@@ -1,8 +1,19 @@
 //! The equations of a plate: assembled and factored once, solved for any number of load cases.
 //!
-//! Degrees of freedom of held nodes are eliminated; a node held along a slanted direction gets its
-//! own coordinate frame, so that each hold fixes exactly one unknown. Forces are in N, displacements
-//! in mm. Cost: one sparse Cholesky factorization, then two triangular solves for each load case.
+//! Method: the stiffness of the elements is assembled into a sparse symmetric matrix, factored by Cholesky's
+//! method with approximate minimum degree ordering (`amestoy1996`). Degrees of freedom of held nodes are
+//! eliminated; a prescribed displacement moves to the right-hand side. A node held along a slanted direction
+//! gets its own coordinate frame, so that each hold fixes exactly one unknown. Each solution is corrected
+//! once by the solution for its residual. Reactions are the stiffness of the elements at held nodes times the
+//! displacements, less the loads.
+//!
+//! Forces are in N, displacements in mm, both one vector a node. Element matrices are computed in parallel
+//! and added in order, so the result is the same for any number of threads. Cost for n nodes: n log n numbers
+//! and n^1.5 operations for the factor, then two triangular solves for a solution and two for its correction.
+//!
+//! Degenerate cases: a piece that can move freely, an element turned inside out, and a factor above the
+//! memory limit are errors. Of the holds at a node the first counts, and the first in another direction;
+//! further ones are ignored. A load of zero gives the prescribed displacements.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,13 @@
-//! The quadratic triangle with six nodes: shape functions, stiffness, stress.
+//! The quadratic triangle with six nodes: shape functions, stiffness and stress.
 //!
-//! Nodes: three corners, then the middles of sides 01, 12 and 20. Area coordinates `l` sum to 1.
-//! Stresses are in MPa, components xx, yy, xy.
+//! Method: isoparametric, so sides may be curved. Nodes are three corners, then the middles of sides 01, 12
+//! and 20. The stiffness is integrated at three points, exact for straight sides, where the integrand is of
+//! degree 2. Strains follow from the gradients of the shape functions at a point.
+//!
+//! Area coordinates `l` sum to 1. Positions and displacements are in mm, stresses in MPa with components xx,
+//! yy, xy, the stiffness in N/mm, `(12, 12)`, with x and y of each node in turn. Cost: about a thousand
+//! products for a stiffness. Degenerate cases: an element whose Jacobian is zero, negative or not a number at
+//! an integration point has no stiffness. Gradients there are not finite.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;

@@ -1,11 +1,20 @@
-//! Stresses at nodes, and an estimate of the error of a mesh: superconvergent patch recovery
-//! (`zienkiewicz1992`).
+//! Stresses at the nodes of a mesh of tetrahedra, and an estimate of the error that the mesh leaves in them.
 //!
-//! Around each corner polynomials are fitted by least squares to the stresses at the integration
-//! points of the elements there. The difference between recovered and computed stresses, measured
-//! in energy, estimates the error (`zienkiewicz1987`). Stresses are in MPa. Cost: linear in the
-//! nodes. Degenerate cases: small patches fall back to linear or constant fits; patches do not
-//! reach across materials.
+//! Method: superconvergent patch recovery (`zienkiewicz1992`). Stresses are computed at the four integration
+//! points of each element, where they are most accurate. Around each corner node a polynomial is fitted to
+//! them by least squares, one for each component. It is quadratic if the patch has 30 samples or more, linear
+//! from 8 on, constant below. The patch grows by up to two rings of elements to reach 30. A middle node takes
+//! the mean of the fits at both ends of its side. The difference between recovered and computed stress,
+//! measured in energy, estimates the error (`zienkiewicz1987`).
+//!
+//! Stresses are in MPa in the order xx, yy, zz, xy, yz, zx, one for each node. Errors are in the energy norm,
+//! the root of N mm, one for each element; the error of the whole is relative to the energy of the recovered
+//! stress. Cost: linear in the nodes. Memory while it runs: about 0.3 KB an element and 0.6 KB a node.
+//!
+//! Degenerate cases: the patch of a corner inside one material stops at other materials; a corner where
+//! materials meet takes a mean over them. Terms of a polynomial that the samples cannot tell apart are left
+//! out. A node without an element has no stress. Without stress the relative error is 0. A material that is
+//! not positive definite is an error.
 
 use grainpath_core::dense::solve_spd;
 use grainpath_core::{DMat3, DVec3};

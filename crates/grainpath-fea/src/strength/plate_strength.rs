@@ -1,9 +1,20 @@
 //! The strength test of a plate: a [`Laminate`] under plane stress, loaded until it fails.
 //!
-//! Cells are square elements with incompatible modes, which bend without locking (`wilson1973` in
-//! docs/references.bib), solved exactly by fronts. Failure is judged in the middle of a cell; thin walls that bend
-//! in the plane need four cells across ([`PlateTest::unresolved_bending`]). The figure shows the damage (white to
-//! black) and the load over displacement:
+//! Method: cells are square elements with incompatible modes, which bend without locking (`wilson1973` in
+//! docs/references.bib), solved exactly by fronts (`duff1983`). The membrane stiffness of an element is the
+//! sum over its plies of thickness times stiffness, turned into the direction of the beads and reduced by
+//! their damage. Failure indices are those of the strain in the middle of a cell, ply by ply, on the area
+//! that still carries. The load is stepped until the plate carries no more (`rots2001`).
+//!
+//! Lengths are in mm, forces in N, angles in radians. The load is a factor on the unit load, and results are
+//! told as factor times `load_n`. Plies are numbered cell by cell. Cost: one solution for each state of
+//! damage, with a factorization of the parts that changed; at most 4000.
+//!
+//! Limits: thin walls that bend in the plane need four cells across ([`PlateTest::unresolved_bending`]).
+//! Elements marked unbreakable keep their stiffness. A stiffness that is not positive definite, a factor
+//! above the memory limit, and a load that strains nothing are errors.
+//!
+//! The figure shows the damage (white to black) and the load over displacement:
 //!
 #![doc = include_str!("figures/plate.svg")]
 

@@ -1,11 +1,20 @@
 //! Cuts an entity that divides into several, where its parts will separate.
 //!
-//! The method is that of the published pipeline (`tan2020` in docs/references.bib). The cut between two
-//! children is perpendicular to the shortest line `ab` between them. It passes through the point `e` that
-//! divides this line in the ratio of the children's thicknesses along it, `ae / eb = ac / bd`. The ends
-//! of the cut move to feature points of the parent near by. Several children are connected by the
-//! shortest lines of a spanning tree, with one cut for each line. Lengths are in mm. A parent that is not
-//! separated by these cuts, such as a ring, is left to signed distances.
+//! Method: that of the published pipeline (`tan2020` in docs/references.bib). The cut between two children is
+//! perpendicular to the shortest line `ab` between them. It passes through the point `e` that divides this
+//! line in the ratio of the children's thicknesses along it, `ae / eb = ac / bd`. The ends of the cut move to
+//! feature points of the parent near by: concave corners within 0.35 of the cut's length, where material
+//! narrows. Several children are connected by the shortest lines of a spanning tree (`Kruskal1956`), with one
+//! cut for each line. The pieces of the parent go to the child with which they share most area, or to the
+//! nearest child.
+//!
+//! Lengths are in mm. A cut is a strip 4e-4 mm wide, four steps of the grid of booleans, so it removes next
+//! to no material. Cost for n children: n^2 shortest lines, each with up to 600 vertices of an outline
+//! against the edges of the other, and one boolean for each piece and child.
+//!
+//! Degenerate cases: children that touch are cut across the line between the middles of their boxes. A parent
+//! that is not separated by these cuts, such as a ring, a cut whose point lies outside the parent, and a
+//! child left without a piece give no result; the caller then interpolates signed distances.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};

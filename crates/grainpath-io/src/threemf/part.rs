@@ -494,7 +494,7 @@ impl Builder {
             }
             // An extension that the file requires may define the shape by other means than triangles
             // (beams, volumetric data).
-            // A tetrahedron is the smallest closed solid.
+            // A closed solid has at least four triangles, those of a tetrahedron.
             if current.n_triangles < 4 && current.kind == ObjectType::Solid && !self.requires_unread {
                 let n = current.n_triangles;
                 self.warn("core 4.1.4", format!("object {id} has {n} triangles; a solid needs 4"));

@@ -88,7 +88,8 @@ pub(super) fn graded(
             let ((sx, cx), (sy, cy)) = (x[i], y[j]);
             sx * cy + sy * cz + sz * cx
         };
-        // The finer of two levels is used down to its density divided by the root of 2.
+        // Each level has half the density of the one before. A density between two levels takes the finer one if it is
+        // above their geometric mean, which is 0.707 of the finer level's density, and the coarser one if it is below.
         let finer = levels.iter().rposition(|&level| level >= density).unwrap_or(0);
         let coarser = (finer + 1).min(levels.len() - 1);
         let share = 0.5 + (std::f64::consts::FRAC_1_SQRT_2 - density / levels[finer]) / MIXED;

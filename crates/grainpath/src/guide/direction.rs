@@ -1,10 +1,23 @@
-//! Finds the directions of one layer from the stress.
+//! The directions of one layer from the stress: an axis at every point of its section, which beads follow.
 //!
-//! At every node the wanted axis is a principal direction of the stress. Its weight is the difference of
-//! both principal stresses, because that is what a bead in another direction loses. A smooth field is
-//! fitted to the wanted axes by least squares (a screened Poisson problem in double angles, in which an
-//! axis has no sign). Cost: a sparse solve by conjugate gradients, linear in the nodes for each
-//! iteration.
+//! Method: at every node of a square grid the wanted axis is a principal direction of the stress. Its weight
+//! is the difference of both principal stresses, because that is what a bead in another direction loses. Axes
+//! are written in double angles, `(cos 2a, sin 2a)`, where both senses of an axis are the same vector and the
+//! weighted axes of several load cases add up to a single vector. The field is the smoothest one close to the
+//! wanted axes: it minimises the squared differences between neighbouring nodes plus the weighted squared
+//! distances from the wanted axes (a screened Poisson problem). This energy is our own; it is quadratic, so
+//! one linear system has the answer. Where both principal stresses have about the same magnitude, two more
+//! rounds let the neighbourhood choose between them.
+//!
+//! Lengths are in mm, stresses in MPa, angles in radians. Smoothing reaches `smoothing_mm` where the
+//! principal stresses differ most, and farther where they differ less. Free borders pull on the axes beside
+//! them with a weight of 0.2. Cost: two or six solves by conjugate gradients (`hestenes1952`), at most 400
+//! iterations each, linear in the nodes.
+//!
+//! Degenerate cases: an empty section has axis 0 and strength 0. Without stress and free borders every axis
+//! is that of +x, or of y in a layer that follows the other principal direction, with strength 0. Where load
+//! cases ask for axes at right angles with equal weight, neighbours decide. Points where the principal
+//! stresses are equal are found on request (`degenerate`).
 
 use std::sync::Arc;
 

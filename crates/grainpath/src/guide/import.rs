@@ -1,6 +1,18 @@
-//! Stress that another program solved for.
+//! Stress that another program solved for, as the only load case of the part.
 //!
-//! Lengths are in mm, stresses in MPa. The file's coordinates have to be those of the part's mesh.
+//! Method: the result is scaled, turned and lowered with the part as the part's own mesh is. Stress keeps its
+//! magnitude, as under the same pressures on a part of another size; its tensor is turned. Displacements are
+//! turned and scaled with the part. Between nodes the stress is interpolated inside the element that holds
+//! the point; outside the mesh that of the nearest point counts. Beads of a layer follow its components in
+//! the plane.
+//!
+//! Lengths are in mm, stresses in MPa in the order xx, yy, zz, xy, yz, zx. The coordinates of the file have
+//! to be those of the part's mesh. Cost: linear in the nodes to move a result; a query takes constant time
+//! inside the mesh on average.
+//!
+//! Limits: a result whose bounding box differs from the part's by more than 5 % of the part's size is
+//! refused, and so is one without nodes. A plane result has no height, so only x and y are compared, and it
+//! can be turned about z alone. Loads and reactions are unknown, so their balance is not tested.
 
 use std::sync::Arc;
 

@@ -1,7 +1,20 @@
 //! Solves loads in three dimensions: the part is meshed with tetrahedra and solved as a solid.
 //!
-//! Lengths are in mm, forces in N, stresses in MPa. Directions use the in-plane components of the
-//! stress.
+//! Method: the mesh comes from isosurface stuffing (`labelle2007`), with ten nodes an element. The loads of a
+//! case are added up as nodal forces. All cases are solved with one preparation, by conjugate gradients with
+//! multigrid or, for small parts with many cases, by a factorization. Stresses at the nodes come from patch
+//! recovery (`zienkiewicz1992`), and with them the estimate of the mesh's error. Beads of a layer follow the
+//! stress in its plane.
+//!
+//! Lengths are in mm, forces in N, stresses in MPa in the order xx, yy, zz, xy, yz, zx. The stiffness is the
+//! same in the whole part; an orthotropic one is turned about z to the axis of the beads. Without a given
+//! size, elements follow the thinnest walls and the size of the part. Cost: linear in the elements; memory is
+//! estimated and refused above the limit before it is taken. A stop that was asked for ends the work between
+//! two steps.
+//!
+//! Limits: walls thinner than the elements can resolve, a piece that can move freely, and a fixture or load
+//! that selects nothing are errors. Shells without volume are left out with a warning. A fixture or load of a
+//! deck whose area differs by more than 5 % from that on the part gives a warning.
 
 use std::sync::Arc;
 

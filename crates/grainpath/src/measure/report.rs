@@ -259,7 +259,8 @@ fn in_words(layers: &[usize]) -> String {
     let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
     for &layer in layers {
         match stretches.last_mut() {
-            // The second layer of a run defines its step; further layers must have the same step.
+            // The first two layers of a run fix the step between its layers. A further layer joins the run if it keeps
+            // that step, and otherwise begins a new one.
             Some((first, last, step)) if first == last || layer - *last == *step => {
                 *step = layer - *last;
                 *last = layer;

@@ -1,4 +1,15 @@
-//! The two baselines that tree supports are compared with: straight walls under all overhangs, and one box around all.
+//! The two baselines that tree supports are compared with: straight walls under all overhangs, and one box
+//! around all.
+//!
+//! Method: every sample and every contact of an overhang asks for a square of support in all layers below it,
+//! half a sample distance and the radius of a contact in each direction. From the top down the wanted area
+//! only grows: a layer has the area of the layer above and the squares that begin there. For the box, one box
+//! around all squares starts at the highest of them. The part with the gap around it is then cut out, and
+//! places that a disc of 0.2 mm radius does not fit into are dropped.
+//!
+//! Lengths are in mm. Cost: one union for each layer in which squares begin, then an offset, a difference and
+//! an opening a layer, in parallel. Degenerate cases: without overhangs all layers are empty. Pieces that
+//! stand on nothing are counted, not removed.
 
 use grainpath_core::poly::{FillRule, Join};
 use grainpath_core::{Bounds2, Contour, DVec2, LayerStack, Region};

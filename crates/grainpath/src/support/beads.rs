@@ -1,4 +1,14 @@
-//! Beads of the support: one wall around every branch, dense feet and pads.
+//! Beads of the support: walls around every branch, dense feet and pads, sparse fill inside thick branches.
+//!
+//! Method: each piece of a layer is an island. Its walls are offsets inwards, the first by half a bead and
+//! each further one by the bead spacing. The interface below the part, and the first layers above the plate,
+//! are filled densely with concentric loops. Other pieces get parallel lines where a density is asked for. A
+//! piece too narrow for a loop gets one short straight bead along its longer side. Its width is four times
+//! area over perimeter, which is the diameter of a disc, within the widths allowed.
+//!
+//! Widths and lengths are in mm. Cost: one polygon offset for each wall and piece, and the fill inside.
+//! Degenerate cases: a loop of 0.3 mm or less is left out. Less than one wall counts as one. A layer without
+//! support has no islands.
 
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;

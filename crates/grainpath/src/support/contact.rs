@@ -1,4 +1,10 @@
-//! Points of overhangs, and the contacts that hold them.
+//! Points of overhangs, and the contacts that hold them: the data that pass from `overhang` to `tree`, `cut`
+//! and `held`.
+//!
+//! A [`Sample`] stands for a small area of an overhang. A [`Contact`] is a point at which a support is to
+//! touch the part; it holds the samples around it. A [`Grid`] says where the contacts of one overhang are
+//! placed. Lengths are in mm in the coordinates of the part on the plate, areas in mm2 in plan; normals point
+//! out of the part.
 
 use grainpath_core::DVec3;
 

@@ -1,8 +1,20 @@
 //! Cuts support trees into layers.
 //!
-//! A branch is a skewed cone, and its horizontal sections are discs. The support in a layer is the union of all discs,
-//! less the part with the gap around it, less every piece that would rest on nothing. The layers, and not the trees, are
-//! checked for pieces that float or meet the part, because the layers are printed. Lengths are in mm.
+//! Method: our own. A branch is a skewed cone, so its horizontal sections are discs. The support in a layer
+//! is the union of all discs at the middle of its height, less the part with the gap around it. Near the part
+//! a branch is first made thinner, by no more a layer than its lean allows, so that less has to be cut off.
+//! Tips and posts touch the part and are cut 0.05 mm from it. From the plate upwards every piece is then
+//! removed that shares no area with the support below and does not lie on the part across the removal gap.
+//! The layers, and not the trees, are checked for this, because the layers are printed. A second count on the
+//! finished layers confirms that no piece floats.
+//!
+//! Lengths are in mm, areas in mm2. Discs are polygons of 10 to 64 sides, within 0.01 mm of the circle up to
+//! a radius of 8 mm. Cost: one union and a few booleans a layer; the part is offset in windows around the
+//! discs alone. Layers are cut in parallel. Support pieces are found by their boxes.
+//!
+//! Degenerate cases: pieces below 0.02 mm2 are left out. Two pieces rest on each other if one has a corner in
+//! the other or they share more than 1e-4 mm2. Contacts that no support reaches after the cuts are listed.
+//! Support outside the bed is cut off. A forest without branches gives empty layers.
 
 use grainpath_core::math::{acos, direction, tan};
 use grainpath_core::poly::{FillRule, Join};

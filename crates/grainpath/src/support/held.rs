@@ -39,13 +39,15 @@ use crate::order::Island;
 /// A point of a bead is held if the centreline of a bead below is at most this many bead widths away in plan. A seventh
 /// of the upper bead then lies on the lower one, and the rest leans on the beads beside it.
 ///
-/// Source: the outside check, an independent check of printed supports, allows 0.95 on points up to 0.3 mm apart; beads
-/// within 0.86 pass it wherever its points fall.
+/// Source: the criterion by which printed supports are judged (`CHECKED`). A program that replays the G-code allows
+/// 0.95 bead widths between points that it takes up to 0.3 mm apart along the beads. Beads 0.45 mm wide and within
+/// 0.86 widths of each other meet it wherever these points fall.
 pub const REACH: f64 = 0.86;
 /// The reach in bead widths when beads are left out. It is a little more than [`REACH`], so that rounding alone leaves
 /// no bead out.
 ///
-/// Source: at 0.89 the outside check finds beads on air, because its points lie up to 0.3 mm apart.
+/// Source: measured. At 0.89 the program that replays the G-code (`CHECKED`) finds beads on air, because its points
+/// lie up to 0.3 mm apart.
 const LEAVE: f64 = 0.87;
 /// Least distance of an added bead from the nearest bead of its layer, in bead widths. At this distance the wall of an
 /// upright trunk holds the added bead from the layer below, and no further bead is added under it.
@@ -74,11 +76,18 @@ const FAR_MM: f64 = 2.0;
 ///
 /// Source: the least loop that `beads::lay` lays.
 const SHORT_MM: f64 = 0.3;
-/// Largest distance along a lower bead from any place to the next point that the outside check takes, mm.
+/// Largest distance along a lower bead from any place to the next point at which printed supports are judged
+/// (`CHECKED`), mm.
 ///
-/// Source: the outside check takes points up to 0.3 mm apart.
+/// Source: derived: half of the 0.3 mm by which these points lie apart at most.
 const APART_MM: f64 = 0.15;
-/// The outside check takes a point as held if a point of a lower bead is within this many bead widths. Source: that check.
+/// The criterion for a support bead on air: a point of it is held if a point of a bead of the layer below lies within
+/// this many bead widths in plan. A program that replays the G-code counts the length that is not held, with points
+/// up to 0.3 mm apart along all beads. `crates/grainpath-cli/tests/support_beads.rs` repeats the test with finer
+/// points.
+///
+/// Source: chosen. Two beads of equal width that are farther apart than this overlap by less than a twentieth of a
+/// width.
 const CHECKED: f64 = 0.95;
 
 /// Lays the beads of all layers, adds beads that hold them, and leaves out those that nothing can hold.
@@ -358,7 +367,7 @@ fn held(s: &Sample, below: Option<&Beads>, part: &mut Part<'_>, k: usize, reach:
 }
 
 /// The largest distance, mm, at which a lower bead holds a bead of width `width_mm`, for a `reach` in bead widths. Narrow
-/// beads have a shorter reach, because the outside check takes its points far apart for their width.
+/// beads have a shorter reach, because the points at which beads are judged (`CHECKED`) lie far apart for their width.
 fn reach_mm(width_mm: f64, reach: f64) -> f64 {
     let checked_mm = ((CHECKED * width_mm).powi(2) - APART_MM * APART_MM).max(0.0).sqrt();
     (reach * width_mm).min(checked_mm)

@@ -30,7 +30,9 @@ use super::cut::Heights;
 
 /// Largest distance in bead widths by which a layer's outline may lie beyond the one below while its wall still has support.
 ///
-/// Source: the outside check of supports calls a bead free where every bead below is more than 0.75 of its width away.
+/// Source: the criterion by which beads of the part over air are measured. A program that replays the G-code calls a
+/// point of a bead free where every bead below is more than 0.75 of the bead's width away in plan, and measures the
+/// free stretches that are longer than L.
 const FREE_STEP_BEADS: f64 = 0.75;
 /// Neighbouring samples belong to one surface if their heights differ by at most this share of their distance in plan.
 ///
@@ -60,8 +62,9 @@ const OVERLAP_BEADS: f64 = 0.8;
 pub(super) const WALK: f64 = 0.75;
 /// Length of the piece at each end of a bead, mm, that does not hold an upper bead going on beyond the end.
 ///
-/// Source: the outside check takes points up to 0.15 mm from the end. In beads 0.45 mm wide, a reach of 0.86 of the width
-/// and this length stay within the 0.95 of the width and the 0.15 mm of that check.
+/// Source: derived. Printed supports are judged at points of the lower beads; the last of them may lie 0.15 mm from the
+/// end of a bead. A point is held if one of these is within 0.95 bead widths. In beads 0.45 mm wide, a reach of 0.86 of
+/// the width and this length stay within 0.95 of the width and 0.15 mm.
 pub(super) const END_MM: f64 = 0.11;
 
 /// The least lean from the vertical, radians, at which walls of a part hang over those below: a layer `height_mm`

@@ -1,6 +1,14 @@
 //! Brim and skirt: loops around the first layer that hold it down or start the flow.
 //!
-//! Distances are in mm. Cost: one polygon offset a loop.
+//! Method: a brim loop is the outline of the first layer, grown by half a bead spacing for the first loop and
+//! by a whole one more for each further loop. Its number of loops is the width over the spacing, rounded. A
+//! skirt runs around all islands together: their outlines are grown by the brim, its distance and 5 mm, holes
+//! are filled, and 5 mm are taken off again, so that islands near each other get one loop. Both are laid from
+//! the outside in; the last loop of a brim touches the part.
+//!
+//! Distances and widths are in mm. Cost: one polygon offset a loop, and two for the skirt. Degenerate cases:
+//! an empty first layer, a brim narrower than half a spacing and a skirt of no loops give no paths. Holes get
+//! no loops. An island in the hole of another one is covered by the outline around it.
 
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;

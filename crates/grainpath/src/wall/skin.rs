@@ -1,9 +1,22 @@
-//! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is
-//! inside.
+//! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is inside.
 //!
-//! A place is inside when all of the next `top_layers` sections above and `bottom_layers` below
-//! cover it. This is tested with masks instead of polygons. The accuracy of a cell is enough, because
-//! skins reach two cells under their cover anyway, and polygons would cost ten booleans a layer.
+//! Method: our own. A place is inside when all of the next `top_layers` sections above and `bottom_layers`
+//! below cover it. This is tested with masks instead of polygons. The accuracy of a cell, half a bead
+//! spacing, is enough, because skins reach two cells under their cover anyway, and polygons would cost ten
+//! booleans a layer. The fill's polygons are then cut along the border of the mask. The cutting zone is grown
+//! where no sparse fill is near, so that outer edges stay as they were. Slivers of sparse fill up to about
+//! six cells wide become dense. A bridge is dense fill with no section directly below, with 1 mm around it
+//! that lies on the part. A top is dense fill with none directly above.
+//!
+//! Lengths are in mm, areas in mm2. Layers are divided in chunks of 16, in parallel. Cost: one mask a layer
+//! and one `and` for each skin layer, a few instructions for 64 cells, and one cut for each polygon that lies
+//! partly in a zone. Memory: a bit a cell, at most about 600 000 cells, for each layer that a chunk needs at
+//! once.
+//!
+//! Degenerate cases: where fewer layers are above or below than skins ask for, all fill is dense. The lowest
+//! layer has no bridge, and in the highest all other dense fill is top. Bridges below 1.5 mm2 are printed as
+//! other dense fill. Fill is divided into top and rest only if both are larger than 4 mm2. A layer without
+//! fill gives an empty split.
 
 use std::collections::VecDeque;
 use std::ops::Range;

@@ -1,12 +1,19 @@
 //! Takes shells without volume out of a surface before it is meshed.
 //!
-//! Converted CAD files contain stray facets, double sheets whose two sides coincide, and specks
-//! beside the body. They enclose no volume that could carry a load, but the rays that measure wall
-//! thickness would find walls of zero thickness there. A shell is a set of facets connected over
-//! edges. Any number of facets may meet at an edge, so that a flap on the body stays with it.
+//! Converted CAD files contain stray facets, double sheets whose two sides coincide, and specks beside the
+//! body. They enclose no volume that could carry a load, but the rays that measure wall thickness would find
+//! walls of zero thickness there. A shell is a set of facets connected over edges. Any number of facets may
+//! meet at an edge, so that a flap on the body stays with it.
 //!
-//! Lengths are in mm; the cost is sorting three edges a facet. A surface whose facets share no
-//! vertices (a soup) falls into shells of one facet each; it is left as it is.
+//! Method: our own. Facets are joined to shells over their common edges by union-find. The volume of a shell
+//! is the sum of the tetrahedra between its facets and its own first vertex, so a flat shell has none
+//! wherever it lies. A closed shell is removed below a millionth of the volume of all shells, an open one
+//! below a thousandth.
+//!
+//! Lengths are in mm, volumes in mm3. Cost: sorting three edges a facet. Degenerate cases: a surface of one
+//! shell stays as it is. So does a surface whose facets share no vertices, because it falls into shells of
+//! one facet each. So does one whose flat shells together hold more than a hundredth of the volume, and one
+//! that consists of flat shells alone.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -1,8 +1,17 @@
 //! Sharp features of a surface: edges, corners, and the smooth patches between them.
 //!
-//! Two facets meet in a sharp edge if their normals differ by more than 40 degrees; facets
-//! connected without a sharp edge form a patch. Cost: sorting the edges, and a tree over the sharp
-//! ones.
+//! Method: two facets meet in a sharp edge if their normals differ by more than 40 degrees. Facets connected
+//! without a sharp edge form a patch, named by its lowest facet (union-find). A corner is a point where one
+//! sharp edge ends, three or more meet, or the line of two turns by more than 40 degrees. A tree of boxes
+//! over the sharp edges answers which is the nearest one; each edge is stored in it as a triangle with a
+//! repeated corner.
+//!
+//! Lengths are in mm. `patch` has one entry for each facet. Cost: sorting three edges a facet and building
+//! the tree; a query takes a time that grows with the logarithm of the sharp edges.
+//!
+//! Degenerate cases: facets wound against each other are compared as if they were wound alike. A facet
+//! without area joins its neighbours. An edge of one facet, or of three or more, joins no patches and is not
+//! sharp.
 
 use std::collections::BTreeMap;
 

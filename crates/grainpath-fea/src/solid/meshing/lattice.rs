@@ -1,10 +1,22 @@
-//! The body-centred cubic lattice over a part, finer where walls and gaps are thin: its tetrahedra,
-//! the sign of its points, and the points where its edges cut the surface.
+//! The body-centred cubic lattice over a part: its tetrahedra, the side of the surface on which its points
+//! lie, and the points where its edges cut the surface.
 //!
-//! Method: the background grid of isosurface stuffing (`labelle2007`), graded by an octree whose
-//! neighbouring cells differ by one level at most. Lengths are in mm; points are named by whole
-//! numbers in units of a sixteenth of a cell, so that equal points are equal without tolerance.
-//! Cost: linear in the cells near the surface; signs of distant points come in blocks.
+//! Method: the background grid of isosurface stuffing (`labelle2007`), graded by an octree. A cell at the
+//! surface is halved, up to three times, while its edge is more than 1.41 times the thinnest wall or gap
+//! measured in it; within that factor a wall still holds lattice points. Neighbouring cells then differ by
+//! one level at most. A point is inside if its winding number says so (`barill2018`). Blocks of cells without
+//! a facet near share one sign. In a closed surface a point also takes the sign of the point before it if no
+//! facet lies between them.
+//!
+//! Lengths are in mm. Points are named by whole numbers in units of a sixteenth of a cell, so that equal
+//! points are equal without tolerance. They are numbered by kind and position, so the mesh is the same for
+//! any number of threads. Cost: linear in the cells near the surface; distant points are classified in
+//! blocks. Memory: one byte for each lattice point, and the list of tetrahedra with a corner inside.
+//!
+//! Limits: a lattice of more than 4e8 points or 65 000 cells along an axis is refused with the smallest size
+//! that fits, before memory is taken. A part thinner than a cell keeps nearly cubic cells. Where an edge
+//! meets several facets, the cut is where it first leaves the part. Where it passes a hole of the surface,
+//! the cut is where the winding number falls below one half, found by 16 bisections, and has no normal.
 
 use std::collections::BTreeSet;
 

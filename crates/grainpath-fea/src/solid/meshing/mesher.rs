@@ -1,10 +1,21 @@
-//! From a surface to quadratic tetrahedra.
+//! From a surface to ten-node tetrahedra with curved sides.
 //!
-//! The steps: shells without volume are removed, the cell size is chosen from the thinnest walls
-//! and the memory limit, the lattice is stuffed (`labelle2007`), sharp edges are restored, and
-//! middle nodes are moved onto the surface. Lengths are in mm. Cost: linear in the tetrahedra, but
-//! for the trees over the facets. Degenerate cases: walls thinner than the elements are refused
-//! with a size that would do; pieces of less than a thousandth of the volume are left out.
+//! Method: isosurface stuffing (`labelle2007`). Shells without volume are removed, walls are measured, and a
+//! lattice of cells is laid over the part. Cells at thin walls and gaps are halved up to three times. The
+//! lattice is cut along the surface, vertices near sharp edges move onto them, and middle nodes move onto the
+//! surface where their element keeps at least a quarter of its Jacobian. A size that is not given is the
+//! thickness of the thin walls or a fortieth of the diagonal, whichever is less. It is enlarged where the
+//! unknowns would exceed their limit.
+//!
+//! Lengths are in mm. Each element has ten nodes in the order of `TetMesh`; each face of the boundary knows
+//! the facet of the surface on which it lies. Cost: linear in the tetrahedra, with a query of the tree over
+//! the facets for each point near the surface. The unknowns that halved cells are expected to add stay below
+//! twice those of an even lattice, or below the limit for automatic sizes if that is more.
+//!
+//! Limits: walls thinner than 0.09 of the cell size are refused, with a size that would do. So is a mesh in
+//! which the walls that are missing hold more than 3 % of the volume and of the surface; a smaller share is
+//! reported. Pieces of less than a thousandth of the volume are left out and counted. Pieces that touch only
+//! at a corner or an edge get vertices of their own. A surface without volume is an error.
 
 use std::collections::BTreeMap;
 

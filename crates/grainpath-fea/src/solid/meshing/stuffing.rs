@@ -1,10 +1,19 @@
-//! Isosurface stuffing (`labelle2007`): lattice points near the surface move onto it, the
-//! tetrahedra that still cross it are cut, and every tetrahedron keeps dihedral angles far from 0
-//! and 180 degrees.
+//! Fills the inside of a lattice with tetrahedra whose boundary lies on the surface.
 //!
-//! Cost: linear in the tetrahedra of the lattice. Limits: the safe shares are those for cells of
-//! one size. Where walls are as thin as the cells, or cells differ in size, a move may turn a
-//! tetrahedron inside out; it is then undone.
+//! Method: isosurface stuffing (`labelle2007`). A lattice point moves onto the surface if an edge at it is
+//! cut within 0.25 of a long edge, or 0.41 of a short one; it takes the nearest such cut. The tetrahedra that
+//! still cross the surface are cut along it, each into one to three. A quadrilateral is split from its lowest
+//! corner, so that both its neighbours split it alike. For cells of one size on a smooth surface the source
+//! proves dihedral angles between 10.7 and 164.8 degrees.
+//!
+//! Lengths are in mm. Each vertex carries the edge of the lattice cells around it; tetrahedra have positive
+//! volume. Vertices are numbered in the order of the lattice, so the mesh is the same for any number of
+//! threads. Cost: linear in the tetrahedra of the lattice, and once more for each time that moves are undone.
+//!
+//! Limits: where walls are as thin as the cells, or cells differ in size, a move may make a tetrahedron flat
+//! or turn it inside out. While a tetrahedron has a mean ratio below 0.1, the corner of it that moved
+//! farthest is put back. A tetrahedron whose four corners lie on the surface is kept if its middle is inside.
+//! A lattice without points inside gives an empty mesh.
 
 use grainpath_core::DVec3;
 use rayon::prelude::*;

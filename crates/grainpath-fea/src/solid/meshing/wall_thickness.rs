@@ -1,9 +1,19 @@
 //! The thickness of a part's walls, measured by rays from its surface inwards.
 //!
-//! Four thousand points, spread evenly over the area, each find the opposite side of the wall.
-//! Walls are judged by the volume that they hold: a point that stands for the area `A` of a wall
-//! `t` thick stands for `A t / 2` of the material, because the wall is seen from both sides. Sheets
-//! without thickness and the tips of wedges hold next to no volume, and so have no weight.
+//! Method: our own. Four thousand points are spread evenly over the area: at equal steps of area from facet
+//! to facet, and within a facet by the R2 sequence (`roberts2018`). From each a ray runs inwards along the
+//! normal. It finds a wall if the first facet that it meets faces back, within about 45 degrees of parallel.
+//! Walls are judged by the volume that they hold: a point that stands for the area `A` of a wall `t` thick
+//! stands for `A t / 2` of the material, because the wall is seen from both sides. Sheets without thickness
+//! and the tips of wedges hold next to no volume, and so have no weight. The thickness reported is that which
+//! all but two percent exceed, by surface or by volume, whichever is more.
+//!
+//! Lengths are in mm, areas in mm2, volumes in mm3. Cost: one ray for each of 4000 points, whatever the size
+//! of the mesh; a share of two percent is known to about a ninth of itself. The thickness at one point is
+//! measured by two rays, one through the wall and one across the gap outside.
+//!
+//! Degenerate cases: a surface without area, or with an area that is not finite, has no walls and an infinite
+//! thickness. Facets without area get no points.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;

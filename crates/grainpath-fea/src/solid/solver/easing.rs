@@ -1,9 +1,19 @@
-//! Local correction of a solution after a few cells have changed: only nodes around them move, all
-//! others stay where they are.
+//! Corrects a solution locally after a few cells have changed: nodes around them move, and all others keep
+//! their displacement.
 //!
-//! Method: conjugate gradients with the block diagonal as preconditioner (`hestenes1952`), on the
-//! nodes within a number of coupling steps from the change. The residual is computed exactly on all
-//! nodes that the motion affects, so the caller knows how much of it remains.
+//! Method: conjugate gradients with the block diagonal as preconditioner (`hestenes1952`), on the nodes
+//! within a number of coupling steps from the change. This works because the forces that a changed cell sets
+//! free are in equilibrium among themselves, so their effect decays with distance (Saint-Venant's principle).
+//! The residual is computed exactly on all nodes that the motion affects, the corrected nodes and a rim of
+//! one step around them. The caller compares it with the goal and solves the whole part where it is still too
+//! large.
+//!
+//! Displacements are in mm, forces in N; node lists are ascending. Cost of a step: one row of the matrix for
+//! each corrected node, in single precision where the caller stores it. The preparation passes over all nodes
+//! of the part once.
+//!
+//! Degenerate cases: without changed nodes nothing moves. The steps end early at zero or negative stiffness
+//! along a search direction, which means that only rounding is left. Supported directions never move.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;

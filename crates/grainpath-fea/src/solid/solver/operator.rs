@@ -1,8 +1,19 @@
-//! The stiffness of quadratic tetrahedra applied without storing it.
+//! The stiffness of a mesh of quadratic tetrahedra, applied to a displacement without being stored.
 //!
-//! Elements are processed in groups. A group gathers its nodes, works in the cache, and writes its
-//! forces to places of its own. Each node then adds up the places of its groups in a fixed order,
+//! Method: the force of an element is computed from its geometry whenever it is needed. In an element with
+//! straight sides the strain is linear, so stresses at the four corners and the mass matrix of linear
+//! functions give the forces exactly. An element with a curved side is integrated at four points
+//! (`hammer1956`). Elements are taken in groups of 1024. A group gathers its nodes, works in the cache, and
+//! writes its forces to places of its own. Each node then adds up the places of its groups in a fixed order,
 //! so the result has the same bits for any number of threads.
+//!
+//! Displacements are in mm, forces in N, both as `n_nodes` vectors. Cost: linear in the elements. Memory:
+//! 104 bytes an element, and 32 bytes for each node of each group. A stored matrix would take 76 bytes for
+//! each pair of nodes that share an element.
+//!
+//! The diagonal blocks, 3 x 3 a node, are inverted for use in preconditioners. Degenerate cases: a supported
+//! direction has the identity in its block, and so has a node without stiffness. A block that is singular
+//! within rounding is made stiffer by a millionth of its trace first. Elements must have positive volume.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;

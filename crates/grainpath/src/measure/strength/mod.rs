@@ -149,7 +149,8 @@ pub struct StrengthSettings {
     pub cell_mm: Option<f64>,
     /// Whether the peak load is compared with the peak load on larger cells.
     pub check: bool,
-    /// Whether every corner of the material's card is tested.
+    /// Whether the test is repeated at every corner of the card: with low and high strengths beside the nominal ones,
+    /// as `CORNERS` lists them.
     pub corners: bool,
     /// Memory limit of the solver, MiB.
     pub max_mib: f64,
@@ -250,7 +251,8 @@ pub struct StrengthReport {
     /// Share of the dissipated energy in each failure mode.
     pub modes: BTreeMap<&'static str, f64>,
     pub weakest: Weakest,
-    /// Peak load at each corner of the material's card.
+    /// Peak load at each corner of the card, N. A corner is one choice of low, nominal or high strengths: see
+    /// [`Corner`].
     pub corners: BTreeMap<&'static str, f64>,
     pub mass_g: f64,
     pub load_per_gram_n_g: f64,
@@ -766,8 +768,8 @@ fn plate_test<'a>(prepared: &'a Prepared, cards: &'a [StrengthCard], limits: &Li
     }
 }
 
-/// Peak loads at the corners of the card, nominal first. The result is empty for a cell size of zero. The beads are freed
-/// as soon as no cells are made of them any more, since the other run goes on beside this one.
+/// Peak loads at the corners of the card ([`Corner`]), nominal first. The result is empty for a cell size of zero. The
+/// beads are freed as soon as no cells are made of them any more, since the other run goes on beside this one.
 fn at_corners(
     settings: &StrengthSettings,
     setup: &TestSetup,

@@ -29,7 +29,7 @@ use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};
 
-/// The corners of the card for which the reserve is stated: low, nominal, high.
+/// The corners of the card for which the reserve is stated: all strengths low, nominal, high.
 const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
 /// Shares by which the interval is widened downwards and upwards, besides card and mesh error. Measured: with cells of a
 /// bead width, six test parts lie within 15 % of the first failure in the virtual test; with cells of half a bead width, the
