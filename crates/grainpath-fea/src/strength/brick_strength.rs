@@ -232,10 +232,14 @@ impl SolidTest<'_> {
     }
 }
 
+/// The properties of a cell on which its stiffness depends, in steps: directions of both plies, share of the second, bond,
+/// and the damage of each ply along its three axes.
+type Properties = ([u64; 2], u64, u64, [[u64; 3]; 2]);
+
 /// The stiffnesses in use, each stored once under the properties that it was made from.
 struct Library {
     elastic: Orthotropic,
-    known: BTreeMap<u64, u16>,
+    known: BTreeMap<Properties, u16>,
     all: Vec<Stiffness>,
 }
 
@@ -261,17 +265,12 @@ impl Library {
         let (first, second) = (plies.first(), plies.get(1));
         let a = [first, second].map(|p| p.map_or(0, |p| turn(p.angle_rad)));
         let share = second.map_or(0, |p| (p.share * SHARE_STEPS).round().max(1.0) as u64);
-        let steps = damage.map(|l| l.map(damage_step));
-        let mut key = 0;
-        for (value, bits) in [(a[0], 5), (a[1], 5), (share, 4), (bond, 4)] {
-            key = key << bits | value;
+        let mut steps = damage.map(|l| l.map(damage_step));
+        if share == 0 {
+            steps[1] = [0; 3];
         }
-        for (k, of_ply) in steps.iter().enumerate() {
-            for step in of_ply {
-                key = key << 8 | if k == 1 && share == 0 { 0 } else { *step };
-            }
-        }
-        if let Some(known) = self.known.get(&key) {
+        let properties = (a, share, bond, steps);
+        if let Some(known) = self.known.get(&properties) {
             return Ok((*known, 1.0));
         }
         let mut sum = [[0.0; 6]; 6];
@@ -298,7 +297,7 @@ impl Library {
         }
         let id = self.all.len() as u16;
         self.all.push(c);
-        self.known.insert(key, id);
+        self.known.insert(properties, id);
         Ok((id, 1.0))
     }
 }
@@ -604,6 +603,29 @@ mod tests {
             cancel: CancelFlag::default(),
         };
         [test.run().expect("an answer"), test.run_with(&SMALL, 1e-5).expect("an answer")]
+    }
+
+    #[test]
+    fn each_direction_of_beads_has_its_own_stiffness() {
+        let n = DIRECTIONS as usize;
+        let bricks = block([n, 1, 1], |p| p[0] as f64 / DIRECTIONS * std::f64::consts::PI, |_| 1.0);
+        let elastic = pla().elastic;
+        let mut library = Library { elastic, known: BTreeMap::new(), all: Vec::new() };
+        for cell in 0..n {
+            let (id, factor) = library.find(&bricks, cell, [[0.0; 3]; 2]).expect("sound cells");
+            assert_eq!(
+                (usize::from(id), factor),
+                (cell, 1.0),
+                "cells of all directions before have other stiffnesses"
+            );
+            let wanted = rotated_about_z(
+                &elastic.stiffness().expect("a law"),
+                cell as f64 / DIRECTIONS * std::f64::consts::PI,
+            );
+            let found = &library.all[usize::from(id)];
+            let off = (0..6).flat_map(|i| (0..6).map(move |j| (found[i][j] - wanted[i][j]).abs()));
+            assert!(off.fold(0.0, f64::max) < 1e-9 * wanted[0][0], "{cell}");
+        }
     }
 
     #[test]
