@@ -2,11 +2,11 @@
 //!
 //! [`twice`] builds the program from the last commit in two folders, each with a `CARGO_HOME`, a home and a user name of
 //! its own, and compares the SHA-256 of both. Paths of the machine are replaced as in `.github/workflows/release.yml`,
-//! so that whoever builds the commit with the same toolchain gets the published bytes. Libraries come from the crates
-//! that are there already, through a link, and are compiled anew in each. Cost: two release builds.
+//! so that the bytes depend on the commit and the toolchain alone. Each build links to the crates already downloaded and
+//! compiles them anew. Cost: two release builds.
 //!
-//! [`linked`] builds the program for musl, which links everything into one file, holds it to have no interpreter, and
-//! compares the G-code of all hashed jobs. The target is installed by `rustup` where it lacks.
+//! [`static_program`] builds the program for musl, which links everything into one file. The check fails if that file
+//! names a dynamic loader or plans a hashed job differently. `rustup` installs the target if it is missing.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,14 +21,14 @@ const STATIC: &str = "x86_64-unknown-linux-musl";
 pub fn run(words: &[&str]) -> Outcome {
     match words {
         ["twice"] => twice(),
-        ["static"] => linked(),
+        ["static"] => static_program(),
         _ => Err("usage: cargo xtask release twice|static".to_owned()),
     }
 }
 
 /// Two builds of one commit, byte for byte.
 fn twice() -> Outcome {
-    // Asked once: a commit made during the first build would otherwise be in the second alone.
+    // Read once, so that both builds use the same commit even if one is added meanwhile.
     let commit = crate::output(Command::new("git").args(["rev-parse", "HEAD"]).current_dir(crate::root()))?;
     let sums: Vec<String> = ["first", "second/deeper"]
         .iter()
@@ -86,7 +86,8 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
     crate::output(&mut cargo)?;
     let program = checkout.join("target/dist").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX));
     let bytes = fs::read(&program).map_err(|e| format!("{}: {e}", program.display()))?;
-    for path in [checkout.display().to_string(), cargo_home.display().to_string()] {
+    // The registry is a link, which a tool may resolve to the folder of this machine's user.
+    for path in [&checkout, &cargo_home, &own_cargo_home()?].map(|path| path.display().to_string()) {
         if bytes.windows(path.len()).any(|window| window == path.as_bytes()) {
             return Err(format!("the program holds a path of the machine that built it: {path}"));
         }
@@ -95,11 +96,10 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
 }
 
 /// A program with nothing to load at its start, which plans the same bytes.
-fn linked() -> Outcome {
+fn static_program() -> Outcome {
     let there = crate::output(Command::new("rustup").args(["target", "add", STATIC]));
     if let Err(problem) = there {
-        println!("NOT RUN: the target {STATIC} cannot be installed: {problem}");
-        return Ok(());
+        return Err(format!("NOT RUN: the target {STATIC} cannot be installed: {problem}"));
     }
     crate::cargo(&[
         "build",

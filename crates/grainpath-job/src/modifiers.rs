@@ -30,7 +30,7 @@ use crate::layer_angles::LayerAngles;
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::Settings;
 
-/// Keys that state the origin of a volume and its placement. They are ignored, since the triangles are already placed.
+/// Beginnings of the keys that state the origin of a volume and its placement. These keys are ignored, since the triangles are already placed.
 const BOOKKEEPING: [&str; 3] = ["matrix", "mesh_stat", "source_"];
 
 /// The region that a modifier volume becomes, or `None` if it has no setting that a region can have; and its settings that a
@@ -64,19 +64,22 @@ pub fn region_of_modifier(name: &str, settings: &[(String, String)]) -> (Option<
 
 /// Takes over a setting; `None` if the setting or its value has no counterpart here.
 fn set(region: &mut JobRegion, key: &str, value: &str) -> Option<()> {
-    let number = || value.trim_end_matches('%').trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     let count = || value.parse::<usize>().ok().filter(|n| *n <= 1000);
     match key {
         "fill_density" | "sparse_infill_density" => {
             // A number with a percent sign is in percent; old files state a fraction.
-            let share = number()? * if value.ends_with('%') { 0.01 } else { 1.0 };
+            let share = match value.strip_suffix('%') {
+                Some(percent) => 0.01 * number(percent)?,
+                None => number(value)?,
+            };
             region.density = Some(Density::new((0.0..=1.0).contains(&share).then_some(share)?));
         }
         "fill_pattern" | "sparse_infill_pattern" => region.pattern = Some(pattern(value)?),
         "fill_angle" | "infill_direction" => {
-            // Both programs turn the lines of such patterns by a right angle from layer to layer. Patterns that
-            // do not turn take the first angle.
-            let angle = number().filter(|a| a.abs() <= 3600.0)?;
+            // The other slicers turn rectilinear lines by a right angle from layer to layer. Patterns that do not
+            // turn take the first angle.
+            let angle = number(value).filter(|a| a.abs() <= 3600.0)?;
             region.angles_deg = Some(LayerAngles::all(vec![angle, angle + 90.0]));
         }
         "perimeters" | "wall_loops" => region.walls = Some(count()?),
@@ -91,7 +94,7 @@ fn set(region: &mut JobRegion, key: &str, value: &str) -> Option<()> {
 /// The pattern that has this name in the other slicers.
 fn pattern(word: &str) -> Option<Pattern> {
     Some(match word {
-        // OrcaSlicer writes zig-zag, Bambu Studio zigzag.
+        // Rectilinear lines are called zig-zag or zigzag in files of OrcaSlicer and Bambu Studio.
         "rectilinear" | "zig-zag" | "zigzag" => Pattern::Rectilinear,
         "alignedrectilinear" => Pattern::Aligned,
         "grid" => Pattern::Grid,

@@ -62,9 +62,9 @@ fn run_folder(args: &RunArguments, scheduler: &str) -> Result<(), Failure> {
         command.status().map_err(|e| Failure::usage(format!("{install} ({}: {e})", python.display())))?;
     match ended.code() {
         Some(0) => Ok(()),
-        // Python exits with 1 if the module is missing, and has printed that.
-        Some(1) => Err(Failure::usage(install)),
-        // The table with the errors has been printed already; with --json no second object may follow.
+        // Python exits with 1 if the module is missing and on any fault of its own; it has printed which.
+        Some(1) => Err(Failure::usage(format!("the run on the cluster failed as printed above; {install}"))),
+        // The table of jobs or the error has been printed already; with --json no second object may follow.
         Some(code) => std::process::exit(code),
         None => Err(Failure::usage("the run on the cluster was ended by a signal")),
     }
@@ -127,7 +127,7 @@ pub fn checked(
         }
         Some(Handed::Scan(_) | Handed::Layers(_)) | None => {
             return Err(Failure::usage(
-                "--check needs a part from a mesh or an outline; parts of scans and photographs have no shape before planning",
+                "checking loads without planning needs a part from a mesh or an outline; parts of scans and photographs have no shape before planning",
             ));
         }
     };

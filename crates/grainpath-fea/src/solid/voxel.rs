@@ -372,7 +372,12 @@ impl VoxelSystem {
     /// the axis, less the strain at the cell's middle. Its three components in the plane of the wall follow from
     /// the displacements of the cell's corners. The other three are chosen so that the bending stress on the face
     /// is zero. Order xx, yy, zz, xy, yz, zx; `None` for a void cell.
-    pub(crate) fn bending_strain(&self, displacement: &[DVec3], cell: usize, axis: usize) -> Option<[f64; 6]> {
+    pub(crate) fn bending_strain(
+        &self,
+        displacement: &[DVec3],
+        cell: usize,
+        axis: usize,
+    ) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let middle = self.strain_at(displacement, cell, DVec3::ZERO)?;
         let face = self.strain_at(displacement, cell, DVec3::AXES[axis])?;

@@ -44,7 +44,10 @@ pub(crate) fn energy_share(damage_strain: f64, final_strain: f64) -> f64 {
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
-pub(crate) fn damaged_plane_stiffness(elastic: &Orthotropic, damage: [f64; 2]) -> Result<PlaneStiffness, Unstable> {
+pub(crate) fn damaged_plane_stiffness(
+    elastic: &Orthotropic,
+    damage: [f64; 2],
+) -> Result<PlaneStiffness, Unstable> {
     // Torn beads carry no stress across their direction either.
     let (l1, l2) = (1.0 - damage[0], 1.0 - damage[1].max(damage[0]));
     let [e1, e2, _] = elastic.e_mpa;
@@ -76,7 +79,11 @@ pub(crate) fn remaining_shares(damage: [f64; 3], bond: f64) -> [f64; 6] {
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
-pub(crate) fn damaged_stiffness(elastic: &Orthotropic, damage: [f64; 3], bond: f64) -> Result<Stiffness, Unstable> {
+pub(crate) fn damaged_stiffness(
+    elastic: &Orthotropic,
+    damage: [f64; 3],
+    bond: f64,
+) -> Result<Stiffness, Unstable> {
     let l = remaining_shares(damage, bond);
     let (e, nu, g) = (elastic.e_mpa, elastic.nu, elastic.g_mpa);
     // Only the direct moduli fall. Poisson's compliances stay, and the stiffness stays positive definite.

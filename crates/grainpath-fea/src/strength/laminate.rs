@@ -171,7 +171,11 @@ impl CellGrid {
     ///
     /// # Errors
     /// As [`CellGrid::over`].
-    pub(crate) fn moved_over(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
+    pub(crate) fn moved_over(
+        sheets: &[BeadSheet],
+        cell_mm: f64,
+        moved: f64,
+    ) -> Result<(Self, f64), CellError> {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut laid_mm3 = 0.0;
         for s in sheets {

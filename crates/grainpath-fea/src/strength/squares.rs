@@ -121,7 +121,12 @@ pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
 /// The bending strain of a square in a strip with normal `axis`: the strain at the side at the upper end of the axis,
 /// less the strain in the middle of the square. The strain along the strip follows from the displacements of the
 /// corners. The other two components are chosen so that the bending stress on the side is zero. Order xx, yy, xy.
-pub(crate) fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &PlaneStiffness) -> [f64; 3] {
+pub(crate) fn bending_strain(
+    u: &[DVec2; 4],
+    cell_mm: f64,
+    axis: usize,
+    membrane: &PlaneStiffness,
+) -> [f64; 3] {
     let twist = (u[0] - u[1] + u[2] - u[3]) * (0.5 / cell_mm);
     // Components along the strip, across it, and shear.
     let (along, across, change) = if axis == 0 { (1, 0, twist.y) } else { (0, 1, twist.x) };

@@ -116,8 +116,12 @@ mod tests {
             // The file with the true dimensions of the scan is TOML too, but not a job.
             if file.ends_with(".toml") && text.lines().any(|line| line.starts_with("[shape")) {
                 jobs += 1;
-                let format = text.parse::<toml::Table>().expect("TOML").get("format").and_then(toml::Value::as_integer);
-                assert_eq!(format, Some(grainpath_job::parse::FORMAT), "{file}");
+                let format = text
+                    .parse::<toml::Table>()
+                    .expect("TOML")
+                    .get("format")
+                    .and_then(toml::Value::as_integer);
+                assert_eq!(format, Some(grainpath_job::FORMAT), "{file}");
             }
         }
         assert!(jobs > 20, "{jobs}");

@@ -227,6 +227,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     except GrainpathError as error:
         print(f"grainpath: {error}", file=sys.stderr)
+        if args.json:
+            print(json.dumps({"ok": False, "error": str(error)}))
         return 2 if isinstance(error, JobError) else 3
     except KeyboardInterrupt:
         return 130

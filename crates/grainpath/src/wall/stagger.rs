@@ -45,7 +45,12 @@ struct Joint {
 
 /// Raises the joints of walls in consecutive layers, as described for this module. `walls` holds the walls of the islands
 /// of each layer and `sections` holds these layers. `lower` is the section below the first one; `None` on the plate.
-pub(crate) fn stagger(walls: &mut [Vec<&mut [Wall]>], sections: &[Layer], lower: Option<&Layer>, bead_mm: f64) {
+pub(crate) fn stagger(
+    walls: &mut [Vec<&mut [Wall]>],
+    sections: &[Layer],
+    lower: Option<&Layer>,
+    bead_mm: f64,
+) {
     let joints: Vec<Vec<Joint>> = (0..walls.len().saturating_sub(1))
         .into_par_iter()
         .map(|k| {
