@@ -306,6 +306,7 @@ const ROWS: &[Row] = &[
     strength("fea.strength.CRACK_NORMAL_COS", &[0.2, 0.4, 0.6, 0.8, 0.95], PLATES_AND_SOLID),
     strength("fea.strength.laminate.WIGGLE", &[0.0, 0.05, 0.1, 0.2, 0.4], PLATES),
     strength("fea.strength.laminate.PASSES", &[0.0, 3.0, 6.0, 12.0, 24.0], PLATES),
+    strength("fea.strength.laminate.OVERFULL", &[1.0, 1.0001, 1.0005, 1.005, 1.02], PLATES),
     strength("fea.strength.load_stepping.STEP_REFINEMENT", &[2.0, 3.0, 4.0, 6.0, 10.0], PLATES_AND_SOLID),
     strength("fea.strength.plate_system.LEAST", &[1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4], PLATES),
     strength(
