@@ -193,6 +193,7 @@ const ROWS: &[Row] = &[
     row("fill.cell_aspect", &[1.0, 1.5, 2.5, 4.0, 6.0], CONTINUOUS),
     row("fill.continuous.MIN_WEIGHT", &[0.002, 0.01, 0.02, 0.05, 0.2], CONTINUOUS),
     row("fill.continuous.FIELD_SAMPLES", &[8.0, 16.0, 32.0, 64.0, 128.0], CONTINUOUS),
+    // Cuts across strips, and places beside them, where cells may be joined.
     row("fill.continuous.cells.ACROSS_MIN", &[0.3, 0.45, 0.55, 0.7, 0.85], CONTINUOUS),
     row("fill.continuous.cells.ACROSS_MAX", &[1.15, 1.3, 1.5, 1.8, 2.2], CONTINUOUS),
     row("fill.continuous.cells.BESIDE_MIN", &[0.2, 0.35, 0.5, 0.65, 0.8], CONTINUOUS),
@@ -204,6 +205,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.cells.TAKEN_HALF", &[0.5, 0.55, 0.6, 0.75, 1.0], CONTINUOUS),
     row("fill.continuous.cells.CUT_APART", &[0.5, 0.65, 0.8, 0.9, 1.0], CONTINUOUS),
     row("fill.continuous.cells.CUT_STEP", &[0.1, 0.25, 0.5, 1.0, 2.0], CONTINUOUS),
+    // Where beads lie between their neighbours, and how wide they are.
     row("fill.continuous.finish.ROUNDS", &[0.0, 1.0, 2.0, 3.0, 5.0], CONTINUOUS),
     row("fill.continuous.finish.CORNER", &[0.3, 0.5, 0.64, 0.8, 0.9], CONTINUOUS),
     row("fill.continuous.finish.FAR", &[1.6, 2.0, 2.6, 3.5, 5.0], CONTINUOUS),
@@ -216,6 +218,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.finish.STRAIGHT_MOVE", &[0.1, 0.15, 0.25, 0.35, 0.5], CONTINUOUS),
     row("fill.continuous.finish.SMOOTHING", &[0.0, 0.15, 0.35, 0.5, 0.75], CONTINUOUS),
     row("fill.continuous.finish.CLOSEST", &[0.003, 0.007, 0.015, 0.03, 0.1], CONTINUOUS),
+    // Stretches that face each other, and the joints between them.
     row("fill.continuous.rings.CLOSE", &[1.02, 1.05, 1.1, 1.2, 1.4], CONTINUOUS),
     row("fill.continuous.rings.AGAINST", &[0.3, 0.5, 0.7, 0.85, 0.95], CONTINUOUS),
     row("fill.continuous.rings.ALONGSIDE", &[0.3, 0.45, 0.6, 0.75, 0.9], CONTINUOUS),
@@ -225,6 +228,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.rings.OWN_APART", &[2.0, 2.1, 2.2, 3.0, 4.0], CONTINUOUS),
     row("fill.continuous.rings.SLANTED_TURN", &[0.25, 0.5, 1.0, 1.25, 1.5], CONTINUOUS),
     row("fill.continuous.rings.SLANTED_HALF", &[0.25, 0.5, 1.0, 1.25, 1.5], CONTINUOUS),
+    // Strips along the field.
     row("fill.continuous.strips.MESH_MIN", &[0.5, 0.75, 1.0, 1.5, 2.0], CONTINUOUS),
     row("fill.continuous.strips.MESH_MAX", &[1.5, 3.0, 6.0, 9.0, 12.0], FEW_NODES),
     row("fill.continuous.strips.MANY_NODES", &[2000.0, 6000.0, 20_000.0, 60_000.0, 200_000.0], CONTINUOUS),
@@ -237,12 +241,14 @@ const ROWS: &[Row] = &[
     row("fill.continuous.strips.LEAST_WEIGHT", &[0.01, 0.03, 0.1, 0.3, 1.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 5.0, 8.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
+    // The search for last joints; few pieces need it.
     row("fill.continuous.tree.REST_MIN", &[0.25, 0.5, 1.0, 1.25, 1.5], CONTINUOUS),
     row("fill.continuous.tree.REST_MAX", &[0.7, 0.85, 1.0, 1.1, 1.25], CONTINUOUS),
     row("fill.continuous.tree.REST_STEP", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
     row("fill.continuous.tree.REST_AROUND", &[0.0, 0.05, 0.1, 0.25, 0.5], CONTINUOUS),
     row("fill.continuous.tree.SLANTED_FAR", &[1.5, 2.0, 2.5, 3.0, 4.0], CONTINUOUS),
     ends("fill.field.band.SHORTEST", &[2.0, 4.0, 6.0, 10.0, 20.0]),
+    // The phase of dense beads along a field.
     row("fill.field.phase.DIFFUSION_ROUNDS", &[1.0, 3.0, 6.0, 10.0, 16.0], STRIPES),
     row("fill.field.phase.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
     row("fill.field.phase.MAX_DRIFT", &[1.05, 1.12, 1.22, 1.35, 1.5], STRIPES),
@@ -252,6 +258,7 @@ const ROWS: &[Row] = &[
     row("fill.field.phase.DRIFT_TOLERANCE", &[0.00001, 0.0001, 0.001, 0.01, 0.1], STRIPES),
     row("fill.field.phase.TOLERANCE", &[0.0001, 0.001, 0.01, 0.03, 0.1], STRIPES),
     row("fill.field.phase.STEPS", &[15.0, 30.0, 60.0, 120.0, 240.0], STRIPES),
+    // From level lines to beads.
     row("fill.field.stripes.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], STRIPES),
     row("fill.field.stripes.LONGEST_JOINT", &[1.2, 1.6, 2.0, 2.5, 3.0], STRIPES),
     row("fill.field.stripes.CENTRINGS", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),
@@ -264,6 +271,7 @@ const ROWS: &[Row] = &[
     row("fill.field.stripes.PARALLEL_RISE", &[0.01, 0.04, 0.08, 0.16, 0.3], STRIPES),
     row("fill.field.stripes.BORDER_WEIGHT", &[0.1, 0.25, 0.5, 1.0, 2.0], STRIPES),
     row("fill.field.stripes.SHORTENED_FROM", &[1.1, 1.25, 1.5, 2.0, 3.0], STRIPES),
+    // Lines at distances of their own.
     row("fill.field.seed_lines.SEED_SPACING", &[3.0, 5.0, 8.0, 12.0, 20.0], SEED_LINES),
     row("fill.field.seed_lines.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], SEED_LINES),
     row("fill.field.seed_lines.KEPT_FREE", &[0.7, 0.75, 0.8, 0.9, 0.98], SEED_LINES),
@@ -277,6 +285,7 @@ const ROWS: &[Row] = &[
     row("fill.field.widths.FAR_BEADS", &[1.4, 1.6, 1.8, 2.0, 2.2], STRIPES),
     ends("fill.shift.BAND_MM", &[0.4, 0.7, 1.0, 1.5, 2.0]),
     ends("fill.shift.GRID_SHARE", &[0.0, 0.01, 0.02, 0.03, 0.06]),
+    // Room around the part, contacts and pieces in mid-air.
     support("support.clearance.CELL_MM", &[0.2, 0.3, 0.4, 0.6, 1.0], TREES_BESIDE),
     support("support.clearance.SLAB_MM", &[0.2, 0.3, 0.4, 0.8, 1.6], TREES),
     support("support.clearance.MAX_DEBT", &[10.0, 20.0, 40.0, 64.0, 100.0], TREES_BESIDE),
@@ -290,6 +299,7 @@ const ROWS: &[Row] = &[
     support("support.overhang.MID_AIR_APART", &[0.5, 0.7, 0.9, 1.0, 1.2], TREES_BESIDE),
     support("support.overhang.MID_AIR_STEP", &[0.1, 0.25, 0.5, 0.75, 1.0], TREES_BESIDE),
     support("support.SAMPLE_SHARE", &[0.02, 0.04, 0.06, 0.08, 0.1], TREES_BESIDE),
+    // Surfaces of supports.
     support("support.poisson.MARGIN", &[2.0, 4.0, 6.0, 10.0, 16.0], TREES_BY_POISSON),
     support("support.poisson.SWEEPS", &[1.0, 2.0, 3.0, 5.0, 8.0], TREES_BY_POISSON),
     support("support.poisson.RESIDUAL", &[0.0002, 0.0006, 0.002, 0.006, 0.02], TREES_BY_POISSON),

@@ -16,8 +16,6 @@ use rayon::prelude::*;
 
 use grainpath_core::mask::{Grid, Mask};
 
-use super::tree::LEAN_SHARE;
-
 /// A step of stored distances, mm. Source: derived. Distances between centres of cells of 0.4 mm are off by up to 0.28 mm
 /// (half a diagonal), so a fifth of that adds little. The largest distance is 255 steps, 12.75 mm, more than branches keep.
 const STEP_MM: f64 = 0.05;
@@ -29,6 +27,9 @@ static CELL_MM: Tuned<f64> = Tuned::new("support.clearance.CELL_MM", 0.4);
 /// Slabs are about this thick, mm. Measured: row `support.clearance.SLAB_MM` of `cargo xtask bench constants`.
 static SLAB_MM: Tuned<f64> = Tuned::new("support.clearance.SLAB_MM", 0.4);
 
+/// Branches lean by this share of what their angle allows. Source: derived. A branch 100 mm high then ends 0.08 mm
+/// from where the angle would take it, and rounding never makes one lean too far.
+pub(super) const LEAN_SHARE: f64 = 0.999;
 /// Bit of a cell from which a branch can reach the plate within its angle.
 const TO_PLATE: u8 = 1;
 /// Bit of a cell that has nothing but the plate straight below it.

@@ -308,6 +308,7 @@ impl<'a> Part<'a> {
     }
 
     fn forget_below(&mut self, k: usize) {
+        // Lower sections are not needed again.
         self.clippers.retain(|&j, _| j + KEPT_LAYERS >= k);
         self.beads.retain(|&j, _| j + KEPT_LAYERS >= k);
     }

@@ -24,7 +24,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 
 use super::SupportSettings;
-use super::clearance::Clearance;
+use super::clearance::{Clearance, LEAN_SHARE};
 use super::contact::Contact;
 
 /// The kind of a node.
@@ -227,9 +227,6 @@ const POST_BELOW_MM: f64 = 0.8;
 /// On its way to a joint a branch keeps clear of the part by this share of its own radius, or by the radius of the
 /// thinnest branch. Measured: row `support.tree.MEET_SHARE` of `cargo xtask bench constants`.
 static MEET_SHARE: Tuned<f64> = Tuned::new("support.tree.MEET_SHARE", 0.5);
-/// Branches lean by this share of what their angle allows. Source: derived. A branch 100 mm high then ends 0.08 mm
-/// from where the angle would take it, and rounding never makes one lean too far.
-pub(super) const LEAN_SHARE: f64 = 0.999;
 /// The finest and the coarsest cell of the grid of nodes, mm. Source: chosen for speed. The best joint of a node is found in
 /// any grid; which ones are tried next where it has no room may depend on the cells.
 const CELL_MM: [f64; 2] = [2.0, 20.0];

@@ -206,6 +206,7 @@ type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
 
 /// Marks segments with unequal space on their sides, and [`AROUND_UNEVEN`] segments before and after each.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
+    // Segments near an uneven one have moved with it, because lines are smoothed.
     let around = AROUND_UNEVEN.value();
     let of_line = |sides: &Vec<Sides>| {
         let n = sides.len();

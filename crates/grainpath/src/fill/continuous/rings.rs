@@ -108,6 +108,7 @@ pub(super) static ALONGSIDE: Tuned<f64> = Tuned::new("fill.continuous.rings.ALON
 pub(super) fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let d = q - p;
     let det = cross(look, d);
+    // At flatter angles the two beads do not run side by side.
     if det.abs() < ALONGSIDE.value() * d.length() {
         return None;
     }
@@ -140,22 +141,20 @@ pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> 
 /// Rings run in opposite directions if the cosine of the angle between them is below minus this value.
 /// Measured: row `fill.continuous.rings.AGAINST` of `cargo xtask bench constants`.
 static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
-/// A stretch is straight if the cosine of its turn within half a bead is at least this (0.8: 37 degrees). A joint at
-/// a sharper bend would cut its corner. Measured: row `fill.continuous.rings.STRAIGHT` of `cargo xtask bench
-/// constants`.
+/// A stretch is straight if the cosine of its turn within half a bead is at least this (0.8: 37 degrees). Measured: row
+/// `fill.continuous.rings.STRAIGHT` of `cargo xtask bench constants`.
 static STRAIGHT: Tuned<f64> = Tuned::new("fill.continuous.rings.STRAIGHT", 0.8);
-/// Each half of a facing stretch is longer than this share of half a bead. A shorter one lies at a slant or has a
-/// bend. Measured: row `fill.continuous.rings.FACING_MIN` of `cargo xtask bench constants`.
+/// Each half of a facing stretch is longer than this share of half a bead. Measured: row
+/// `fill.continuous.rings.FACING_MIN` of `cargo xtask bench constants`.
 static FACING_MIN: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MIN", 0.3);
-/// Each half of a facing stretch is shorter than this multiple of half a bead. A longer one lies at a slant or has a
-/// bend. Measured: row `fill.continuous.rings.FACING_MAX` of `cargo xtask bench constants`.
+/// Each half of a facing stretch is shorter than this multiple of half a bead. Measured: row
+/// `fill.continuous.rings.FACING_MAX` of `cargo xtask bench constants`.
 static FACING_MAX: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MAX", 1.8);
 /// On one ring the middles of the two stretches lie at least this many halves of a bead apart. At 2 they touch.
 /// Measured: row `fill.continuous.rings.OWN_APART` of `cargo xtask bench constants`.
 static OWN_APART: Tuned<f64> = Tuned::new("fill.continuous.rings.OWN_APART", 2.2);
-/// Share of a connection that is left out at either end where it is tested, because the ends may lie on the border.
-/// Source: derived. Of a connection of 0.4 mm that is 0.008 mm, eighty times the grid that regions are rounded to
-/// ([`GRID_MM`](grainpath_core::poly::GRID_MM)); nothing that a bead has to go around is that small.
+/// Share of a connection that is left out at either end where it is tested. Source: derived. Of a connection of 0.4 mm
+/// that is 0.008 mm, eighty times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const LEFT_OUT: f64 = 0.02;
 /// Factor on the angles of the rays that search for slanted joints: 0, 0.5 and 1 radians to both sides. Measured: row
 /// `fill.continuous.rings.SLANTED_TURN` of `cargo xtask bench constants`.
@@ -360,6 +359,8 @@ impl Rings {
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
             let (q, along, segment) = self.point_near(ring, self.wrapped(ring, at_mm + by), middle_segment);
+            // With a sharper turn within half a bead the stretch is a bend, and the joint would cut
+            // its corner.
             if along.dot(way) < STRAIGHT.value() {
                 return None;
             }
@@ -375,6 +376,7 @@ impl Rings {
             return None;
         }
         let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
+        // A facing stretch much shorter or longer than this one lies at a slant or has a bend.
         let fits = |d: f64| d > FACING_MIN.value() * half && d < FACING_MAX.value() * half;
         if !fits(d0) || !fits(d1) {
             return None;
@@ -386,7 +388,8 @@ impl Rings {
                 return None;
             }
         }
-        // A hole without a ring around it may lie between the two beads.
+        // A hole without a ring around it may lie between the two beads. The ends themselves may
+        // lie on the border, so a little is left out at either end.
         let free = |a: DVec2, b: DVec2| {
             let (a, b) = (a.lerp(b, LEFT_OUT), b.lerp(a, LEFT_OUT));
             self.infill_region.contains(a) && !self.infill_region.meets(a, b)
@@ -431,6 +434,7 @@ impl Rings {
                     let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
                     let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
                     let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
+                    // Connections that cross would make a knot.
                     let apart = segment::meeting([a0, b1], [b0, a1]) == Meeting::Apart;
                     if apart && self.is_free(a0, b1) && self.is_free(b0, a1) {
                         out.push(Facing {

@@ -49,8 +49,8 @@ static MANY_NODES: Tuned<f64> = Tuned::new("fill.continuous.strips.MANY_NODES", 
 /// Parts of a region narrower than this are strips by themselves, in beads.
 /// Measured: row `fill.continuous.strips.THIN_BEADS` of `cargo xtask bench constants`.
 static THIN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_BEADS", 1.5);
-/// Thin parts are grown by this, in beads, so that they overlap the strips they touch and merge with them. Measured:
-/// row `fill.continuous.strips.THIN_GROWN` of `cargo xtask bench constants`.
+/// Thin parts are grown by this, in beads. Measured: row `fill.continuous.strips.THIN_GROWN` of `cargo xtask bench
+/// constants`.
 static THIN_GROWN: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_GROWN", 0.1);
 /// Outlines around less than this are left out where thin parts were added, in square beads. Measured: row
 /// `fill.continuous.strips.THIN_CRUMB` of `cargo xtask bench constants`.
@@ -198,6 +198,8 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
         return loops;
     }
     let strips = Region::from_contours(&loops, FillRule::Positive);
+    // The thin parts are grown a little, so that they overlap the strips they touch and merge with
+    // them.
     let thin = thin.offset(THIN_GROWN.value() * spacing_mm, Join::Miter(2.0)).intersection(region);
     let mut all = strips.union(&thin);
     all.polygons.retain(|p| p.area_mm2() > THIN_CRUMB.value() * spacing_mm * spacing_mm);

@@ -202,6 +202,7 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
         |found: Vec<Facing>, sets: &mut DisjointSets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
             for f in found {
                 let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.lowest(r));
+                // The ends of two joints keep apart, so that the connections do not touch.
                 let around_mm = f.half_mm + REST_AROUND.value() * spacing_mm;
                 let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
                 if a != b && free() {

@@ -87,15 +87,14 @@ static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 /// the lines too. That along the lines is about 1. Measured: row `fill.field.phase.ACROSS` of `cargo xtask bench
 /// constants`.
 static ACROSS: Tuned<f64> = Tuned::new("fill.field.phase.ACROSS", 0.02);
-/// A triangle has a divergence where the sum of the axes at its corners is at least this long. The greatest length is
-/// 3; near a singular point the axes differ too much. Measured: row `fill.field.phase.LEAST_SUM` of `cargo xtask
-/// bench constants`.
+/// A triangle has a divergence where the sum of the three axes at its corners is at least this long. Measured: row
+/// `fill.field.phase.LEAST_SUM` of `cargo xtask bench constants`.
 static LEAST_SUM: Tuned<f64> = Tuned::new("fill.field.phase.LEAST_SUM", 2.4);
 /// The spacing is solved to this residual, as a share of the right side. Measured: row
 /// `fill.field.phase.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
 static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_TOLERANCE", 1e-3);
-/// Each round of diffusion is solved to this residual, as a share of the right side. The next round corrects the
-/// remaining error. Measured: row `fill.field.phase.TOLERANCE` of `cargo xtask bench constants`.
+/// Each round of diffusion is solved to this residual, as a share of the right side. Measured: row
+/// `fill.field.phase.TOLERANCE` of `cargo xtask bench constants`.
 static TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.TOLERANCE", 1e-2);
 /// Most steps of the solver in a round of diffusion. Measured: row `fill.field.phase.STEPS` of `cargo xtask bench
 /// constants`.
@@ -112,6 +111,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
     matrix.own.fill(cell2 / (DRIFT_MM.value() * DRIFT_MM.value()));
+    // A little smoothing across the lines too.
     matrix.add_springs(ACROSS.value());
     let mut rhs = vec![0.0; n];
     // Along a line, the logarithm of the frequency falls by the divergence of the axis. Each triangle gives
@@ -130,6 +130,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
         let t_axes = [first, same(axes[b]), same(axes[c])];
         let mean = t_axes[0] + t_axes[1] + t_axes[2];
         let length = mean.length();
+        // Near a singular point the axes differ too much to give a divergence.
         if length < LEAST_SUM.value() {
             continue;
         }
@@ -262,6 +263,7 @@ pub(crate) fn solve(
         for _ in 0..times {
             let rhs: Vec<f32> = z.iter().zip(&wanted).map(|(z, want)| z + width * want).collect();
             let mut x = z.clone();
+            // A coarse tolerance is enough: the next round corrects the remaining error.
             conjugate_gradients(
                 &apply,
                 &rhs,

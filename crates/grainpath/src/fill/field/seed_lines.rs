@@ -172,6 +172,7 @@ impl FreeArea<'_> {
         let settings = LineSettings {
             tolerance_mm: TOLERANCE_MM,
             step_mm: self.step,
+            // A line could circle for ever.
             longest_mm: LONGEST_SIDES * bounds.size().element_sum(),
         };
         let line = |l: TracedLine| Line { points: l.points, closed: l.closed };
@@ -225,6 +226,7 @@ impl FreeArea<'_> {
         for _ in 0..2 {
             let n = points.len();
             let along = (points[n - 1] - points[n - 2]).normalize_or(DVec2::ZERO);
+            // A short distance, but longer than the rounding of clipping and tracing.
             if !self.infill_region.contains(points[n - 1] + BEYOND * self.step * along) {
                 points.push(points[n - 1] + DRAWN_OUT * self.step * along);
             }

@@ -28,8 +28,8 @@ static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.
 /// Lines shorter than this multiple of the separation are left out.
 /// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
-/// The least distance of two lines, as a share of the nominal one. Converging lines end and leave gaps, so the mean
-/// distance is a little larger. Measured: row `fill.field.streamlines.SEPARATION` of `cargo xtask bench constants`.
+/// The least distance of two lines, as a share of the nominal one. Measured: row `fill.field.streamlines.SEPARATION` of
+/// `cargo xtask bench constants`.
 static SEPARATION: Tuned<f64> = Tuned::new("fill.field.streamlines.SEPARATION", 0.94);
 /// Lines are traced in steps of this share of their separation, and of [`STEP_MM`] at most. Measured: row
 /// `fill.field.streamlines.STEP_SHARE` of `cargo xtask bench constants`.
@@ -46,6 +46,8 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
     let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
     let inside = LineClipper::new(&Region::from(infill_region.clone()));
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
+    // Converging lines end and leave gaps, so the mean distance is a little larger than the
+    // separation.
     let separation = SEPARATION.value() * context.spacing_mm() / context.density.fraction();
     // A field may ask for distances of its own. They are at least the bead spacing, so that beads do not overlap.
     let asked = |p: DVec2| field.spacing_mm(p.extend(context.z_mid_mm));

@@ -65,19 +65,17 @@ static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
 /// strip of the narrowest bead is about 0.55 of the spacing wide, and with cells of 0.33 every gap of that
 /// width contains the centre of a cell, at any position.
 const GAP_CELL: f64 = 0.33;
-/// Side of the grid squares on which the phase is found, in spacings. The mesh only has to resolve the field, not
-/// single beads: the growth of the phase along an edge follows from the field, so an edge may cross one or two
-/// levels. Measured: row `fill.field.stripes.MESH` of `cargo xtask bench constants`.
+/// Side of the grid squares on which the phase is found, in spacings. Measured: row `fill.field.stripes.MESH` of `cargo
+/// xtask bench constants`.
 static MESH: Tuned<f64> = Tuned::new("fill.field.stripes.MESH", 1.1);
-/// How often level lines are smoothed, which have the zigzag of the triangulation. Measured: row
-/// `fill.field.stripes.LEVEL_SMOOTHING` of `cargo xtask bench constants`.
+/// How often level lines are smoothed. Measured: row `fill.field.stripes.LEVEL_SMOOTHING` of `cargo xtask bench
+/// constants`.
 static LEVEL_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.LEVEL_SMOOTHING", 3);
-/// How often the shifts of a bead are smoothed. Neighbouring points measure to different segments of the next bead,
-/// and the shifts would be printed as ripples. Measured: row `fill.field.stripes.SHIFT_SMOOTHING` of `cargo xtask
+/// How often the shifts of a bead are smoothed. Measured: row `fill.field.stripes.SHIFT_SMOOTHING` of `cargo xtask
 /// bench constants`.
 static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOOTHING", 4);
-/// The difference of the spaces on both sides counts up to this in one round of centring, in spacings, so that beads
-/// do not change places. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
+/// The difference of the spaces on both sides counts up to this in a round of centring, in spacings. Measured: row
+/// `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
 /// A phase is wanted up to this distance from the border, in spacings. Measured: row `fill.field.stripes.NEAR_BORDER`
 /// of `cargo xtask bench constants`.
@@ -85,13 +83,11 @@ static NEAR_BORDER: Tuned<f64> = Tuned::new("fill.field.stripes.NEAR_BORDER", 1.
 /// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search sees all
 /// within a cell, so it has to be [`NEAR_BORDER`] at least; above that it changes speed alone.
 pub(crate) const BORDER_CELL: f64 = 1.6;
-/// A phase is wanted at the border where the cosine of the angle between field and border is more than this (0.92: 23
-/// degrees). Beyond that beads end on the border, and no phase on it is better than another. Measured: row
-/// `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
+/// A phase is wanted at the border where the cosine of the angle between field and border is more (0.92: 23 degrees).
+/// Measured: row `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
 static PARALLEL_COS: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_COS", 0.92);
-/// The weight of the wanted phase is full where that cosine is by this much larger than [`PARALLEL_COS`]. The two add
-/// up to 1, a border along the field. Measured: row `fill.field.stripes.PARALLEL_RISE` of `cargo xtask bench
-/// constants`.
+/// The weight of the wanted phase is full where that cosine is larger than [`PARALLEL_COS`] by this: along the border.
+/// Measured: row `fill.field.stripes.PARALLEL_RISE` of `cargo xtask bench constants`.
 static PARALLEL_RISE: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_RISE", 0.08);
 /// Full weight of the phase wanted at the border, beside a weight of 1 for the field. Measured: row
 /// `fill.field.stripes.BORDER_WEIGHT` of `cargo xtask bench constants`.
@@ -99,9 +95,8 @@ static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT"
 /// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a
 /// spacing of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
 pub(super) const BEYOND: f64 = 0.05;
-/// The border ahead of a bead is searched up to this multiple of the border's distance. Source: derived. At 30
-/// degrees, the flattest angle at which a bead ends on a border, it is twice as far away as at 90 degrees; a quarter
-/// more is for borders that bend away.
+/// The border ahead of a bead is searched up to this multiple of its distance. Source: derived. At 30 degrees it is
+/// twice as far away as at 90 degrees; a quarter more is for borders that bend away.
 const REACH: f64 = 2.5;
 /// The last segment of a bead is shortened for a joint where it is longer than this multiple of the length taken off.
 /// Measured: row `fill.field.stripes.SHORTENED_FROM` of `cargo xtask bench constants`.
@@ -110,11 +105,11 @@ static SHORTENED_FROM: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTENED_FRO
 /// over their rest. In each round the rest is multiplied by the share of beads that reach a bound; with a tenth of
 /// the beads at a bound, a thousandth is left after three rounds.
 const FIT_ROUNDS: usize = 3;
-/// The area of a segment reaches beyond its ends by this share of half its width. Source: derived. The outer side of
-/// a bend by an angle a is closed by the tangent of a / 2 of half the width, so this closes bends up to 53 degrees.
+/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. The outer side of a bend
+/// by an angle a is closed by the tangent of a / 2 of half the width, here up to 53 degrees.
 const STRIP_LONGER: f64 = 0.5;
-/// The window around an open cell reaches this many cells beyond it, so that the narrow ends of a gap are cut out as
-/// well. Source: derived. Four cells of [`GAP_CELL`] are 1.3 spacings, more than the strip of a bead.
+/// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
+/// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
 
 /// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
@@ -146,6 +141,8 @@ pub(crate) fn spaced(
         return;
     }
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
+    // The mesh only has to resolve the field, not single beads: the growth of the phase along an edge
+    // follows from the field, so an edge may cross one or two levels.
     let cell_mm = MESH.value() * context.shift.grid_factor() * spacing;
     let Some(mesh) = FieldMesh::over(&border, cell_mm) else { return };
     let levels = {
@@ -156,6 +153,8 @@ pub(crate) fn spaced(
     };
     let clipper = LineClipper::new(&infill_region);
     let mut lines = Vec::new();
+    // Level lines have the zigzag of the triangulation. Resampling and a few rounds of smoothing remove
+    // it.
     for level in levels {
         let mut points = resampled(&level.points, level.closed, STEP_BEADS.value() * spacing);
         smooth(&mut points, level.closed, LEVEL_SMOOTHING.value());
@@ -262,6 +261,8 @@ impl NearBorder {
         let inwards = DVec2::new(-along.y, along.x);
         let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
         let parallel = along.dot(axis).abs();
+        // The weight is full where field and border are parallel. Where they are not nearly so, beads end on
+        // the border, and no phase on it is better than another.
         let weight = ((parallel - PARALLEL_COS.value()) / PARALLEL_RISE.value()).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
@@ -324,11 +325,14 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
             let shift = |r: Reach| {
                 // Half the difference of the reaches is half of the way to the middle; the neighbours move
                 // the other half in the same round.
+                // The bound keeps beads from changing places.
                 let most = MOST_MOVE.value() * spacing_mm;
                 0.5 * (r.left_mm - r.right_mm).clamp(-most, most)
             };
             let reaches = neighbours.reaches(lines, l, FAR_BEADS.value() * spacing_mm, 0.5 * spacing_mm);
             let mut shifts: Vec<f64> = reaches.into_iter().map(shift).collect();
+            // Neighbouring points measure to different segments of the next bead. Without smoothing, the
+            // shifts would be printed as ripples.
             smooth(&mut shifts, line.closed, SHIFT_SMOOTHING.value());
             let to = |(v, &p): (usize, &DVec2)| {
                 let t = line.tangent(v);
@@ -389,6 +393,7 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     let scaled = |w: f64, factor: f64| {
         bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
     };
+    // Widths at a bound cannot change further, so another round distributes the rest over the others.
     for _ in 0..FIT_ROUNDS {
         let laid_mm3: f64 = beads.iter().map(|p| p.volume_mm3(h)).sum();
         if laid_mm3 <= 0.0 || wanted_mm3 <= 0.0 {
@@ -445,6 +450,8 @@ fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64
     if open.is_empty() {
         return Region::default();
     }
+    // The window extends some cells beyond the open cells, so that the narrow ends of a gap are cut out as
+    // well.
     let near = open.grown(AROUND_GAP);
     let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(infill_region);
     let there = strips.iter().filter(|s| near.meets_convex(s));
@@ -465,6 +472,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
         let (a, b, _) = bead.segment(i);
         let along = (b - a).normalize_or(DVec2::X);
         let across = DVec2::new(-along.y, along.x);
+        // The strip is a little longer than the segment, so that bends leave no wedge open.
         let (a, b) = (a - STRIP_LONGER * half(i) * along, b + STRIP_LONGER * half(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
         vec![a - p, b - q, b + q, a + p]
@@ -550,9 +558,11 @@ fn at_border(
         (bead.points[n - 1], bead.points[n - 2], bead.widths[n - 1])
     };
     let along = (end - before).try_normalize()?;
+    // A short distance, but longer than the rounding of clipping and tracing.
     if inside.contains(end + BEYOND * context.spacing_mm() * along) {
         return None;
     }
+    // Along a bead that meets the border at 30 degrees, the border is twice as far away as at 90 degrees.
     let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
     let contour = contours.get(hit.contour)?;

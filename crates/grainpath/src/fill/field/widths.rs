@@ -37,8 +37,7 @@ pub(super) static FAR_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.FAR_BEAD
 /// Side of the cells that segments are sorted into, in spacings. Source: chosen; it changes speed alone, never the
 /// result.
 pub(super) const CELL_BEADS: f64 = 1.5;
-/// A ray is tried up to this share of its reach first, because most neighbours are much nearer and a short ray passes
-/// few cells. Source: chosen; it changes speed alone, never the result.
+/// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone, never the result.
 const SHORT_RAY: f64 = 0.7;
 /// This many segments of its own line before and behind a point are no neighbours of it. Source: derived. Three steps
 /// of [`STEP_BEADS`] are 2.25 spacings, more than a ray reaches ([`FAR_BEADS`]).
@@ -381,7 +380,8 @@ impl Neighbours {
         let near = if at_seam { n } else { OWN_SEGMENTS };
         let skips = |other: usize, segment: usize| other == line && segment.abs_diff(vertex) <= near;
         let ray = |way: DVec2, far_mm: f64| self.first(l.points[vertex], way, far_mm, skips);
-        // The long ray is tried only where the short one finds no segment.
+        // Most neighbours are much nearer than `far_mm`, and a short ray passes few cells. The long
+        // ray is tried only where the short one finds no segment.
         [left, -left].map(|way| {
             let (d, m) = ray(way, SHORT_RAY * far_mm).or_else(|| ray(way, far_mm))?;
             let piece = &self.pieces[m as usize];
