@@ -232,6 +232,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.strips.MESH_MIN", &[0.5, 0.75, 1.0, 1.5, 2.0], CONTINUOUS),
     row("fill.continuous.strips.MESH_MAX", &[1.5, 3.0, 6.0, 9.0, 12.0], FEW_NODES),
     row("fill.continuous.strips.MANY_NODES", &[2000.0, 6000.0, 20_000.0, 60_000.0, 200_000.0], CONTINUOUS),
+    // Necks and teeth: parts without them have no thin places.
     row("fill.continuous.strips.THIN_BEADS", &[0.75, 1.0, 1.5, 2.0, 3.0], THIN_PARTS),
     row("fill.continuous.strips.THIN_GROWN", &[0.02, 0.05, 0.1, 0.2, 0.4], THIN_PARTS),
     row("fill.continuous.strips.THIN_CRUMB", &[0.0, 0.03, 0.1, 0.3, 1.0], THIN_PARTS),
@@ -247,6 +248,7 @@ const ROWS: &[Row] = &[
     row("fill.continuous.tree.REST_STEP", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
     row("fill.continuous.tree.REST_AROUND", &[0.0, 0.05, 0.1, 0.25, 0.5], CONTINUOUS),
     row("fill.continuous.tree.SLANTED_FAR", &[1.5, 2.0, 2.5, 3.0, 4.0], CONTINUOUS),
+    // Beads along a border that lines meet across.
     ends("fill.field.band.SHORTEST", &[2.0, 4.0, 6.0, 10.0, 20.0]),
     // The phase of dense beads along a field.
     row("fill.field.phase.DIFFUSION_ROUNDS", &[1.0, 3.0, 6.0, 10.0, 16.0], STRIPES),
@@ -281,8 +283,10 @@ const ROWS: &[Row] = &[
     row("fill.field.streamlines.SEPARATION", &[0.85, 0.9, 0.94, 0.97, 1.0], STREAMLINES),
     row("fill.field.streamlines.STEP_SHARE", &[0.1, 0.25, 0.5, 0.75, 1.0], STREAMLINES),
     row("fill.field.streamlines.STEP_MM", &[0.25, 0.5, 1.0, 2.0, 4.0], STREAMLINES),
+    // Space beside beads of every dense fill.
     row("fill.field.widths.STEP_BEADS", &[0.4, 0.55, 0.75, 1.0, 1.5], STRIPES),
     row("fill.field.widths.FAR_BEADS", &[1.4, 1.6, 1.8, 2.0, 2.2], STRIPES),
+    // Ends from layer to layer.
     ends("fill.shift.BAND_MM", &[0.4, 0.7, 1.0, 1.5, 2.0]),
     ends("fill.shift.GRID_SHARE", &[0.0, 0.01, 0.02, 0.03, 0.06]),
     // Room around the part, contacts and pieces in mid-air.
@@ -292,6 +296,7 @@ const ROWS: &[Row] = &[
     support("support.clearance.TIE", &[0.0, 0.005, 0.02, 0.05, 0.2], TREES_BESIDE),
     support("support.cut.TOUCH_MM", &[0.0, 0.02, 0.05, 0.1, 0.2], TREES_BESIDE),
     support("support.beads.DAB_MM", &[0.02, 0.05, 0.08, 0.15, 0.3], TREES_BESIDE),
+    // Which overhangs need contacts.
     support("support.overhang.KEEL_COS", &[0.7, 0.8, 0.9, 0.95, 0.99], TREES_BESIDE),
     support("support.overhang.FEW_SAMPLES", &[10.0, 20.0, 40.0, 80.0, 160.0], TREES_BESIDE),
     support("support.overhang.REACH_SHARE", &[0.4, 0.45, 0.49, 0.55, 0.6], TREES_BESIDE),
@@ -305,7 +310,9 @@ const ROWS: &[Row] = &[
     support("support.poisson.RESIDUAL", &[0.0002, 0.0006, 0.002, 0.006, 0.02], TREES_BY_POISSON),
     support("support.poisson.POINT_STEP", &[0.3, 0.5, 0.7, 1.0, 1.5], TREES_BY_POISSON),
     support("support.poisson.COARSEST_SWEEPS", &[5.0, 20.0, 40.0, 80.0, 160.0], TREES_BY_POISSON),
+    // The surface by signed distance.
     support("support.solid.BLENDS", &[0.0, 1.0, 2.0, 3.0, 5.0], TREES),
+    // Where branches meet, and what ties trunks together.
     support("support.tree.FOOT_MM", &[0.0, 4.0, 8.0, 16.0, 32.0], TREES),
     support("support.tree.STUMP_MM", &[0.25, 0.5, 1.0, 2.0, 4.0], TREES_BESIDE),
     support("support.tree.TIP_LENGTHS", &[0.5, 0.75, 1.0, 1.5, 2.0], TREES_BESIDE),
@@ -313,6 +320,7 @@ const ROWS: &[Row] = &[
     support("support.tree.BRACE_RISE", &[0.25, 0.35, 0.5, 0.7, 1.0], TREES_BESIDE),
     support("support.tree.BRACE_TRIES", &[1.0, 2.0, 3.0, 4.0, 8.0], TREES_BESIDE),
     support("support.tree.BRACE_BELOW_MM", &[0.0, 0.5, 1.0, 2.0, 4.0], TREES_BESIDE),
+    // The strength test.
     strength("fea.strength.CRACK_NORMAL_COS", &[0.2, 0.4, 0.6, 0.8, 0.95], PLATES_AND_SOLID),
     strength("fea.strength.laminate.WIGGLE", &[0.0, 0.05, 0.1, 0.2, 0.4], PLATES),
     strength("fea.strength.laminate.PASSES", &[0.0, 3.0, 6.0, 12.0, 24.0], PLATES),

@@ -8,7 +8,8 @@ use super::cut::{Heights, Layers, SupportLayer, count_floating};
 use super::overhang::Overhangs;
 use super::{Style, SupportSettings};
 
-/// Corners of the area below overhangs are cut by at most this, mm. Source: derived. It is a ninth of a bead of 0.45 mm.
+/// Corners of the area below overhangs are cut by at most this, mm. Source: derived. It is a ninth of a bead of 0.45
+/// mm.
 const CUT_MM: f64 = 0.05;
 /// Necks thinner than twice this are cut off, mm. Source: derived. A bead of 0.45 mm does not fit into 0.4 mm.
 const THIN_MM: f64 = 0.2;

@@ -11,8 +11,8 @@ use crate::fill::{Concentric, FillContext, Infill, Rectilinear};
 use crate::order::Island;
 use crate::wall::Wall;
 
-/// The shortest loop that is laid, mm. Source: derived. It is two thirds of a usual bead of 0.45 mm: anything shorter
-/// is a dot and no line, and does not stick.
+/// The shortest loop that is laid, mm. Source: derived. It is two thirds of a bead of 0.45 mm; anything shorter is a
+/// dot and does not stick.
 pub(super) const SHORT_MM: f64 = 0.3;
 /// A bead in a piece without room for a loop reaches at least this far to both sides of the middle, mm. Measured: row
 /// `support.beads.DAB_MM` of `cargo xtask bench constants`.

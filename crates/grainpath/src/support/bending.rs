@@ -56,8 +56,8 @@ const POWER: f64 = 4.0 / 3.0;
 /// Where no thickness is enough, tips may move this many times as far as with the thickest branches. A trunk is then thinner
 /// by a fifth (the cube root of this factor) and needs a fifth less material. Source: chosen.
 const SHORTFALL: f64 = 2.0;
-/// Factor by which multipliers are raised in a step at the end, until no tip moves too far. Source: derived. Radii
-/// grow with the fourth root, by half a percent in a step, so they are at most half a percent larger than needed.
+/// Factor by which multipliers are raised in a step at the end, until no tip moves too far. Source: derived. Radii grow
+/// with the fourth root, by half a percent in a step, so they are at most half a percent larger than needed.
 const RAISE: f64 = 1.02;
 
 /// The largest movement of a tip under the side load. A branch has the thickness set in the [`Forest`], or less where the

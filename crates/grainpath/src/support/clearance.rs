@@ -27,8 +27,8 @@ static CELL_MM: Tuned<f64> = Tuned::new("support.clearance.CELL_MM", 0.4);
 /// Slabs are about this thick, mm. Measured: row `support.clearance.SLAB_MM` of `cargo xtask bench constants`.
 static SLAB_MM: Tuned<f64> = Tuned::new("support.clearance.SLAB_MM", 0.4);
 
-/// Branches lean by this share of what their angle allows. Source: derived. A branch 100 mm high then ends 0.08 mm
-/// from where the angle would take it, and rounding never makes one lean too far.
+/// Branches lean by this share of what their angle allows. Source: derived. A branch 100 mm high then ends 0.08 mm from
+/// where the angle would take it, and rounding never makes one lean too far.
 pub(super) const LEAN_SHARE: f64 = 0.999;
 /// Bit of a cell from which a branch can reach the plate within its angle.
 const TO_PLATE: u8 = 1;
@@ -43,8 +43,8 @@ static MAX_DEBT: Tuned<u16> = Tuned::new("support.clearance.MAX_DEBT", 40);
 /// Width of a cell in the units of debts. Source: derived. The diagonal is then 90.5 units, and the 91 used differs from it
 /// by half a percent. Half a debt of just under two cells fits into the six bits that are left of a byte.
 const CELL: u16 = 64;
-/// Steps of a way are equal where what they owe differs by less than this, in cells; then the shorter step is taken.
-/// A way that owes less stays where it is. Measured: row `support.clearance.TIE` of `cargo xtask bench constants`.
+/// Steps of a way are equal where what they owe differs by less than this, in cells; then the shorter step is taken. A
+/// way that owes less stays where it is. Measured: row `support.clearance.TIE` of `cargo xtask bench constants`.
 static TIE: Tuned<f64> = Tuned::new("support.clearance.TIE", 0.02);
 /// Value in place of the debt for a cell that cannot be passed.
 const BLOCKED: u8 = u8::MAX;

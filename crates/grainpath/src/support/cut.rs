@@ -79,8 +79,8 @@ pub(super) static TOUCH_MM: Tuned<f64> = Tuned::new("support.cut.TOUCH_MM", 0.05
 /// Pieces smaller than this are not printed, mm2. Source: derived. The dot of a nozzle of 0.4 mm covers 0.13 mm2, six times
 /// as much.
 const CRUMB_MM2: f64 = 0.02;
-/// A disc that keeps the gap from the part by this much more is not trimmed, mm. Source: derived. Distances are good
-/// to half a cell of 0.4 mm and to the slab; at two cells no part can be within the gap, so it changes speed alone.
+/// A disc that keeps the gap from the part by this much more is not trimmed, mm. Source: derived. Distances are good to
+/// half a cell of 0.4 mm and to the slab; at two cells no part can be within the gap, so it changes speed alone.
 const FAR_MM: f64 = 0.8;
 
 /// Cuts trees into layers.

@@ -65,8 +65,7 @@ pub(super) const WALK: f64 = 0.75;
 pub(super) const END_MM: f64 = 0.11;
 
 /// Spacing of interface lines and of the contacts below them, as a share of L. Source: derived. A point in the middle
-/// of four contacts is 0.43 L from them, within L/2, and a bead at 45 degrees to the lines runs over air for 0.85 L,
-/// less than L.
+/// of four contacts is 0.43 L from them, and a bead at 45 degrees runs over air for 0.85 L.
 const SPACING_SHARE: f64 = 0.6;
 /// Lines are cut by layers at points this far apart, in bead widths. Source: derived. A bead then ends within a
 /// twentieth of its width of where its layer ends, far less than [`OVERLAP_BEADS`].

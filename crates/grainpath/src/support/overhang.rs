@@ -32,8 +32,8 @@ use rayon::prelude::*;
 use super::contact::{Contact, Grid, Reason, Sample};
 use super::{SupportSettings, interface};
 
-/// A facet counts as upright if the sine of its lean is less than this. Source: derived. In a layer of 0.2 mm its
-/// wall then steps outwards by 0.004 mm, a hundredth of a bead.
+/// A facet counts as upright if the sine of its lean is less than this. Source: derived. In a layer of 0.2 mm its wall
+/// then steps outwards by 0.004 mm, a hundredth of a bead.
 const UPRIGHT_SINE: f64 = 0.02;
 /// An edge is a keel if the cosine of the angle between the normals of its facets is less than this. The facets of a
 /// round surface fold less. Measured: row `support.overhang.KEEL_COS` of `cargo xtask bench constants`.

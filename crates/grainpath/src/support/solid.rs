@@ -45,12 +45,11 @@ const EDGE_SHARE: f64 = 0.04;
 /// How often creases are blended. Measured: row `support.solid.BLENDS` of `cargo xtask bench constants`.
 static BLENDS: Tuned<usize> = Tuned::new("support.solid.BLENDS", 2);
 /// The lowest section is repeated this far above the plate, with nothing as far below it, so that the foot is flat at
-/// the height 0. Source: derived. It is less than a microstep of a motor of 200 steps, divided by 16, on a belt of 40
-/// mm a turn (0.0125 mm).
+/// the height 0. Source: derived. It is less than a microstep (see [`EDGE_SHARE`]).
 const NEAR_PLATE_MM: f64 = 0.01;
 /// Share of the sections of all layers that counts as surface where the number of triangles is estimated. Source:
-/// derived. A branch that leans by 40 degrees moves by 0.17 mm in a layer of 0.2 mm; of a section 3 mm wide a tenth
-/// is open at the top or the bottom.
+/// derived. A branch that leans by 40 degrees moves by 0.17 mm in a layer of 0.2 mm; a tenth of a section 3 mm wide is
+/// then open.
 const CAP_SHARE: f64 = 0.1;
 
 /// The closed surface of support layers; empty when there are none.

@@ -227,8 +227,8 @@ const POST_BELOW_MM: f64 = 0.8;
 /// On its way to a joint a branch keeps clear of the part by this share of its own radius, or by the radius of the
 /// thinnest branch. Measured: row `support.tree.MEET_SHARE` of `cargo xtask bench constants`.
 static MEET_SHARE: Tuned<f64> = Tuned::new("support.tree.MEET_SHARE", 0.5);
-/// The finest and the coarsest cell of the grid of nodes, mm. Source: chosen for speed. The best joint of a node is found in
-/// any grid; which ones are tried next where it has no room may depend on the cells.
+/// The finest and the coarsest cell of the grid of nodes, mm. Source: chosen for speed. The best joint of a node is
+/// found in any grid; which ones are tried next where it has no room may depend on the cells.
 const CELL_MM: [f64; 2] = [2.0, 20.0];
 /// How far a landing reaches into the part, mm. Source: derived. It is more than twice the height of a slab of the
 /// [`Clearance`], to whose top a landing is taken; what lies in the part is cut away.
@@ -236,11 +236,11 @@ const SINK_MM: f64 = 1.0;
 /// A brace rises by this share of the lower of its two trunks at most. Measured: row `support.tree.BRACE_RISE` of
 /// `cargo xtask bench constants`.
 static BRACE_RISE: Tuned<f64> = Tuned::new("support.tree.BRACE_RISE", 0.5);
-/// A trunk that is too slender is tied to the first of this number of its nearest neighbours that has room for a
-/// brace. Measured: row `support.tree.BRACE_TRIES` of `cargo xtask bench constants`.
+/// A trunk that is too slender is tied to the first of this number of its nearest neighbours that has room for a brace.
+/// Measured: row `support.tree.BRACE_TRIES` of `cargo xtask bench constants`.
 static BRACE_TRIES: Tuned<usize> = Tuned::new("support.tree.BRACE_TRIES", 2);
-/// The highest brace begins this far below the top of the lower trunk, mm. Measured: row
-/// `support.tree.BRACE_BELOW_MM` of `cargo xtask bench constants`.
+/// The highest brace begins this far below the top of the lower trunk, mm. Measured: row `support.tree.BRACE_BELOW_MM`
+/// of `cargo xtask bench constants`.
 static BRACE_BELOW_MM: Tuned<f64> = Tuned::new("support.tree.BRACE_BELOW_MM", 1.0);
 
 struct Grower<'a> {

@@ -47,8 +47,8 @@ static PLACE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MAX", 4.0
 /// About this number of places is tried in a region; in a large region they lie farther apart.
 /// Measured: row `fill.continuous.cells.MANY_PLACES` of `cargo xtask bench constants`.
 static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES", 20_000.0);
-/// Stretches in use are marked in steps of this length, in beads. Measured: row `fill.continuous.cells.MARK` of
-/// `cargo xtask bench constants`.
+/// Stretches in use are marked in steps of this length, in beads. Measured: row `fill.continuous.cells.MARK` of `cargo
+/// xtask bench constants`.
 pub(super) static MARK: Tuned<f64> = Tuned::new("fill.continuous.cells.MARK", 0.25);
 /// A joint keeps this length to both sides of its middle for itself, in beads. Its stretch takes half a bead of that.
 /// Measured: row `fill.continuous.cells.TAKEN_HALF` of `cargo xtask bench constants`.

@@ -60,8 +60,8 @@ static MOST_MOVE: Tuned<f64> = Tuned::new("fill.continuous.finish.MOST_MOVE", 0.
 /// A point that is no corner moves by this share of the sum of the shifts of its two segments. Measured: row
 /// `fill.continuous.finish.STRAIGHT_MOVE` of `cargo xtask bench constants`.
 static STRAIGHT_MOVE: Tuned<f64> = Tuned::new("fill.continuous.finish.STRAIGHT_MOVE", 0.25);
-/// A point that is no corner moves by this share of the way to the middle of its neighbours, across the line.
-/// Measured: row `fill.continuous.finish.SMOOTHING` of `cargo xtask bench constants`.
+/// A point that is no corner moves by this share of the way to the middle of its neighbours, across the line. Measured:
+/// row `fill.continuous.finish.SMOOTHING` of `cargo xtask bench constants`.
 static SMOOTHING: Tuned<f64> = Tuned::new("fill.continuous.finish.SMOOTHING", 0.35);
 /// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
 /// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).

@@ -98,9 +98,9 @@ impl Side {
     }
 }
 
-/// Two beads run side by side if the cosine of the angle between them is more than this (0.6: 53 degrees). A ray
-/// square to one then meets the other at 37 degrees or more. Measured: row `fill.continuous.rings.ALONGSIDE` of
-/// `cargo xtask bench constants`.
+/// Two beads run side by side if the cosine of the angle between them is more than this (0.6: 53 degrees). A ray square
+/// to one then meets the other at 37 degrees or more. Measured: row `fill.continuous.rings.ALONGSIDE` of `cargo xtask
+/// bench constants`.
 pub(super) static ALONGSIDE: Tuned<f64> = Tuned::new("fill.continuous.rings.ALONGSIDE", 0.6);
 
 /// Distance from `at` along `look` to the segment from `p` to `q`; `None` where the ray misses it
@@ -159,8 +159,8 @@ const LEFT_OUT: f64 = 0.02;
 /// Factor on the angles of the rays that search for slanted joints: 0, 0.5 and 1 radians to both sides. Measured: row
 /// `fill.continuous.rings.SLANTED_TURN` of `cargo xtask bench constants`.
 static SLANTED_TURN: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_TURN", 1.0);
-/// Factor on half the lengths of the stretches that slanted joints replace: 0.4, 0.2 and 0.08 of a bead. Measured:
-/// row `fill.continuous.rings.SLANTED_HALF` of `cargo xtask bench constants`.
+/// Factor on half the lengths of the stretches that slanted joints replace: 0.4, 0.2 and 0.08 of a bead. Measured: row
+/// `fill.continuous.rings.SLANTED_HALF` of `cargo xtask bench constants`.
 static SLANTED_HALF: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_HALF", 1.0);
 /// Rings shorter than this many half stretches get no slanted joint. Source: derived. A ring is a triangle at least:
 /// where one of three stretches is replaced, two are left.

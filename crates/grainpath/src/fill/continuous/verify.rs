@@ -66,9 +66,8 @@ impl Note {
 /// Paths may lie this far outside their infill region, mm, because coordinates are rounded and points are
 /// left out. Source: derived. Twice the distance by which leaving out points moves a line.
 const SLACK_MM: f64 = 0.01;
-/// A neck joins two areas for centrelines if it is this wide, in bead widths. Source: derived. The two beads of a
-/// strip have their centrelines one spacing apart, which is less than a width; the fifth above it is for what
-/// rounding of contours takes away.
+/// A neck joins two areas for centrelines if it is this wide, in bead widths. Source: derived. The two beads of a strip
+/// have their centrelines one spacing apart, which is less than a width; a fifth more is for rounding of contours.
 const NECK_WIDTHS: f64 = 1.2;
 
 /// Checks the paths of a region for rings that were not joined, crossings, and places outside the region.

@@ -83,8 +83,8 @@ static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
 static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
-/// Stiffness with which neighbouring nodes get the same spacing whatever the direction, so that it is smooth across
-/// the lines too. That along the lines is about 1. Measured: row `fill.field.phase.ACROSS` of `cargo xtask bench
+/// Stiffness with which neighbouring nodes get the same spacing whatever the direction, so that it is smooth across the
+/// lines too. That along the lines is about 1. Measured: row `fill.field.phase.ACROSS` of `cargo xtask bench
 /// constants`.
 static ACROSS: Tuned<f64> = Tuned::new("fill.field.phase.ACROSS", 0.02);
 /// A triangle has a divergence where the sum of the three axes at its corners is at least this long. Measured: row
@@ -99,9 +99,8 @@ static TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.TOLERANCE", 1e-2);
 /// Most steps of the solver in a round of diffusion. Measured: row `fill.field.phase.STEPS` of `cargo xtask bench
 /// constants`.
 static STEPS: Tuned<usize> = Tuned::new("fill.field.phase.STEPS", 60);
-/// Most steps of the solver for the spacing. Source: derived. The spacing spreads over [`DRIFT_MM`], about 30 squares of
-/// 0.4 mm, and a step of conjugate gradients reaches one square further; ten times as many end a solution that does not
-/// converge.
+/// Most steps of the solver for the spacing. Source: derived. The spacing spreads over [`DRIFT_MM`], about 30 squares
+/// of 0.4 mm, and a step of conjugate gradients reaches one square further; ten times as many are enough.
 const DRIFT_STEPS: usize = 300;
 
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have

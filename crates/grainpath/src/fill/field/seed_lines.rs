@@ -67,11 +67,11 @@ pub(super) const TOLERANCE_MM: f64 = 0.005;
 /// Source: derived. A spiral whose turns lie a bead apart in a region of 40 x 40 beads is as long; a line along a field
 /// that does not turn round is shorter than both sides.
 pub(super) const LONGEST_SIDES: f64 = 20.0;
-/// Streamlines that fill what is open start this far inside of it, in beads. Source: derived. That is 0.008 mm at a bead
-/// of 0.4 mm, eighty times the grid that regions are rounded to.
+/// Streamlines that fill what is open start this far inside of it, in beads. Source: derived. That is 0.008 mm at a
+/// bead of 0.4 mm, eighty times the grid that regions are rounded to.
 const INWARDS: f64 = 0.02;
-/// The widest place of a region is found to this share of a bead. Measured: row `fill.field.seed_lines.WIDEST_PLACE`
-/// of `cargo xtask bench constants`.
+/// The widest place of a region is found to this share of a bead. Measured: row `fill.field.seed_lines.WIDEST_PLACE` of
+/// `cargo xtask bench constants`.
 static WIDEST_PLACE: Tuned<f64> = Tuned::new("fill.field.seed_lines.WIDEST_PLACE", 0.1);
 
 impl Infill for SeedLines {

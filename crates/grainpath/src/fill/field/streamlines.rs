@@ -34,11 +34,11 @@ static SEPARATION: Tuned<f64> = Tuned::new("fill.field.streamlines.SEPARATION", 
 /// Lines are traced in steps of this share of their separation, and of [`STEP_MM`] at most. Measured: row
 /// `fill.field.streamlines.STEP_SHARE` of `cargo xtask bench constants`.
 static STEP_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_SHARE", 0.5);
-/// The longest step in which lines are traced, mm. Measured: row `fill.field.streamlines.STEP_MM` of `cargo xtask
-/// bench constants`.
+/// The longest step in which lines are traced, mm. Measured: row `fill.field.streamlines.STEP_MM` of `cargo xtask bench
+/// constants`.
 static STEP_MM: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_MM", 2.0);
-/// Points are left out that lie this near to the line without them, mm. Source: derived. A motor of 200 steps,
-/// divided by 16, on a belt of 40 mm a turn moves by 0.0125 mm.
+/// Points are left out that lie this near to the line without them, mm. Source: derived. A motor of 200 steps, divided
+/// by 16, on a belt of 40 mm a turn moves by 0.0125 mm.
 const SIMPLIFY_MM: f64 = 0.01;
 
 /// Lays evenly spaced lines of one bead width along the field.

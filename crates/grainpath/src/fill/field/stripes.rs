@@ -80,8 +80,8 @@ static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
 /// A phase is wanted up to this distance from the border, in spacings. Measured: row `fill.field.stripes.NEAR_BORDER`
 /// of `cargo xtask bench constants`.
 static NEAR_BORDER: Tuned<f64> = Tuned::new("fill.field.stripes.NEAR_BORDER", 1.2);
-/// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search sees all
-/// within a cell, so it has to be [`NEAR_BORDER`] at least; above that it changes speed alone.
+/// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search sees all within
+/// a cell, so it has to be [`NEAR_BORDER`] at least; above that it changes speed alone.
 pub(crate) const BORDER_CELL: f64 = 1.6;
 /// A phase is wanted at the border where the cosine of the angle between field and border is more (0.92: 23 degrees).
 /// Measured: row `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
@@ -92,8 +92,8 @@ static PARALLEL_RISE: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_RISE"
 /// Full weight of the phase wanted at the border, beside a weight of 1 for the field. Measured: row
 /// `fill.field.stripes.BORDER_WEIGHT` of `cargo xtask bench constants`.
 static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT", 0.5);
-/// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a
-/// spacing of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
+/// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a spacing
+/// of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
 pub(super) const BEYOND: f64 = 0.05;
 /// The border ahead of a bead is searched up to this multiple of its distance. Source: derived. At 30 degrees it is
 /// twice as far away as at 90 degrees; a quarter more is for borders that bend away.
@@ -101,9 +101,8 @@ const REACH: f64 = 2.5;
 /// The last segment of a bead is shortened for a joint where it is longer than this multiple of the length taken off.
 /// Measured: row `fill.field.stripes.SHORTENED_FROM` of `cargo xtask bench constants`.
 static SHORTENED_FROM: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTENED_FROM", 1.5);
-/// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the others take
-/// over their rest. In each round the rest is multiplied by the share of beads that reach a bound; with a tenth of
-/// the beads at a bound, a thousandth is left after three rounds.
+/// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the others take over
+/// their rest. With a tenth of the beads at a bound a thousandth is left after three rounds.
 const FIT_ROUNDS: usize = 3;
 /// A segment's area reaches beyond its ends by this share of half its width. Source: derived. The outer side of a bend
 /// by an angle a is closed by the tangent of a / 2 of half the width, here up to 53 degrees.

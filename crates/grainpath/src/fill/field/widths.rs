@@ -31,16 +31,15 @@ use grainpath_core::{Bounds2, DVec2, Region};
 /// Distance between the points of a line, in spacings. Measured: row `fill.field.widths.STEP_BEADS` of `cargo xtask
 /// bench constants`.
 pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BEADS", 0.75);
-/// Nothing farther away than this is a neighbour of a bead, in spacings. Measured: row `fill.field.widths.FAR_BEADS`
-/// of `cargo xtask bench constants`.
+/// Nothing farther away than this is a neighbour of a bead, in spacings. Measured: row `fill.field.widths.FAR_BEADS` of
+/// `cargo xtask bench constants`.
 pub(super) static FAR_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.FAR_BEADS", 1.8);
-/// Side of the cells that segments are sorted into, in spacings. Source: chosen; it changes speed alone, never the
-/// result.
+/// Side of the cells that segments are sorted into, in spacings. Source: chosen; it changes speed alone.
 pub(super) const CELL_BEADS: f64 = 1.5;
-/// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone, never the result.
+/// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone.
 const SHORT_RAY: f64 = 0.7;
-/// This many segments of its own line before and behind a point are no neighbours of it. Source: derived. Three steps
-/// of [`STEP_BEADS`] are 2.25 spacings, more than a ray reaches ([`FAR_BEADS`]).
+/// This many segments before and behind a point are no neighbours of it. Source: derived. Three steps of [`STEP_BEADS`]
+/// are 2.25 spacings, more than a ray reaches ([`FAR_BEADS`]).
 pub(super) const OWN_SEGMENTS: usize = 3;
 
 /// The centreline of a bead being laid, with points at about equal steps.
@@ -395,8 +394,8 @@ impl Neighbours {
     }
 }
 
-/// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle
-/// the next line has ended less than two spacings before this one.
+/// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle the next line
+/// has ended less than two spacings before this one.
 pub(super) const AHEAD_SINE: f64 = 0.5;
 
 /// What lies beside a line.
