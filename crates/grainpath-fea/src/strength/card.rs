@@ -14,6 +14,11 @@ use grainpath_core::math::sin_cos;
 
 use crate::material::Orthotropic;
 
+/// The least strain, over that at failure, at which an element has lost all its stress. Source: derived. Load
+/// stepping raises the damage strain by 3 % or more at a time, so such an element fails in one step; at 1 the
+/// softening line would have no slope.
+const LEAST_FINAL: f64 = 1.02;
+
 /// Stiffness, strengths and fracture energies of printed material in its own axes: 1 along the beads, 2 across them in
 /// the layer, 3 from layer to layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +111,8 @@ impl StrengthCard {
         let [e1, e2, e3] = self.elastic.e_mpa;
         let [g12, _, g13] = self.elastic.g_mpa;
         let (g1, g2) = (self.g_along_n_mm, self.g_across_n_mm);
-        let final_strain = |e: f64, g: f64, s: f64, width: f64| (2.0 * e * g / (width * s * s)).max(1.02);
+        let final_strain =
+            |e: f64, g: f64, s: f64, width: f64| (2.0 * e * g / (width * s * s)).max(LEAST_FINAL);
         let opening = [
             final_strain(e1, g1, self.xt_mpa, cell_mm),
             final_strain(e2, g2, self.yt_mpa, cell_mm),

@@ -507,10 +507,14 @@ fn joined_mm(
 /// bench constants`.
 static PASSES: Tuned<usize> = Tuned::new("fea.strength.laminate.PASSES", 12);
 
+/// A cell gives to its neighbours if it is fuller than this, where 1 is full. Measured: row
+/// `fea.strength.laminate.OVERFULL` of `cargo xtask bench constants`.
+static OVERFULL: Tuned<f32> = Tuned::new("fea.strength.laminate.OVERFULL", 1.0005);
+
 /// Moves the excess of overfull cells to their neighbours, in proportion to the free space of each.
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     for _ in 0..PASSES.value() {
-        let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
+        let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * OVERFULL.value()).collect();
         if over.is_empty() {
             return;
         }

@@ -11,6 +11,7 @@
 //! support has no islands.
 
 use grainpath_core::poly::Join;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, Density, Polygon, Region, Role, SpeedClass, Toolpath};
 
@@ -19,6 +20,13 @@ use super::overhang::inner_point;
 use crate::fill::{Concentric, FillContext, Infill, Rectilinear};
 use crate::order::Island;
 use crate::wall::Wall;
+
+/// The shortest loop that is laid, mm. Source: derived. It is two thirds of a bead of 0.45 mm; anything shorter is a
+/// dot and does not stick.
+pub(super) const SHORT_MM: f64 = 0.3;
+/// A bead in a piece without room for a loop reaches at least this far to both sides of the middle, mm. Measured: row
+/// `support.beads.DAB_MM` of `cargo xtask bench constants`.
+static DAB_MM: Tuned<f64> = Tuned::new("support.beads.DAB_MM", 0.08);
 
 /// How support is laid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +66,7 @@ fn island(p: &Polygon, context: &FillContext, dense: bool, role: Role, settings:
         let centre = region.offset(-(0.5 * w + depth as f64 * s), Join::Round);
         for contour in centre.contours() {
             let path = Toolpath::new(contour.clone(), w, role, true);
-            if path.length_mm() > 0.3 {
+            if path.length_mm() > SHORT_MM {
                 island.walls.push(Wall { path, depth });
             }
         }
@@ -107,7 +115,8 @@ fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
     let width = (2.0 * p.area_mm2() / p.perimeter_mm() * 2.0)
         .clamp(settings.min_bead_width_mm, settings.bead_width_mm);
     let (ahead, behind) = (reach(along) - 0.5 * width, reach(-along) - 0.5 * width);
-    let points = vec![middle - along * behind.max(0.08), middle + along * ahead.max(0.08)];
+    let points =
+        vec![middle - along * behind.max(DAB_MM.value()), middle + along * ahead.max(DAB_MM.value())];
     let mut path = Toolpath::new(points, width, role, false);
     path.speed = SpeedClass::SmallWall;
     Some(path)

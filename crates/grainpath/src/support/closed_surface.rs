@@ -12,6 +12,7 @@ use std::collections::HashMap;
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::segment;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
@@ -41,6 +42,15 @@ const BATCH: usize = 16;
 /// the edge of a cell of 0.25 mm that is 0.01 mm. It moves the surface by less than a microstep of a motor of 200 steps,
 /// divided by 16, on a belt of 40 mm a turn (0.0125 mm), and is 300 times what a coordinate of 500 mm is rounded to in STL.
 const EDGE_SHARE: f64 = 0.04;
+/// How often creases are blended. Measured: row `support.solid.BLENDS` of `cargo xtask bench constants`.
+static BLENDS: Tuned<usize> = Tuned::new("support.solid.BLENDS", 2);
+/// The lowest section is repeated this far above the plate, with nothing as far below it, so that the foot is flat at
+/// the height 0. Source: derived. It is less than a microstep (see [`EDGE_SHARE`]).
+const NEAR_PLATE_MM: f64 = 0.01;
+/// Share of the sections of all layers that counts as surface where the number of triangles is estimated. Source:
+/// derived. A branch that leans by 40 degrees moves by 0.17 mm in a layer of 0.2 mm; a tenth of a section 3 mm wide is
+/// then open.
+const CAP_SHARE: f64 = 0.1;
 
 /// The closed surface of support layers; empty when there are none.
 ///
@@ -59,7 +69,7 @@ pub fn solid(
     let surface: f64 = regions
         .iter()
         .zip(stack.layers())
-        .map(|(r, l)| r.perimeter_mm() * l.height_mm() + 0.1 * r.area_mm2())
+        .map(|(r, l)| r.perimeter_mm() * l.height_mm() + CAP_SHARE * r.area_mm2())
         .sum();
     let affordable = (surface * TRIANGLES_PER_FACE / settings.max_triangles.max(1) as f64).sqrt();
     let planes = planes(stack, layers, settings.cell_mm.max(affordable));
@@ -86,7 +96,7 @@ fn planes(stack: &LayerStack, layers: &[SupportLayer], step_mm: f64) -> Vec<(f64
     let middle = |k: usize| stack.layers()[k].z_top_mm() - 0.5 * stack.layers()[k].height_mm();
     let last = layers.iter().rposition(|l| !l.region.is_empty()).unwrap_or(0);
     // The lowest section is repeated just above the plate, with nothing below it, so that the foot is flat at z = 0.
-    let mut out = vec![(-0.01, None), (0.01, Some(0))];
+    let mut out = vec![(-NEAR_PLATE_MM, None), (NEAR_PLATE_MM, Some(0))];
     let mut z = f64::NEG_INFINITY;
     for k in 0..=last {
         if middle(k) - z > 0.99 * step_mm || k == last {
@@ -192,7 +202,7 @@ impl PlaneGrid {
 
     /// Blends creases: each value is lowered to the mean of its neighbours where that is less, and never raised.
     fn blend(&self, values: &mut [f32], spans: &[Option<(u32, u32)>]) {
-        for _ in 0..2 {
+        for _ in 0..BLENDS.value() {
             let old = values.to_vec();
             for (y, span) in spans.iter().enumerate() {
                 let Some((x0, x1)) = *span else { continue };

@@ -91,6 +91,9 @@ pub(super) static TOUCH_MM: Tuned<f64> = Tuned::new("support.cut.TOUCH_MM", 0.05
 /// Pieces smaller than this are not printed, mm2. Source: derived. The dot of a nozzle of 0.4 mm covers 0.13 mm2, six times
 /// as much.
 const CRUMB_MM2: f64 = 0.02;
+/// A disc that keeps the gap from the part by this much more is not trimmed, mm. Source: derived. Distances are good to
+/// half a cell of 0.4 mm and to the slab; at two cells no part can be within the gap, so it changes speed alone.
+const FAR_MM: f64 = 0.8;
 
 /// Cuts trees into layers.
 pub fn cut(
@@ -216,7 +219,7 @@ fn discs(
             } else {
                 let free_mm = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
                 radius_mm = radius_mm.min(thickest_mm(k));
-                if free_mm > radius_mm + 0.8 { Trim::Nothing } else { Trim::AtGap }
+                if free_mm > radius_mm + FAR_MM { Trim::Nothing } else { Trim::AtGap }
             };
             out[k].push(Disc { at: at.truncate(), radius_mm, trim, interface });
         }

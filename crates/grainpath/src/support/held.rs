@@ -29,7 +29,7 @@ use grainpath_core::{Bounds2, DVec2, Density, LayerStack, Region, Role, Toolpath
 use rayon::prelude::*;
 
 use super::SupportSettings;
-use super::beads::{self, BeadSettings};
+use super::beads::{self, BeadSettings, SHORT_MM};
 use super::cut::{self, Heights, Layers, SupportLayer, TOUCH_MM, within};
 use super::interface::{self, END_MM, WALK};
 use super::overhang::Overhangs;
@@ -72,10 +72,6 @@ const SMOOTH_MM: f64 = 0.01;
 ///
 /// Source: four beads, because the foot of a trunk is that far from its neighbours.
 const FAR_MM: f64 = 2.0;
-/// The shortest bead that is laid, mm: less does not stick.
-///
-/// Source: the least loop that `beads::lay` lays.
-const SHORT_MM: f64 = 0.3;
 /// Largest distance along a lower bead from any place to the next point at which printed supports are judged
 /// (`CHECKED`), mm.
 ///
@@ -89,6 +85,19 @@ const APART_MM: f64 = 0.15;
 /// Source: chosen. Two beads of equal width that are farther apart than this overlap by less than a twentieth of a
 /// width.
 const CHECKED: f64 = 0.95;
+
+/// An end of a bead that holds nothing is at most this share of the bead.
+///
+/// Source: derived. The fifth in the middle is then more than half of [`STEP_MM`] in the shortest bead, so that it holds.
+const END_SHARE: f64 = 0.4;
+/// The centrelines of walls are grown by this many half widths of a bead to find what is too thin for walls.
+///
+/// Source: derived. Half a bead gives back the section; a fortieth of a bead more, 0.01 mm, covers the rounding of corners.
+const GROWN: f64 = 1.05;
+/// No removal gap spans more than this number of layers, so sections further below are not needed again.
+///
+/// Source: chosen; it changes speed alone, because a section that is forgotten is made again.
+const KEPT_LAYERS: usize = 8;
 
 /// Lays the beads of all layers, adds beads that hold them, and leaves out those that nothing can hold.
 pub fn stand(
@@ -262,7 +271,7 @@ impl Beads {
         }
         // An upper bead that goes on beyond the end of an open bead has nothing to lie on there, so the end piece counts as
         // holding nothing. Short beads keep their middle.
-        let end_mm = END_MM.min(0.4 * path.length_mm());
+        let end_mm = END_MM.min(END_SHARE * path.length_mm());
         let ends = [path.segment(0), path.segment(path.n_segments() - 1)];
         let [first, last] = ends.map(|(a, b, _)| (a, b));
         for (end, inwards) in [(first.0, first.1 - first.0), (last.1, last.0 - last.1)] {
@@ -308,9 +317,9 @@ impl<'a> Part<'a> {
     }
 
     fn forget_below(&mut self, k: usize) {
-        self.clippers.retain(|&j, _| j + 8 >= k);
-        // No removal gap spans more than eight layers, so lower sections are not needed again.
-        self.beads.retain(|&j, _| j + 8 >= k);
+        // Lower sections are not needed again.
+        self.clippers.retain(|&j, _| j + KEPT_LAYERS >= k);
+        self.beads.retain(|&j, _| j + KEPT_LAYERS >= k);
     }
 
     /// Whether a section lies within a distance of a point.
@@ -339,7 +348,7 @@ impl<'a> Part<'a> {
         let (region, half) = (self.stack.layers()[layer].region(), half_mm);
         let [middles, thin] = self.beads.entry(layer).or_insert_with(|| {
             let middles = region.offset(-half, Join::Miter(2.0));
-            let thin = region.difference(&middles.offset(1.05 * half, Join::Miter(2.0)));
+            let thin = region.difference(&middles.offset(GROWN * half, Join::Miter(2.0)));
             [&middles, &thin].map(LineClipper::new)
         });
         is_near(middles, p, reach_mm) || (reach_mm >= half && is_near(thin, p, reach_mm - half))

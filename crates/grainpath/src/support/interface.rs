@@ -67,6 +67,13 @@ pub(super) const WALK: f64 = 0.75;
 /// the width and this length stay within 0.95 of the width and 0.15 mm.
 pub(super) const END_MM: f64 = 0.11;
 
+/// Spacing of interface lines and of the contacts below them, as a share of L. Source: derived. A point in the middle
+/// of four contacts is 0.43 L from them, and a bead at 45 degrees runs over air for 0.85 L.
+const SPACING_SHARE: f64 = 0.6;
+/// Lines are cut by layers at points this far apart, in bead widths. Source: derived. A bead then ends within a
+/// twentieth of its width of where its layer ends, far less than [`OVERLAP_BEADS`].
+const CUT_BEADS: f64 = 0.1;
+
 /// The least lean from the vertical, radians, at which walls of a part hang over those below: a layer `height_mm`
 /// thick then steps outwards by three quarters of a bead.
 pub(crate) fn flat_rad(height_mm: f64, settings: &SupportSettings) -> f64 {
@@ -81,7 +88,7 @@ pub fn is_flat(sample: &Sample, stack: &LayerStack, settings: &SupportSettings) 
 /// Spacing of interface lines and of the contacts below them, mm. It is the largest at which no point of the overhang is
 /// farther than 0.43 L from a contact, and no bead across the lines runs over air for more than 0.85 L.
 pub fn spacing_mm(settings: &SupportSettings) -> f64 {
-    0.6 * settings.max_unsupported_mm
+    SPACING_SHARE * settings.max_unsupported_mm
 }
 
 /// A sample of an overhang.
@@ -282,7 +289,7 @@ pub fn lay(
 ) -> Vec<Vec<Toolpath>> {
     let width_mm = settings.beads.bead_width_mm;
     let overlap_mm = OVERLAP_BEADS * width_mm;
-    let step_mm = 0.1 * width_mm;
+    let step_mm = CUT_BEADS * width_mm;
     let mut out: Vec<Vec<Toolpath>> = vec![Vec::new(); n_layers];
     for line in lines {
         let mut pieces: Vec<(usize, Vec<DVec2>)> = Vec::new();

@@ -32,6 +32,31 @@ use rayon::prelude::*;
 use super::contact::{Contact, ContactGrid, Reason, Sample};
 use super::{SupportSettings, interface};
 
+/// A facet counts as upright if the sine of its lean is less than this. Source: derived. In a layer of 0.2 mm its wall
+/// then steps outwards by 0.004 mm, a hundredth of a bead.
+const UPRIGHT_SINE: f64 = 0.02;
+/// An edge is a keel if the cosine of the angle between the normals of its facets is less than this. The facets of a
+/// round surface fold less. Measured: row `support.overhang.KEEL_COS` of `cargo xtask bench constants`.
+static KEEL_COS: Tuned<f64> = Tuned::new("support.overhang.KEEL_COS", 0.9);
+/// A contact is dropped for others that hold its samples only if it holds fewer samples than this. Measured: row
+/// `support.overhang.FEW_SAMPLES` of `cargo xtask bench constants`.
+static FEW_SAMPLES: Tuned<usize> = Tuned::new("support.overhang.FEW_SAMPLES", 40);
+/// A sample becomes a contact where none is nearer than this share of L. Measured: row `support.overhang.REACH_SHARE`
+/// of `cargo xtask bench constants`.
+static REACH_SHARE: Tuned<f64> = Tuned::new("support.overhang.REACH_SHARE", 0.49);
+/// A contact counts for a piece in mid-air if it lies within this many layers of its underside. Source: derived.
+/// Contacts lie on facets that cut a layer anywhere in its height, and its neighbours above and below.
+const AROUND_LAYERS: f64 = 1.5;
+/// A piece in mid-air gets several contacts if it is at least this long, in spacings of contacts. Measured: row
+/// `support.overhang.MID_AIR_LONG` of `cargo xtask bench constants`.
+static MID_AIR_LONG: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_LONG", 0.8);
+/// Contacts of a piece in mid-air are at least this far apart, in spacings of contacts. Measured: row
+/// `support.overhang.MID_AIR_APART` of `cargo xtask bench constants`.
+static MID_AIR_APART: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_APART", 0.9);
+/// Places for more contacts of a piece in mid-air are tried this far apart, in spacings of contacts. Measured: row
+/// `support.overhang.MID_AIR_STEP` of `cargo xtask bench constants`.
+static MID_AIR_STEP: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_STEP", 0.5);
+
 /// A piece of a layer with nothing below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MidAir {
@@ -77,13 +102,13 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     let painted = Painted::new(mesh, &settings.painted);
     let beyond = |t: usize| -> bool {
         let middle = middle(mesh, t as u32);
-        let beyond = -normals[t].z > steep || (-normals[t].z > 0.02 && settings.enforced(middle));
+        let beyond = -normals[t].z > steep || (-normals[t].z > UPRIGHT_SINE && settings.enforced(middle));
         listed[t].unwrap_or(beyond && !settings.blocked(middle))
     };
     let hangs = |t: usize| {
         let high = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize].z).fold(0.0, f64::max);
         let wanted = beyond(t) || painted.on.contains_key(&(t as u32));
-        high > plate_mm && wanted && normals[t].z < -0.02
+        high > plate_mm && wanted && normals[t].z < -UPRIGHT_SINE
     };
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
     // At each point, paint overrides the angle of the facet.
@@ -321,7 +346,7 @@ fn leaning_edges(
     for edge in edges.edges() {
         let uses: Vec<(usize, bool)> = edge.collect();
         let [(s, down), (t, _)] = uses[..] else { continue };
-        if hanging[s] || hanging[t] || normals[s].z > -0.02 || normals[t].z > -0.02 {
+        if hanging[s] || hanging[t] || normals[s].z > -UPRIGHT_SINE || normals[t].z > -UPRIGHT_SINE {
             continue;
         }
         let [mut a, mut b] = shared(mesh.triangles[s], mesh.triangles[t]).map(|i| mesh.vertices[i as usize]);
@@ -330,7 +355,7 @@ fn leaning_edges(
         }
         let along = b - a;
         // A keel folds outwards, and more sharply than the facets of a round surface.
-        let folds = normals[s].dot(normals[t]) < 0.9;
+        let folds = normals[s].dot(normals[t]) < KEEL_COS.value();
         let third = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]);
         let outwards = third
             .map(|p| (p - a).dot(normals[s]))
@@ -448,13 +473,13 @@ fn place(
             let p = samples[i].2.at;
             index.within(p, near_mm).any(|(_, j)| j != best && samples[j].0 == samples[i].0)
         };
-        if members.len() < 40 && members.iter().all(|&i| others(i)) {
+        if members.len() < FEW_SAMPLES.value() && members.iter().all(|&i| others(i)) {
             index.remove(samples[best].2.at, best);
         } else {
             kept.push(best);
         }
     }
-    let reach = 0.49 * settings.max_unsupported_mm;
+    let reach = REACH_SHARE.value() * settings.max_unsupported_mm;
     for (i, (_, _, s)) in samples.iter().enumerate() {
         if index.within(s.at, reach).next().is_none() {
             index.insert(s.at, i);
@@ -539,10 +564,10 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
         let (z, h) = (layer.z_top_mm() - layer.height_mm(), layer.height_mm());
         let polygon = &piece.polygon;
         let reach = settings.contact_radius_mm;
-        let first = by_height.partition_point(|c| c.0 <= z - 1.5 * h);
+        let first = by_height.partition_point(|c| c.0 <= z - AROUND_LAYERS * h);
         let mut points: Vec<DVec2> = by_height[first..]
             .iter()
-            .take_while(|c| c.0 < z + 1.5 * h)
+            .take_while(|c| c.0 < z + AROUND_LAYERS * h)
             .map(|c| c.1)
             .filter(|&p| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach))
             .collect();
@@ -552,14 +577,14 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
             out.contacts.push(mid_air_contact(p.extend(z), polygon.area_mm2()));
         }
         let Some(bounds) = polygon.bounds() else { continue };
-        if bounds.size().max_element() < 0.8 * d {
+        if bounds.size().max_element() < MID_AIR_LONG.value() * d {
             continue;
         }
-        let n = (bounds.size() / (0.5 * d)).ceil();
+        let n = (bounds.size() / (MID_AIR_STEP.value() * d)).ceil();
         for j in 0..=n.y as i64 {
             for i in 0..=n.x as i64 {
-                let p = bounds.min + DVec2::new(i as f64, j as f64) * 0.5 * d;
-                let far = |points: &[DVec2]| points.iter().all(|q| q.distance(p) > 0.9 * d);
+                let p = bounds.min + DVec2::new(i as f64, j as f64) * MID_AIR_STEP.value() * d;
+                let far = |points: &[DVec2]| points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d);
                 if far(&points) && polygon.contains(p) {
                     points.push(p);
                     out.contacts.push(mid_air_contact(p.extend(z), 0.0));
@@ -568,7 +593,7 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
         }
         // Corners are tried as well, because a sliver may contain no point of the grid.
         for &p in &polygon.outer {
-            if points.iter().all(|q| q.distance(p) > 0.9 * d) {
+            if points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d) {
                 points.push(p);
                 out.contacts.push(mid_air_contact(p.extend(z), 0.0));
             }

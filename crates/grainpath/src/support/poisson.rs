@@ -35,6 +35,13 @@ const CYCLES: usize = 25;
 /// `support.poisson.RESIDUAL` of `cargo xtask bench constants`.
 static RESIDUAL: Tuned<f64> = Tuned::new("support.poisson.RESIDUAL", 2e-3);
 
+/// Points on the walls of layers are this far apart, in cells. Measured: row `support.poisson.POINT_STEP` of `cargo
+/// xtask bench constants`.
+static POINT_STEP: Tuned<f64> = Tuned::new("support.poisson.POINT_STEP", 0.7);
+/// Rounds of smoothing on the coarsest grid. Measured: row `support.poisson.COARSEST_SWEEPS` of `cargo xtask bench
+/// constants`.
+static COARSEST_SWEEPS: Tuned<usize> = Tuned::new("support.poisson.COARSEST_SWEEPS", 40);
+
 /// The surface of support layers on cells of about `cell_mm`, or larger ones where there would be too many.
 ///
 /// # Errors
@@ -102,7 +109,7 @@ fn points(regions: &[&Region], stack: &LayerStack, last: usize, grid: &SolutionG
         let mut out = Vec::new();
         for (a, b) in regions[k].contours().flat_map(|c| grainpath_core::poly::edges(c)) {
             let along = b - a;
-            let n = (along.length() / (0.7 * c)).ceil().max(1.0);
+            let n = (along.length() / (POINT_STEP.value() * c)).ceil().max(1.0);
             let outward = DVec2::new(along.y, -along.x).extend(0.0) * (layer.height_mm() / n);
             out.extend(
                 (0..n as usize)
@@ -254,7 +261,7 @@ fn residual(value: &[f32], right: &[f32], n: [usize; 3]) -> Vec<f32> {
 fn cycle(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
     let coarse = n.map(|k| k / 2);
     if n.iter().any(|k| k % 2 == 1) || coarse.iter().any(|&k| k < 4) {
-        (0..40).for_each(|_| smooth(value, right, n));
+        (0..COARSEST_SWEEPS.value()).for_each(|_| smooth(value, right, n));
         return;
     }
     (0..SWEEPS.value()).for_each(|_| smooth(value, right, n));

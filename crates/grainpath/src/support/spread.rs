@@ -21,7 +21,7 @@ use grainpath_core::{DVec2, DVec3};
 
 use super::SupportSettings;
 use super::clearance::Clearance;
-use super::tree::{Kind, Node, slope};
+use super::tree::{Kind, Node, STUMP_MM, slope};
 
 /// Length of the pieces into which a branch is divided for sums, mm.
 ///
@@ -192,7 +192,7 @@ impl<'a> Spreader<'a> {
                         }
                         let m = Move { sideways, down_mm: downs * step_mm / self.slope };
                         // Nodes stay above the foot, whose cone would widen them; those below it already stay there.
-                        let lowest_mm = self.s.base_height_mm + 1.0;
+                        let lowest_mm = self.s.base_height_mm + STUMP_MM.value();
                         let stands = |&j: &u32| {
                             self.nodes[j as usize].kind == Kind::Foot
                                 || self.place(j, chain, m).z >= lowest_mm.min(self.nodes[j as usize].at.z)

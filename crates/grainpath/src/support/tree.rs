@@ -24,7 +24,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 
 use super::SupportSettings;
-use super::clearance::Clearance;
+use super::clearance::{Clearance, LEAN_SHARE};
 use super::contact::Contact;
 
 /// The kind of a node.
@@ -134,9 +134,9 @@ pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
     (high.truncate() + across * (from_high / d)).extend(z)
 }
 
-/// How far branches go sideways for each millimetre down: 0.1 % less than the branch angle allows.
+/// How far branches go sideways for each millimetre down: a little less than the branch angle allows.
 pub(super) fn slope(settings: &SupportSettings) -> f64 {
-    tan(settings.branch_angle_rad) * 0.999
+    tan(settings.branch_angle_rad) * LEAN_SHARE
 }
 
 /// Grows trees from the contacts to the plate.
@@ -176,8 +176,9 @@ enum State {
 fn grid_from_above(bounds: Bounds2, n: usize) -> PointGrid2<u32> {
     let bounds = bounds.grown(10.0);
     let size = bounds.size();
+    let [least, most] = CELL_MM;
     let cell_mm =
-        (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
+        (size.x * size.y / n.max(1) as f64).sqrt().clamp(least, most).max(size.max_element() / 1000.0);
     PointGrid2::new(bounds, cell_mm)
 }
 
@@ -214,8 +215,33 @@ const TRIES: usize = 24;
 /// Length of branch that counts as much as one foot when joints are compared, mm. Measured: row `support.tree.FOOT_MM` of
 /// `cargo xtask bench constants`.
 static FOOT_MM: Tuned<f64> = Tuned::new("support.tree.FOOT_MM", 8.0);
-/// The shortest piece of trunk left below a joint, mm.
-const STUMP_MM: f64 = 1.0;
+/// The shortest piece of trunk left below a joint, mm. A node that is moved stays as far above the cone of a foot.
+/// Measured: row `support.tree.STUMP_MM` of `cargo xtask bench constants`.
+pub(super) static STUMP_MM: Tuned<f64> = Tuned::new("support.tree.STUMP_MM", 1.0);
+/// Factor on the lengths that are tried for a tip: 1, 0.6, 1.5, 2, 2.8 and 4 times the usual length. Measured: row
+/// `support.tree.TIP_LENGTHS` of `cargo xtask bench constants`.
+static TIP_LENGTHS: Tuned<f64> = Tuned::new("support.tree.TIP_LENGTHS", 1.0);
+/// The floor of a post is searched from this far below its contact, mm. Source: derived. Two slabs of the
+/// [`Clearance`]: the slab of the contact and the one below it may hold the underside that the post is to carry.
+const POST_BELOW_MM: f64 = 0.8;
+/// On its way to a joint a branch keeps clear of the part by this share of its own radius, or by the radius of the
+/// thinnest branch. Measured: row `support.tree.MEET_SHARE` of `cargo xtask bench constants`.
+static MEET_SHARE: Tuned<f64> = Tuned::new("support.tree.MEET_SHARE", 0.5);
+/// The finest and the coarsest cell of the grid of nodes, mm. Source: chosen for speed. The best joint of a node is
+/// found in any grid; which ones are tried next where it has no room may depend on the cells.
+const CELL_MM: [f64; 2] = [2.0, 20.0];
+/// How far a landing reaches into the part, mm. Source: derived. It is more than twice the height of a slab of the
+/// [`Clearance`], to whose top a landing is taken; what lies in the part is cut away.
+const SINK_MM: f64 = 1.0;
+/// A brace rises by this share of the lower of its two trunks at most. Measured: row `support.tree.BRACE_RISE` of
+/// `cargo xtask bench constants`.
+static BRACE_RISE: Tuned<f64> = Tuned::new("support.tree.BRACE_RISE", 0.5);
+/// A trunk that is too slender is tied to the first of this number of its nearest neighbours that has room for a brace.
+/// Measured: row `support.tree.BRACE_TRIES` of `cargo xtask bench constants`.
+static BRACE_TRIES: Tuned<usize> = Tuned::new("support.tree.BRACE_TRIES", 2);
+/// The highest brace begins this far below the top of the lower trunk, mm. Measured: row `support.tree.BRACE_BELOW_MM`
+/// of `cargo xtask bench constants`.
+static BRACE_BELOW_MM: Tuned<f64> = Tuned::new("support.tree.BRACE_BELOW_MM", 1.0);
 
 struct Grower<'a> {
     s: &'a SupportSettings,
@@ -276,10 +302,10 @@ impl Grower<'_> {
         let keep = self.s.branch_radius_mm + self.s.xy_gap_mm;
         let mut clear = None;
         let usual_mm = self.s.tip_length_mm.max(contact.tip_mm);
-        for t in [1.0, 0.6, 1.5, 2.0, 2.8, 4.0].map(|k| k * usual_mm) {
+        for t in [1.0, 0.6, 1.5, 2.0, 2.8, 4.0].map(|k| k * TIP_LENGTHS.value() * usual_mm) {
             for way in self.tip_directions(contact.normal) {
                 let end = top + way * t;
-                if end.z < STUMP_MM.min(0.5 * top.z) || self.clearance.distance_mm(end) < keep {
+                if end.z < STUMP_MM.value().min(0.5 * top.z) || self.clearance.distance_mm(end) < keep {
                     continue;
                 }
                 if self.clearance.leads_to_plate(end) {
@@ -315,7 +341,7 @@ impl Grower<'_> {
     /// Adds a post where there is no room for a branch. It goes straight down to the part or the plate, and is cut to fit
     /// afterwards.
     fn post(&mut self, i: u32, top: DVec3) {
-        let below = self.clearance.floor_mm(top - DVec3::Z * 0.8);
+        let below = self.clearance.floor_mm(top - DVec3::Z * POST_BELOW_MM);
         if self.s.from_plate_only && below > 0.0 || top.z - below < 1e-3 {
             self.forest.unreached.push(i);
             return;
@@ -403,7 +429,8 @@ impl Grower<'_> {
                 (at, alone + other_alone - together + FOOT_MM.value())
             }
         };
-        let low = self.floor(at, plate) + STUMP_MM.max(if plate { self.s.base_height_mm } else { 0.0 });
+        let low =
+            self.floor(at, plate) + STUMP_MM.value().max(if plate { self.s.base_height_mm } else { 0.0 });
         let near = (p - at).truncate().length() <= self.s.max_reach_mm;
         (gain_mm > 0.0 && at.z > low && near).then_some(Meeting { gain_mm, with: other, at })
     }
@@ -412,7 +439,7 @@ impl Grower<'_> {
         let (p, q) = (self.node(name), self.node(m.with));
         let thin = self.s.branch_radius_mm;
         let clear = |a: &Node| {
-            let keep = thin.max(0.5 * a.radius_mm) + self.s.xy_gap_mm;
+            let keep = thin.max(MEET_SHARE.value() * a.radius_mm) + self.s.xy_gap_mm;
             a.at.distance(m.at) < 1e-9
                 || self.clearance.is_clear(a.at, m.at, keep.min(self.clearance.distance_mm(a.at)))
         };
@@ -518,12 +545,14 @@ pub fn brace(forest: &mut Forest, clearance: &Clearance, settings: &SupportSetti
             .enumerate()
             .filter(|&(j, t)| j != i && t.0.distance(p) > 2.0 * r)
             .map(|(j, t)| (t.0.distance(p), j))
-            .filter(|&(d, j)| d < settings.max_reach_mm && d / slope < 0.5 * top.min(trunks[j].1))
+            .filter(|&(d, j)| {
+                d < settings.max_reach_mm && d / slope < BRACE_RISE.value() * top.min(trunks[j].1)
+            })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let step = slender * 2.0 * r;
-        for &(d, j) in near.iter().take(2) {
-            let mut z = top.min(trunks[j].1 + d / slope) - 1.0;
+        for &(d, j) in near.iter().take(BRACE_TRIES.value()) {
+            let mut z = top.min(trunks[j].1 + d / slope) - BRACE_BELOW_MM.value();
             let mut n = 0;
             while z - d / slope > settings.base_height_mm {
                 let (high, low) = (p.extend(z), trunks[j].0.extend(z - d / slope));
@@ -563,8 +592,8 @@ impl SupportSettings {
         (clearance.distance_mm(at) - self.xy_gap_mm).max(self.branch_radius_mm)
     }
 
-    /// How far a landing reaches into the part, mm: more than the height of a slab. What lies in the part is cut away.
+    /// How far a landing reaches into the part, mm.
     pub(super) fn sink_mm(&self) -> f64 {
-        1.0
+        SINK_MM
     }
 }

@@ -17,8 +17,9 @@ use grainpath_core::DVec2;
 use grainpath_core::DisjointSets;
 use grainpath_core::hash;
 use grainpath_core::math::{atan2, cross};
+use grainpath_core::tuned::Tuned;
 
-use super::cells::{Cells, Edge, Taken, beside};
+use super::cells::{Cells, Edge, MARK, TAKEN_HALF, Taken, beside};
 use super::rings::{Facing, Rings, Side};
 use crate::fill::Shift;
 
@@ -131,8 +132,11 @@ pub(super) fn join(
                 if sets.together(a as usize, b as usize) {
                     continue;
                 }
-                let Some(f) = beside(rings, e).filter(|f| taken.fits(f, 0.6 * spacing_mm)) else { continue };
-                taken.take_both(&f, 0.6 * spacing_mm);
+                let Some(f) = beside(rings, e).filter(|f| taken.fits(f, TAKEN_HALF.value() * spacing_mm))
+                else {
+                    continue;
+                };
+                taken.take_both(&f, TAKEN_HALF.value() * spacing_mm);
                 sets.union(a as usize, b as usize);
                 exchanges.push(f);
             }
@@ -169,19 +173,36 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     out
 }
 
+/// Factor on the least distances at which beads are joined last: 0.5, then 0.35, then 0.2 beads. Measured: row
+/// `fill.continuous.tree.REST_MIN` of `cargo xtask bench constants`.
+static REST_MIN: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_MIN", 1.0);
+/// Factor on the greatest distances at which beads are joined last: 1.6, then 2.3, then 3.2 beads. Measured: row
+/// `fill.continuous.tree.REST_MAX` of `cargo xtask bench constants`.
+static REST_MAX: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_MAX", 1.0);
+/// Factor on the distances between the places that are tried for the last joints: 4 beads, then 0.4 beads. Measured:
+/// row `fill.continuous.tree.REST_STEP` of `cargo xtask bench constants`.
+static REST_STEP: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_STEP", 1.0);
+/// Last joints keep this distance from other joints along a ring, in beads. Measured: row
+/// `fill.continuous.tree.REST_AROUND` of `cargo xtask bench constants`.
+static REST_AROUND: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_AROUND", 0.1);
+/// Slanted joints reach this far, in beads. Measured: row `fill.continuous.tree.SLANTED_FAR` of `cargo xtask bench
+/// constants`.
+static SLANTED_FAR: Tuned<f64> = Tuned::new("fill.continuous.tree.SLANTED_FAR", 2.5);
+
 /// Finds joints for rings that are still apart. The search becomes closer and wider until all are joined or
 /// all ranges are tried. It does not start from the longest ring, which all others can see.
 pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
     let longest = rings.longest();
     let mut sets = DisjointSets::new(n);
-    let mut taken = Taken::new(rings, 0.25 * spacing_mm);
+    let mut taken = Taken::new(rings, MARK.value() * spacing_mm);
     let mut exchanges = Vec::new();
     let look =
         |found: Vec<Facing>, sets: &mut DisjointSets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
             for f in found {
                 let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.lowest(r));
-                let around_mm = f.half_mm + 0.1 * spacing_mm;
+                // The ends of two joints keep apart, so that the connections do not touch.
+                let around_mm = f.half_mm + REST_AROUND.value() * spacing_mm;
                 let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
                 if a != b && free() {
                     taken.take_both(&f, around_mm);
@@ -196,6 +217,8 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     for (range, step) in
         [(Some(near), 4.0), (Some(near), 0.4), (Some([0.35, 2.3]), 0.4), (Some([0.2, 3.2]), 0.4), (None, 0.4)]
     {
+        let range = range.map(|[least, most]| [least * REST_MIN.value(), most * REST_MAX.value()]);
+        let step = step * REST_STEP.value();
         for ring in (0..n).filter(|&r| r != longest) {
             let length = rings.length_mm(ring);
             let steps = (length / (step * spacing_mm)).ceil().max(1.0);
@@ -210,7 +233,7 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
                         .into_iter()
                         .filter_map(|side| rings.stretches(ring, at_mm, side, range, None))
                         .collect(),
-                    None => rings.slanted(ring, at_mm, 2.5),
+                    None => rings.slanted(ring, at_mm, SLANTED_FAR.value()),
                 };
                 look(found, &mut sets, &mut taken, &mut exchanges);
             }

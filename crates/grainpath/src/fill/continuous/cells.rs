@@ -47,6 +47,18 @@ static PLACE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MAX", 4.0
 /// About this number of places is tried in a region; in a large region they lie farther apart.
 /// Measured: row `fill.continuous.cells.MANY_PLACES` of `cargo xtask bench constants`.
 static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES", 20_000.0);
+/// Stretches in use are marked in steps of this length, in beads. Measured: row `fill.continuous.cells.MARK` of `cargo
+/// xtask bench constants`.
+pub(super) static MARK: Tuned<f64> = Tuned::new("fill.continuous.cells.MARK", 0.25);
+/// A joint keeps this length to both sides of its middle for itself, in beads. Its stretch takes half a bead of that.
+/// Measured: row `fill.continuous.cells.TAKEN_HALF` of `cargo xtask bench constants`.
+pub(super) static TAKEN_HALF: Tuned<f64> = Tuned::new("fill.continuous.cells.TAKEN_HALF", 0.6);
+/// Cuts across a strip lie at least this far apart, in lengths of a cell. Measured: row
+/// `fill.continuous.cells.CUT_APART` of `cargo xtask bench constants`.
+static CUT_APART: Tuned<f64> = Tuned::new("fill.continuous.cells.CUT_APART", 0.8);
+/// Where a strip cannot be cut, the next place is this far onwards, in beads. Measured: row
+/// `fill.continuous.cells.CUT_STEP` of `cargo xtask bench constants`.
+static CUT_STEP: Tuned<f64> = Tuned::new("fill.continuous.cells.CUT_STEP", 0.5);
 
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
@@ -137,7 +149,7 @@ impl Taken {
 
 /// Cuts strips into cells of about `length_mm`, and marks the stretches at the cuts in `taken`.
 pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, shift: Shift, taken: &mut Taken) -> Cells {
-    let step = 0.25 * spacing_mm;
+    let step = MARK.value() * spacing_mm;
     // Two sets of marks: `near` spaces the cuts a cell's length apart on both sides of the strip,
     // `taken` keeps only the stretches themselves, which later joints have to avoid.
     let mut near = Taken::new(rings, step);
@@ -148,13 +160,15 @@ pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, shift: Shift, 
         let mut at = near.next_free(ring, if first_mm < length { first_mm } else { 0.5 * length_mm });
         while at < length - 0.5 * spacing_mm {
             let found = rings.stretches(ring, at, Side::Left, [ACROSS_MIN.value(), ACROSS_MAX.value()], None);
-            if let Some(f) = found.filter(|f| near.fits(f, 0.0) && taken.fits(f, 0.6 * spacing_mm)) {
-                near.take_both(&f, 0.8 * length_mm);
-                taken.take_both(&f, 0.6 * spacing_mm);
+            if let Some(f) =
+                found.filter(|f| near.fits(f, 0.0) && taken.fits(f, TAKEN_HALF.value() * spacing_mm))
+            {
+                near.take_both(&f, CUT_APART.value() * length_mm);
+                taken.take_both(&f, TAKEN_HALF.value() * spacing_mm);
                 cuts.push(f);
-                at += 0.8 * length_mm;
+                at += CUT_APART.value() * length_mm;
             }
-            at = near.next_free(ring, at + 0.5 * spacing_mm);
+            at = near.next_free(ring, at + CUT_STEP.value() * spacing_mm);
         }
     }
     let ends = Ends::new(rings, &cuts);

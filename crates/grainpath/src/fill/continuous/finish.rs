@@ -19,7 +19,7 @@ use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
 use super::super::field::stripes::{SIMPLIFY_MM, simplified};
 use super::super::field::widths::{Line, Neighbours};
-use super::rings::{CLOSE, SEEN_BEADS, beside};
+use super::rings::{ALONGSIDE, CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
 
 /// The narrowest bead, as a share of the nominal one. Source: as in
@@ -51,6 +51,18 @@ static AT_CORNERS: Tuned<f64> = Tuned::new("fill.continuous.finish.AT_CORNERS", 
 /// A bead is moved where the free space on its two sides differs by more than this, in beads.
 /// Measured: row `fill.continuous.finish.UNEVEN` of `cargo xtask bench constants`.
 static UNEVEN: Tuned<f64> = Tuned::new("fill.continuous.finish.UNEVEN", 0.08);
+/// This number of segments before and after an uneven one is measured again with it. Measured: row
+/// `fill.continuous.finish.AROUND_UNEVEN` of `cargo xtask bench constants`.
+static AROUND_UNEVEN: Tuned<usize> = Tuned::new("fill.continuous.finish.AROUND_UNEVEN", 3);
+/// The space that pushes a bead is counted up to this, in beads. Measured: row `fill.continuous.finish.MOST_MOVE` of
+/// `cargo xtask bench constants`.
+static MOST_MOVE: Tuned<f64> = Tuned::new("fill.continuous.finish.MOST_MOVE", 0.25);
+/// A point that is no corner moves by this share of the sum of the shifts of its two segments. Measured: row
+/// `fill.continuous.finish.STRAIGHT_MOVE` of `cargo xtask bench constants`.
+static STRAIGHT_MOVE: Tuned<f64> = Tuned::new("fill.continuous.finish.STRAIGHT_MOVE", 0.25);
+/// A point that is no corner moves by this share of the way to the middle of its neighbours, across the line. Measured:
+/// row `fill.continuous.finish.SMOOTHING` of `cargo xtask bench constants`.
+static SMOOTHING: Tuned<f64> = Tuned::new("fill.continuous.finish.SMOOTHING", 0.35);
 /// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
 /// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const ON_EDGE_MM: f64 = 0.002;
@@ -192,15 +204,17 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
 /// The space measured before, and whether it is to be measured again, for each line and segment.
 type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
 
-/// Marks segments with unequal space on their sides, and three segments before and after each.
+/// Marks segments with unequal space on their sides, and [`AROUND_UNEVEN`] segments before and after each.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
+    // Segments near an uneven one have moved with it, because lines are smoothed.
+    let around = AROUND_UNEVEN.value();
     let of_line = |sides: &Vec<Sides>| {
         let n = sides.len();
         let mut out = vec![false; n];
         for (k, s) in sides.iter().enumerate() {
             let [left, right] = s.map(|r| r.mm().unwrap_or(0.5 * spacing_mm));
             if (left - right).abs() > UNEVEN.value() * spacing_mm {
-                (0..7.min(n)).for_each(|j| out[(k + n + j - 3.min(n)) % n] = true);
+                (0..(2 * around + 1).min(n)).for_each(|j| out[(k + n + j - around.min(n)) % n] = true);
             }
         }
         out
@@ -263,7 +277,7 @@ fn spaces_beside(
                 return if is_gap { Space::Bead(0.5 * hit.distance_mm) } else { Space::Open };
             }
             let (p, q) = lines[other].segment(hit.segment);
-            let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
+            let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > ALONGSIDE.value();
             if along { Space::Bead(0.5 * hit.distance_mm) } else { Space::Open }
         };
         // From one segment of a bead to the next, the neighbour is mostly the same.
@@ -280,7 +294,7 @@ fn spaces_beside(
 /// Moves a line towards the middle of its space, and smooths it between its corners.
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
-    let most = 0.25 * spacing_mm;
+    let most = MOST_MOVE.value() * spacing_mm;
     // Sideways shift of each segment. On a side without a neighbour nothing pushes the bead away; the bead
     // is then only pulled towards a gap on its other side.
     let shift = |s: &Sides| match s.map(Space::mm) {
@@ -300,7 +314,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     let moved: Vec<DVec2> = (0..n)
         .map(|v| {
             let [p, q] = [(v + n - 1) % n, v].map(|s| shifts[s] * DVec2::new(-ways[s].y, ways[s].x));
-            line.points[v] + if is_corner[v] { 0.5 * (p + q) } else { 0.25 * (p + q) }
+            line.points[v] + if is_corner[v] { 0.5 * (p + q) } else { STRAIGHT_MOVE.value() * (p + q) }
         })
         .collect();
     let smooth = |v: usize| {
@@ -311,7 +325,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
         // The point moves towards the middle of its two neighbours, but only across the line, so that the
         // steps along the line stay even.
         let across = (b - a).perp().normalize_or_zero();
-        p + 0.35 * (a.midpoint(b) - p).dot(across) * across
+        p + SMOOTHING.value() * (a.midpoint(b) - p).dot(across) * across
     };
     let points = (0..n)
         .map(|v| {

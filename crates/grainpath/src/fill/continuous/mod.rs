@@ -43,7 +43,7 @@ use grainpath_core::{DVec2, Density, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
 pub use cell_tree::TreeKind;
-use cells::Taken;
+use cells::{MARK, Taken};
 use rings::Rings;
 pub(super) use verify::necks;
 pub use verify::{Note, Problem};
@@ -227,7 +227,7 @@ impl Continuous {
             let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();
             rings = Rings::new(strips::parted(&loops, &touching, spacing), infill_region, spacing);
         }
-        let mut taken = Taken::new(&rings, 0.25 * spacing);
+        let mut taken = Taken::new(&rings, MARK.value() * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, context.shift, &mut taken);
         let exchanges = cell_tree::join(&rings, &cells, self.tree, spacing, context.shift, &axis, &mut taken);
         rejoined(rings.exchanged(&exchanges), infill_region, spacing)

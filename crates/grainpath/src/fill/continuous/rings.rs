@@ -98,13 +98,18 @@ impl Side {
     }
 }
 
+/// Two beads run side by side if the cosine of the angle between them is more than this (0.6: 53 degrees). A ray square
+/// to one then meets the other at 37 degrees or more. Measured: row `fill.continuous.rings.ALONGSIDE` of `cargo xtask
+/// bench constants`.
+pub(super) static ALONGSIDE: Tuned<f64> = Tuned::new("fill.continuous.rings.ALONGSIDE", 0.6);
+
 /// Distance from `at` along `look` to the segment from `p` to `q`; `None` where the ray misses it
-/// or meets it at less than 37 degrees.
+/// or where the segment does not run [`ALONGSIDE`].
 pub(super) fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let d = q - p;
     let det = cross(look, d);
-    // 0.6 is the sine of 37 degrees. At flatter angles the two beads do not run side by side.
-    if det.abs() < 0.6 * d.length() {
+    // At flatter angles the two beads do not run side by side.
+    if det.abs() < ALONGSIDE.value() * d.length() {
         return None;
     }
     let to = p - at;
@@ -136,6 +141,30 @@ pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> 
 /// Rings run in opposite directions if the cosine of the angle between them is below minus this value.
 /// Measured: row `fill.continuous.rings.AGAINST` of `cargo xtask bench constants`.
 static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
+/// A stretch is straight if the cosine of its turn within half a bead is at least this (0.8: 37 degrees). Measured: row
+/// `fill.continuous.rings.STRAIGHT` of `cargo xtask bench constants`.
+static STRAIGHT: Tuned<f64> = Tuned::new("fill.continuous.rings.STRAIGHT", 0.8);
+/// Each half of a facing stretch is longer than this share of half a bead. Measured: row
+/// `fill.continuous.rings.FACING_MIN` of `cargo xtask bench constants`.
+static FACING_MIN: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MIN", 0.3);
+/// Each half of a facing stretch is shorter than this multiple of half a bead. Measured: row
+/// `fill.continuous.rings.FACING_MAX` of `cargo xtask bench constants`.
+static FACING_MAX: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MAX", 1.8);
+/// On one ring the middles of the two stretches lie at least this many halves of a bead apart. At 2 they touch.
+/// Measured: row `fill.continuous.rings.OWN_APART` of `cargo xtask bench constants`.
+static OWN_APART: Tuned<f64> = Tuned::new("fill.continuous.rings.OWN_APART", 2.2);
+/// Share of a connection that is left out at either end where it is tested. Source: derived. Of a connection of 0.4 mm
+/// that is 0.008 mm, eighty times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
+const LEFT_OUT: f64 = 0.02;
+/// Factor on the angles of the rays that search for slanted joints: 0, 0.5 and 1 radians to both sides. Measured: row
+/// `fill.continuous.rings.SLANTED_TURN` of `cargo xtask bench constants`.
+static SLANTED_TURN: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_TURN", 1.0);
+/// Factor on half the lengths of the stretches that slanted joints replace: 0.4, 0.2 and 0.08 of a bead. Measured: row
+/// `fill.continuous.rings.SLANTED_HALF` of `cargo xtask bench constants`.
+static SLANTED_HALF: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_HALF", 1.0);
+/// Rings shorter than this many half stretches get no slanted joint. Source: derived. A ring is a triangle at least:
+/// where one of three stretches is replaced, two are left.
+const LEAST_RING: f64 = 6.0;
 /// For the last joints, only segments within this distance of a ring other than the longest are searched,
 /// in beads. Source: derived. The widest search looks 3.2 beads far, and the connections between stretches
 /// lie within one more bead of that. A larger value changes speed only.
@@ -330,9 +359,9 @@ impl Rings {
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
             let (q, along, segment) = self.point_near(ring, self.wrapped(ring, at_mm + by), middle_segment);
-            // Beyond 37 degrees within half a bead the stretch is a bend, and the joint would cut
+            // With a sharper turn within half a bead the stretch is a bend, and the joint would cut
             // its corner.
-            if along.dot(way) < 0.8 {
+            if along.dot(way) < STRAIGHT.value() {
                 return None;
             }
             // All rays are square to the ring's direction at the middle, so that they are parallel. A strip
@@ -348,21 +377,21 @@ impl Rings {
         }
         let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
         // A facing stretch much shorter or longer than this one lies at a slant or has a bend.
-        let fits = |d: f64| d > 0.3 * half && d < 1.8 * half;
+        let fits = |d: f64| d > FACING_MIN.value() * half && d < FACING_MAX.value() * half;
         if !fits(d0) || !fits(d1) {
             return None;
         }
         if middle.ring == ring {
             // On one ring the two stretches must not overlap.
             let off = ahead(at_mm, middle.at_mm);
-            if off.min(length - off) < 2.2 * half {
+            if off.min(length - off) < OWN_APART.value() * half {
                 return None;
             }
         }
         // A hole without a ring around it may lie between the two beads. The ends themselves may
-        // lie on the border, so 2 % are left out at either end.
+        // lie on the border, so a little is left out at either end.
         let free = |a: DVec2, b: DVec2| {
-            let (a, b) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
+            let (a, b) = (a.lerp(b, LEFT_OUT), b.lerp(a, LEFT_OUT));
             self.infill_region.contains(a) && !self.infill_region.meets(a, b)
         };
         if !free(a0, b1) || !free(a1, b0) {
@@ -385,7 +414,7 @@ impl Rings {
     pub(super) fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
         let (p, way, segment) = self.point(ring, at_mm);
         let mut out = Vec::new();
-        for turn in [0.0, 0.5, -0.5, 1.0, -1.0] {
+        for turn in [0.0, 0.5, -0.5, 1.0, -1.0].map(|rad| rad * SLANTED_TURN.value()) {
             for side in [1.0, -1.0] {
                 let look = rotated(side * way.perp(), direction(turn));
                 let skips = |r: usize, s: usize| r == ring && s == segment;
@@ -396,8 +425,8 @@ impl Rings {
                 }
                 let start = self.lines[other].segment(hit.segment).0;
                 let facing_mm = self.arcs[other][hit.segment] + start.distance(p + hit.distance_mm * look);
-                for half in [0.4, 0.2, 0.08].map(|h| h * self.spacing_mm) {
-                    if self.length_mm(ring) < 6.0 * half || self.length_mm(other) < 6.0 * half {
+                for half in [0.4, 0.2, 0.08].map(|h| h * SLANTED_HALF.value() * self.spacing_mm) {
+                    if [ring, other].into_iter().any(|r| self.length_mm(r) < LEAST_RING * half) {
                         continue;
                     }
                     let three =
@@ -405,6 +434,7 @@ impl Rings {
                     let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
                     let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
                     let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
+                    // Connections that cross would make a knot.
                     let apart = segment::meeting([a0, b1], [b0, a1]) == Meeting::Apart;
                     if apart && self.is_free(a0, b1) && self.is_free(b0, a1) {
                         out.push(Facing {
@@ -425,7 +455,7 @@ impl Rings {
     /// Whether the straight connection between two points of rings meets no ring and stays inside the
     /// region.
     fn is_free(&self, a: DVec2, b: DVec2) -> bool {
-        let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
+        let (p, q) = (a.lerp(b, LEFT_OUT), b.lerp(a, LEFT_OUT));
         let way = (q - p).normalize_or_zero();
         self.infill_region.segment_inside(p, q)
             && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()

@@ -27,7 +27,7 @@ use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, segment};
 
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
-use super::super::field::stripes::NearBorder;
+use super::super::field::stripes::{BORDER_CELL, NearBorder};
 use super::super::field::widths::smooth;
 use super::Pull;
 use crate::fill::FillContext;
@@ -49,6 +49,12 @@ static MANY_NODES: Tuned<f64> = Tuned::new("fill.continuous.strips.MANY_NODES", 
 /// Parts of a region narrower than this are strips by themselves, in beads.
 /// Measured: row `fill.continuous.strips.THIN_BEADS` of `cargo xtask bench constants`.
 static THIN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_BEADS", 1.5);
+/// Thin parts are grown by this, in beads. Measured: row `fill.continuous.strips.THIN_GROWN` of `cargo xtask bench
+/// constants`.
+static THIN_GROWN: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_GROWN", 0.1);
+/// Outlines around less than this are left out where thin parts were added, in square beads. Measured: row
+/// `fill.continuous.strips.THIN_CRUMB` of `cargo xtask bench constants`.
+static THIN_CRUMB: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_CRUMB", 0.1);
 /// Where strips touch, a square that reaches this far to each side is cut out, in beads. Source: derived.
 /// The two beads of a strip lie one bead apart, so two squares that reach half a bead would cut the strip
 /// through; a quarter of a bead leaves half of the strip's width.
@@ -104,7 +110,7 @@ pub(super) fn outlines(
         .unzip();
     // One turn of the phase is a whole strip, two beads wide.
     let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
-    let near = NearBorder::new(&region, 3.2 * spacing_mm);
+    let near = NearBorder::new(&region, BORDER_CELL * (2.0 * spacing_mm));
     let wanted = mesh
         .nodes
         .iter()
@@ -183,7 +189,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
     // parts.
     thin.polygons.retain(|p| {
         let is_neck = || {
-            let grown = Region::from(p.clone()).offset(0.1 * spacing_mm, Join::Miter(2.0));
+            let grown = Region::from(p.clone()).offset(THIN_GROWN.value() * spacing_mm, Join::Miter(2.0));
             grown.intersection(&thick).polygons.len() > 1
         };
         p.area_mm2() > spacing_mm * spacing_mm || is_neck()
@@ -194,9 +200,9 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
     let strips = Region::from_contours(&loops, FillRule::Positive);
     // The thin parts are grown a little, so that they overlap the strips they touch and merge with
     // them.
-    let thin = thin.offset(0.1 * spacing_mm, Join::Miter(2.0)).intersection(region);
+    let thin = thin.offset(THIN_GROWN.value() * spacing_mm, Join::Miter(2.0)).intersection(region);
     let mut all = strips.union(&thin);
-    all.polygons.retain(|p| p.area_mm2() > 0.1 * spacing_mm * spacing_mm);
+    all.polygons.retain(|p| p.area_mm2() > THIN_CRUMB.value() * spacing_mm * spacing_mm);
     all.contours().cloned().collect()
 }
 

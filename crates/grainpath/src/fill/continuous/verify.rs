@@ -66,6 +66,9 @@ impl Note {
 /// Paths may lie this far outside their infill region, mm, because coordinates are rounded and points are
 /// left out. Source: derived. Twice the distance by which leaving out points moves a line.
 const SLACK_MM: f64 = 0.01;
+/// A neck joins two areas for centrelines if it is this wide, in bead widths. Source: derived. The two beads of a strip
+/// have their centrelines one spacing apart, which is less than a width; a fifth more is for rounding of contours.
+const NECK_WIDTHS: f64 = 1.2;
 
 /// Checks the paths of a region for rings that were not joined, crossings, and places outside the region.
 pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
@@ -111,7 +114,7 @@ pub(in crate::fill) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, not
     };
     for k in 1..infill_regions.len() {
         let (_, at_mm) = nearest(k);
-        let what = Problem::Neck { needed_mm: 1.2 * bead_width_mm };
+        let what = Problem::Neck { needed_mm: NECK_WIDTHS * bead_width_mm };
         notes.push(Note { at_mm, what });
     }
 }

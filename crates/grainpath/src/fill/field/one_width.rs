@@ -33,7 +33,7 @@ use grainpath_core::poly::LineClipper;
 use grainpath_core::polyline::length_mm;
 use grainpath_core::{Bounds2, DVec2, Region};
 
-use super::widths::{Line, Neighbours, stretches_along};
+use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, stretches_along};
 
 /// The least space of a line, in spacings: half of the distance between its two neighbours. Source:
 /// derived, see the head of this file.
@@ -68,14 +68,14 @@ pub(super) fn packed(
     let along = |line| stretches_along(line, axis, FARTHEST_RAD, shortest_mm);
     let lines = lines.into_iter().flat_map(along).collect();
     let mut lines = without_crowded(lines, border, spacing_mm, shortest_mm);
-    let neighbours = Neighbours::new(&lines, border, 1.5 * spacing_mm);
+    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing_mm);
     drawn_on(&mut lines, &neighbours, inside, axis, spacing_mm);
     lines
 }
 
 /// Keeps the stretches of lines that have at least [`LEAST_ROOM`].
 fn without_crowded(lines: Vec<Line>, border: &Region, spacing_mm: f64, shortest_mm: f64) -> Vec<Line> {
-    let neighbours = Neighbours::new(&lines, border, 1.5 * spacing_mm);
+    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing_mm);
     let strips = neighbours.strips(&lines, spacing_mm);
     let crowded = |width: &f64| *width < LEAST_ROOM * spacing_mm;
     let mut kept = Vec::with_capacity(lines.len());
@@ -199,7 +199,8 @@ impl End<'_> {
     fn room(&self, p: DVec2, along: DVec2) -> f64 {
         let left = DVec2::new(-along.y, along.x);
         let side = |way: DVec2| {
-            let hit = self.neighbours.hit(p, way, 1.8 * self.spacing_mm, |l, s| self.is_own(l, s));
+            let hit =
+                self.neighbours.hit(p, way, FAR_BEADS.value() * self.spacing_mm, |l, s| self.is_own(l, s));
             hit.map_or(0.5 * self.spacing_mm, |hit| {
                 if hit.line.is_some() { 0.5 * hit.distance_mm } else { hit.distance_mm }
             })
@@ -207,9 +208,13 @@ impl End<'_> {
         side(left) + side(-left)
     }
 
-    /// Whether a segment is one of the three last segments before this end.
+    /// Whether a segment is one of the last [`OWN_SEGMENTS`] before this end.
     fn is_own(&self, line: usize, segment: usize) -> bool {
         line == self.line
-            && if self.at_start { segment < 3 } else { segment + 3 >= self.lines[line].n_segments() }
+            && if self.at_start {
+                segment < OWN_SEGMENTS
+            } else {
+                segment + OWN_SEGMENTS >= self.lines[line].n_segments()
+            }
     }
 }

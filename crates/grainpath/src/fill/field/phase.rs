@@ -83,6 +83,26 @@ static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
 static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
+/// Stiffness with which neighbouring nodes get the same spacing whatever the direction, so that it is smooth across the
+/// lines too. That along the lines is about 1. Measured: row `fill.field.phase.ACROSS` of `cargo xtask bench
+/// constants`.
+static ACROSS: Tuned<f64> = Tuned::new("fill.field.phase.ACROSS", 0.02);
+/// A triangle has a divergence where the sum of the three axes at its corners is at least this long. Measured: row
+/// `fill.field.phase.LEAST_SUM` of `cargo xtask bench constants`.
+static LEAST_SUM: Tuned<f64> = Tuned::new("fill.field.phase.LEAST_SUM", 2.4);
+/// The spacing is solved to this residual, as a share of the right side. Measured: row
+/// `fill.field.phase.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
+static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_TOLERANCE", 1e-3);
+/// Each round of diffusion is solved to this residual, as a share of the right side. Measured: row
+/// `fill.field.phase.TOLERANCE` of `cargo xtask bench constants`.
+static TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.TOLERANCE", 1e-2);
+/// Most steps of the solver in a round of diffusion. Measured: row `fill.field.phase.STEPS` of `cargo xtask bench
+/// constants`.
+static STEPS: Tuned<usize> = Tuned::new("fill.field.phase.STEPS", 60);
+/// Most steps of the solver for the spacing. Source: derived. The spacing spreads over [`DRIFT_MM`], about 30 squares
+/// of 0.4 mm, and a step of conjugate gradients reaches one square further; ten times as many are enough.
+const DRIFT_STEPS: usize = 300;
+
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
 /// to end.
 pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
@@ -91,7 +111,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let mut matrix = GridMatrix::zero(mesh, true);
     matrix.own.fill(cell2 / (DRIFT_MM.value() * DRIFT_MM.value()));
     // A little smoothing across the lines too.
-    matrix.add_springs(0.02);
+    matrix.add_springs(ACROSS.value());
     let mut rhs = vec![0.0; n];
     // Along a line, the logarithm of the frequency falls by the divergence of the axis. Each triangle gives
     // one equation.
@@ -110,7 +130,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
         let mean = t_axes[0] + t_axes[1] + t_axes[2];
         let length = mean.length();
         // Near a singular point the axes differ too much to give a divergence.
-        if length < 2.4 {
+        if length < LEAST_SUM.value() {
             continue;
         }
         let mean = mean / length;
@@ -123,7 +143,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
             rhs[corner] -= 0.5 * cell2 * divergence * along[k];
         }
     }
-    let x = matrix.solve(vec![0.0; n], &rhs, 1e-3, 300);
+    let x = matrix.solve(vec![0.0; n], &rhs, DRIFT_TOLERANCE.value(), DRIFT_STEPS);
     let limit = MAX_DRIFT.value() - 1.0;
     x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
 }
@@ -241,9 +261,14 @@ pub(crate) fn solve(
         };
         for _ in 0..times {
             let rhs: Vec<f32> = z.iter().zip(&wanted).map(|(z, want)| z + width * want).collect();
-            // A coarse tolerance is enough: the next round corrects the remaining error.
             let mut x = z.clone();
-            conjugate_gradients(&apply, &rhs, &mut x, CgSettings::relative(&rhs, 1e-2, 60));
+            // A coarse tolerance is enough: the next round corrects the remaining error.
+            conjugate_gradients(
+                &apply,
+                &rhs,
+                &mut x,
+                CgSettings::relative(&rhs, TOLERANCE.value(), STEPS.value()),
+            );
             for k in 0..n {
                 let length = (x[k] * x[k] + x[n + k] * x[n + k]).sqrt();
                 if length > 1e-6 {

@@ -35,8 +35,8 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
 use super::axis_of;
-use super::stripes::{WideBead, ended, push_inside};
-use super::widths::{Line, Neighbours, stretches_along};
+use super::stripes::{BEYOND, WideBead, ended, push_inside};
+use super::widths::{CELL_BEADS, Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
 
 /// Fill with seed lines and their offsets.
@@ -62,7 +62,17 @@ const DRAWN_OUT: f64 = 2.0;
 /// Measured: row `fill.field.seed_lines.KEPT_FREE` of `cargo xtask bench constants`.
 static KEPT_FREE: Tuned<f64> = Tuned::new("fill.field.seed_lines.KEPT_FREE", 0.8);
 /// Accuracy of lines, mm. Source: derived. A hundredth of a usual bead.
-const TOLERANCE_MM: f64 = 0.005;
+pub(super) const TOLERANCE_MM: f64 = 0.005;
+/// No line is longer than this multiple of the sum of both sides of its region, since a line could circle for ever.
+/// Source: derived. A spiral whose turns lie a bead apart in a region of 40 x 40 beads is as long; a line along a field
+/// that does not turn round is shorter than both sides.
+pub(super) const LONGEST_SIDES: f64 = 20.0;
+/// Streamlines that fill what is open start this far inside of it, in beads. Source: derived. That is 0.008 mm at a
+/// bead of 0.4 mm, eighty times the grid that regions are rounded to.
+const INWARDS: f64 = 0.02;
+/// The widest place of a region is found to this share of a bead. Measured: row `fill.field.seed_lines.WIDEST_PLACE` of
+/// `cargo xtask bench constants`.
+static WIDEST_PLACE: Tuned<f64> = Tuned::new("fill.field.seed_lines.WIDEST_PLACE", 0.1);
 
 impl Infill for SeedLines {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
@@ -93,7 +103,7 @@ impl Infill for SeedLines {
         // laid before.
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).cloned().collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
-            let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
+            let neighbours = Neighbours::new(&others, &border, CELL_BEADS * context.spacing_mm());
             let paths =
                 ended(lines.iter().map(bead).collect(), &infill_region, &neighbours, &border, context);
             others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
@@ -136,7 +146,7 @@ impl FreeArea<'_> {
     /// Streamlines one bead apart in the whole area that is still open.
     fn streamlines(&mut self) -> Vec<Line> {
         // They start along the borders of the open area, where each lies beside a line already laid.
-        let inwards = 0.02 * self.step;
+        let inwards = INWARDS * self.step;
         let starts: Vec<DVec2> = self
             .free
             .offset(-inwards, Join::Miter(2.0))
@@ -162,9 +172,8 @@ impl FreeArea<'_> {
         let settings = LineSettings {
             tolerance_mm: TOLERANCE_MM,
             step_mm: self.step,
-            // A line could circle for ever. Twenty times the sum of both sides is far longer than any line
-            // of the region.
-            longest_mm: 20.0 * bounds.size().element_sum(),
+            // A line could circle for ever.
+            longest_mm: LONGEST_SIDES * bounds.size().element_sum(),
         };
         let line = |l: TracedLine| Line { points: l.points, closed: l.closed };
         evenly_spaced(starts, bounds, &axis, &seeding, &settings).into_iter().map(line).collect()
@@ -218,7 +227,7 @@ impl FreeArea<'_> {
             let n = points.len();
             let along = (points[n - 1] - points[n - 2]).normalize_or(DVec2::ZERO);
             // A short distance, but longer than the rounding of clipping and tracing.
-            if !self.infill_region.contains(points[n - 1] + 0.05 * self.step * along) {
+            if !self.infill_region.contains(points[n - 1] + BEYOND * self.step * along) {
                 points.push(points[n - 1] + DRAWN_OUT * self.step * along);
             }
             points.reverse();
@@ -237,12 +246,12 @@ impl FreeArea<'_> {
 }
 
 /// The middle of the widest place of a region, which is the last part to remain when the region is shrunk.
-/// The amount of shrinking is found to a tenth of a step. If the region is turned, the place turns with it.
+/// The amount of shrinking is found to [`WIDEST_PLACE`]. If the region is turned, the place turns with it.
 fn widest_place(region: &Region, step: f64) -> DVec2 {
     let Some(bounds) = region.bounds() else { return DVec2::ZERO };
     let (mut low, mut high) = (0.0, 0.5 * bounds.size().min_element());
     let mut left = region.clone();
-    while high - low > 0.1 * step {
+    while high - low > WIDEST_PLACE.value() * step {
         let middle = 0.5 * (low + high);
         let shrunk = region.offset(-middle, Join::Round);
         if shrunk.is_empty() {

@@ -8,7 +8,7 @@
 //! density.
 //!
 //! Limits: lines end as soon as they are too close, so a converging field gets a little less than its
-//! density. The separation is 0.94 of the nominal distance to make up for it on average. At a density of
+//! density. The [`SEPARATION`] is less than the nominal distance to make up for it on average. At a density of
 //! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
 //! lines. The first seed is the middle of the region's bounding box.
 
@@ -16,6 +16,7 @@ use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::axis_of;
+use super::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
 use super::stripes::fit_volume;
 use crate::fill::FillContext;
 use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
@@ -27,6 +28,18 @@ static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.
 /// Lines shorter than this multiple of the separation are left out.
 /// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
+/// The least distance of two lines, as a share of the nominal one. Measured: row `fill.field.streamlines.SEPARATION` of
+/// `cargo xtask bench constants`.
+static SEPARATION: Tuned<f64> = Tuned::new("fill.field.streamlines.SEPARATION", 0.94);
+/// Lines are traced in steps of this share of their separation, and of [`STEP_MM`] at most. Measured: row
+/// `fill.field.streamlines.STEP_SHARE` of `cargo xtask bench constants`.
+static STEP_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_SHARE", 0.5);
+/// The longest step in which lines are traced, mm. Measured: row `fill.field.streamlines.STEP_MM` of `cargo xtask bench
+/// constants`.
+static STEP_MM: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_MM", 2.0);
+/// Points are left out that lie this near to the line without them, mm. Source: derived. A motor of 200 steps, divided
+/// by 16, on a belt of 40 mm a turn moves by 0.0125 mm.
+const SIMPLIFY_MM: f64 = 0.01;
 
 /// Lays evenly spaced lines of one bead width along the field.
 pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
@@ -35,10 +48,10 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
     // Converging lines end and leave gaps, so the mean distance is a little larger than the
     // separation.
-    let separation = 0.94 * context.spacing_mm() / context.density.fraction();
+    let separation = SEPARATION.value() * context.spacing_mm() / context.density.fraction();
     // A field may ask for distances of its own. They are at least the bead spacing, so that beads do not overlap.
     let asked = |p: DVec2| field.spacing_mm(p.extend(context.z_mid_mm));
-    let own = |p: DVec2| asked(p).map_or(separation, |mm| 0.94 * mm.max(context.spacing_mm()));
+    let own = |p: DVec2| asked(p).map_or(separation, |mm| SEPARATION.value() * mm.max(context.spacing_mm()));
     let seeding = Seeding {
         separation_mm: &own,
         end_share: END_SHARE.value(),
@@ -46,13 +59,13 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         whole: false,
     };
     let settings = LineSettings {
-        tolerance_mm: 0.005,
-        step_mm: (0.5 * separation).min(2.0),
-        longest_mm: 20.0 * bounds.size().element_sum(),
+        tolerance_mm: TOLERANCE_MM,
+        step_mm: (STEP_SHARE.value() * separation).min(STEP_MM.value()),
+        longest_mm: LONGEST_SIDES * bounds.size().element_sum(),
     };
     let first = out.len();
     for line in evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings) {
-        let points = grainpath_core::poly::simplify_line(&line.points, 0.01);
+        let points = grainpath_core::poly::simplify_line(&line.points, SIMPLIFY_MM);
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }
     // If the field asks for distances, these decide the density, and the width is not corrected.

@@ -38,7 +38,7 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 use super::levels::trace;
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{Line, Neighbours, Reach, smooth};
+use super::widths::{AHEAD_SINE, CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -65,6 +65,51 @@ static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
 /// strip of the narrowest bead is about 0.55 of the spacing wide, and with cells of 0.33 every gap of that
 /// width contains the centre of a cell, at any position.
 const GAP_CELL: f64 = 0.33;
+/// Side of the grid squares on which the phase is found, in spacings. Measured: row `fill.field.stripes.MESH` of `cargo
+/// xtask bench constants`.
+static MESH: Tuned<f64> = Tuned::new("fill.field.stripes.MESH", 1.1);
+/// How often level lines are smoothed. Measured: row `fill.field.stripes.LEVEL_SMOOTHING` of `cargo xtask bench
+/// constants`.
+static LEVEL_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.LEVEL_SMOOTHING", 3);
+/// How often the shifts of a bead are smoothed. Measured: row `fill.field.stripes.SHIFT_SMOOTHING` of `cargo xtask
+/// bench constants`.
+static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOOTHING", 4);
+/// The difference of the spaces on both sides counts up to this in a round of centring, in spacings. Measured: row
+/// `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
+static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
+/// A phase is wanted up to this distance from the border, in spacings. Measured: row `fill.field.stripes.NEAR_BORDER`
+/// of `cargo xtask bench constants`.
+static NEAR_BORDER: Tuned<f64> = Tuned::new("fill.field.stripes.NEAR_BORDER", 1.2);
+/// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search sees all within
+/// a cell, so it has to be [`NEAR_BORDER`] at least; above that it changes speed alone.
+pub(crate) const BORDER_CELL: f64 = 1.6;
+/// A phase is wanted at the border where the cosine of the angle between field and border is more (0.92: 23 degrees).
+/// Measured: row `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
+static PARALLEL_COS: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_COS", 0.92);
+/// The weight of the wanted phase is full where that cosine is larger than [`PARALLEL_COS`] by this: along the border.
+/// Measured: row `fill.field.stripes.PARALLEL_RISE` of `cargo xtask bench constants`.
+static PARALLEL_RISE: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_RISE", 0.08);
+/// Full weight of the phase wanted at the border, beside a weight of 1 for the field. Measured: row
+/// `fill.field.stripes.BORDER_WEIGHT` of `cargo xtask bench constants`.
+static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT", 0.5);
+/// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a spacing
+/// of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
+pub(super) const BEYOND: f64 = 0.05;
+/// The border ahead of a bead is searched up to this multiple of its distance. Source: derived. At 30 degrees it is
+/// twice as far away as at 90 degrees; a quarter more is for borders that bend away.
+const REACH: f64 = 2.5;
+/// The last segment of a bead is shortened for a joint where it is longer than this multiple of the length taken off.
+/// Measured: row `fill.field.stripes.SHORTENED_FROM` of `cargo xtask bench constants`.
+static SHORTENED_FROM: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTENED_FROM", 1.5);
+/// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the others take over
+/// their rest. With a tenth of the beads at a bound a thousandth is left after three rounds.
+const FIT_ROUNDS: usize = 3;
+/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. The outer side of a bend
+/// by an angle a is closed by the tangent of a / 2 of half the width, here up to 53 degrees.
+const STRIP_LONGER: f64 = 0.5;
+/// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
+/// 1.3 spacings, more than the strip of a bead.
+const AROUND_GAP: usize = 4;
 
 /// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
 /// between two lines is a quarter of a bead, which is too narrow for the narrowest bead.
@@ -97,7 +142,7 @@ pub(crate) fn spaced(
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
     // The mesh only has to resolve the field, not single beads: the growth of the phase along an edge
     // follows from the field, so an edge may cross one or two levels.
-    let cell_mm = 1.1 * context.shift.grid_factor() * spacing;
+    let cell_mm = MESH.value() * context.shift.grid_factor() * spacing;
     let Some(mesh) = FieldMesh::over(&border, cell_mm) else { return };
     let levels = {
         let input = phase_input(&mesh, field, context, &border, spacing);
@@ -107,11 +152,11 @@ pub(crate) fn spaced(
     };
     let clipper = LineClipper::new(&infill_region);
     let mut lines = Vec::new();
-    // Level lines have the zigzag of the triangulation. Resampling and three rounds of smoothing remove
+    // Level lines have the zigzag of the triangulation. Resampling and a few rounds of smoothing remove
     // it.
     for level in levels {
-        let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
-        smooth(&mut points, level.closed, 3);
+        let mut points = resampled(&level.points, level.closed, STEP_BEADS.value() * spacing);
+        smooth(&mut points, level.closed, LEVEL_SMOOTHING.value());
         push_inside(&clipper, points, level.closed, spacing, &mut lines);
     }
     let lines = match context.widths {
@@ -121,7 +166,7 @@ pub(crate) fn spaced(
             one_width::packed(lines, &clipper, &border, &axis, spacing, SHORTEST.value() * spacing)
         }
     };
-    let neighbours = Neighbours::new(&lines, &border, 1.5 * spacing);
+    let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let width = |strip: f64| bead_width_mm(share * strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
     let widths = match context.widths {
@@ -163,7 +208,7 @@ pub(super) fn phase_input(
         BeadWidths::Variable => drift(mesh, &axes).into_iter().map(|f| f / spacing).collect(),
         BeadWidths::Constant => vec![1.0 / spacing; axes.len()],
     };
-    let near = NearBorder::new(border, 1.6 * spacing);
+    let near = NearBorder::new(border, BORDER_CELL * spacing);
     let wanted =
         mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing, -0.5)).collect();
     let strength = vec![1.0; mesh.nodes.len()];
@@ -205,7 +250,7 @@ impl NearBorder {
             }
         }
         let (distance, nearest) = best;
-        if distance > 1.2 * spacing_mm {
+        if distance > NEAR_BORDER.value() * spacing_mm {
             return (0.0, 0.0);
         }
         let (a, b) = self.edges[nearest as usize];
@@ -215,12 +260,12 @@ impl NearBorder {
         let inwards = DVec2::new(-along.y, along.x);
         let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
         let parallel = along.dot(axis).abs();
-        // The weight is full where field and border are parallel, and zero beyond 23 degrees (0.92 is its
-        // cosine): there beads end on the border, and no phase on it is better than another.
-        let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
+        // The weight is full where field and border are parallel. Where they are not nearly so, beads end on
+        // the border, and no phase on it is better than another.
+        let weight = ((parallel - PARALLEL_COS.value()) / PARALLEL_RISE.value()).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
-        (sign * std::f64::consts::TAU * (depth / spacing_mm + at_border), 0.5 * weight)
+        (sign * std::f64::consts::TAU * (depth / spacing_mm + at_border), BORDER_WEIGHT.value() * weight)
     }
 }
 
@@ -263,7 +308,7 @@ pub(super) fn push_inside(
     for piece in pieces {
         let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
         if length > SHORTEST.value() * spacing_mm {
-            let points = resampled(&piece.points, false, 0.75 * spacing_mm);
+            let points = resampled(&piece.points, false, STEP_BEADS.value() * spacing_mm);
             out.push(Line { points, closed: false });
         }
     }
@@ -271,21 +316,23 @@ pub(super) fn push_inside(
 
 /// Moves every bead towards the middle between its neighbours.
 fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
-    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+    let neighbours = Neighbours::new(lines, border, CELL_BEADS * spacing_mm);
     let moved: Vec<Vec<DVec2>> = lines
         .iter()
         .enumerate()
         .map(|(l, line)| {
             let shift = |r: Reach| {
                 // Half the difference of the reaches is half of the way to the middle; the neighbours move
-                // the other half in the same round. The bound keeps beads from changing places.
-                0.5 * (r.left_mm - r.right_mm).clamp(-0.4 * spacing_mm, 0.4 * spacing_mm)
+                // the other half in the same round.
+                // The bound keeps beads from changing places.
+                let most = MOST_MOVE.value() * spacing_mm;
+                0.5 * (r.left_mm - r.right_mm).clamp(-most, most)
             };
-            let reaches = neighbours.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            let reaches = neighbours.reaches(lines, l, FAR_BEADS.value() * spacing_mm, 0.5 * spacing_mm);
             let mut shifts: Vec<f64> = reaches.into_iter().map(shift).collect();
             // Neighbouring points measure to different segments of the next bead. Without smoothing, the
             // shifts would be printed as ripples.
-            smooth(&mut shifts, line.closed, 4);
+            smooth(&mut shifts, line.closed, SHIFT_SMOOTHING.value());
             let to = |(v, &p): (usize, &DVec2)| {
                 let t = line.tangent(v);
                 p + shifts[v] * DVec2::new(-t.y, t.x)
@@ -346,7 +393,7 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
         bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
     };
     // Widths at a bound cannot change further, so another round distributes the rest over the others.
-    for _ in 0..3 {
+    for _ in 0..FIT_ROUNDS {
         let laid_mm3: f64 = beads.iter().map(|p| p.volume_mm3(h)).sum();
         if laid_mm3 <= 0.0 || wanted_mm3 <= 0.0 {
             return;
@@ -402,9 +449,9 @@ fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64
     if open.is_empty() {
         return Region::default();
     }
-    // The window extends four cells beyond the open cells, so that the narrow ends of a gap are cut out as
+    // The window extends some cells beyond the open cells, so that the narrow ends of a gap are cut out as
     // well.
-    let near = open.grown(4);
+    let near = open.grown(AROUND_GAP);
     let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(infill_region);
     let there = strips.iter().filter(|s| near.meets_convex(s));
     window.difference(&Region::from_contours(there, FillRule::NonZero))
@@ -425,7 +472,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
         let along = (b - a).normalize_or(DVec2::X);
         let across = DVec2::new(-along.y, along.x);
         // The strip is a little longer than the segment, so that bends leave no wedge open.
-        let (a, b) = (a - 0.5 * half(i) * along, b + 0.5 * half(i + 1) * along);
+        let (a, b) = (a - STRIP_LONGER * half(i) * along, b + STRIP_LONGER * half(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
         vec![a - p, b - q, b + q, a + p]
     })
@@ -440,13 +487,13 @@ pub(super) struct WideBead {
 
 impl WideBead {
     /// The end point of the last segment, or of the first, after shortening by `by_mm`, and the share of
-    /// the segment that remains. A segment not longer than 1.5 times `by_mm` is kept whole.
+    /// the segment that remains. A segment shorter than [`SHORTENED_FROM`] tells is kept whole.
     fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
         let n = self.points.len();
         let (a, b) =
             if first { (self.points[1], self.points[0]) } else { (self.points[n - 2], self.points[n - 1]) };
         let length = a.distance(b);
-        let t = if length > 1.5 * by_mm { 1.0 - by_mm / length } else { 1.0 };
+        let t = if length > SHORTENED_FROM.value() * by_mm { 1.0 - by_mm / length } else { 1.0 };
         (a.lerp(b, t), t)
     }
 
@@ -511,11 +558,11 @@ fn at_border(
     };
     let along = (end - before).try_normalize()?;
     // A short distance, but longer than the rounding of clipping and tracing.
-    if inside.contains(end + 0.05 * context.spacing_mm() * along) {
+    if inside.contains(end + BEYOND * context.spacing_mm() * along) {
         return None;
     }
     // Along a bead that meets the border at 30 degrees, the border is twice as far away as at 90 degrees.
-    let reach_mm = 2.5 * context.border_mm;
+    let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
     let contour = contours.get(hit.contour)?;
     let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
@@ -524,7 +571,7 @@ fn at_border(
     // makes the area that stays open as large as the area beyond the border.
     let short_mm = 0.25 * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
-    (sine >= 0.5 && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
+    (sine >= AHEAD_SINE && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close

@@ -25,7 +25,22 @@ use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::edges;
 use grainpath_core::polyline;
 use grainpath_core::segment::{self, Meeting};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
+
+/// Distance between the points of a line, in spacings. Measured: row `fill.field.widths.STEP_BEADS` of `cargo xtask
+/// bench constants`.
+pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BEADS", 0.75);
+/// Nothing farther away than this is a neighbour of a bead, in spacings. Measured: row `fill.field.widths.FAR_BEADS` of
+/// `cargo xtask bench constants`.
+pub(super) static FAR_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.FAR_BEADS", 1.8);
+/// Side of the cells that segments are sorted into, in spacings. Source: chosen; it changes speed alone.
+pub(super) const CELL_BEADS: f64 = 1.5;
+/// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone.
+const SHORT_RAY: f64 = 0.7;
+/// This many segments before and behind a point are no neighbours of it. Source: derived. Three steps of [`STEP_BEADS`]
+/// are 2.25 spacings, more than a ray reaches ([`FAR_BEADS`]).
+pub(super) const OWN_SEGMENTS: usize = 3;
 
 /// The centreline of a bead being laid, with points at about equal steps.
 #[derive(Debug, Clone)]
@@ -338,7 +353,7 @@ impl Neighbours {
     /// Widths of the strips of all lines at their vertices, mm, for lines that lie about `spacing_mm` apart.
     pub(crate) fn strips(&self, lines: &[Line], spacing_mm: f64) -> Vec<Vec<f64>> {
         let of_line = |(l, line): (usize, &Line)| {
-            let reaches = self.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            let reaches = self.reaches(lines, l, FAR_BEADS.value() * spacing_mm, 0.5 * spacing_mm);
             let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
             let n = widths.len();
             if !line.closed && n > 3 {
@@ -360,13 +375,14 @@ impl Neighbours {
         // The last segments of a closed line touch its first vertex, so near the seam the whole
         // line is skipped.
         let n = l.n_segments();
-        let near = if l.closed && (vertex < 3 || vertex + 3 > n) { n } else { 3 };
+        let at_seam = l.closed && (vertex < OWN_SEGMENTS || vertex + OWN_SEGMENTS > n);
+        let near = if at_seam { n } else { OWN_SEGMENTS };
         let skips = |other: usize, segment: usize| other == line && segment.abs_diff(vertex) <= near;
         let ray = |way: DVec2, far_mm: f64| self.first(l.points[vertex], way, far_mm, skips);
         // Most neighbours are much nearer than `far_mm`, and a short ray passes few cells. The long
         // ray is tried only where the short one finds no segment.
         [left, -left].map(|way| {
-            let (d, m) = ray(way, 0.7 * far_mm).or_else(|| ray(way, far_mm))?;
+            let (d, m) = ray(way, SHORT_RAY * far_mm).or_else(|| ray(way, far_mm))?;
             let piece = &self.pieces[m as usize];
             let sine = cross(t, (piece.b - piece.a).normalize_or_zero()).abs();
             Some(match piece.line {
@@ -378,9 +394,9 @@ impl Neighbours {
     }
 }
 
-/// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle
-/// the next line has ended less than two spacings before this one.
-const AHEAD_SINE: f64 = 0.5;
+/// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle the next line
+/// has ended less than two spacings before this one.
+pub(super) const AHEAD_SINE: f64 = 0.5;
 
 /// What lies beside a line.
 #[derive(Clone, Copy)]
