@@ -174,6 +174,7 @@ impl SolidTest<'_> {
 
     fn loaded(&self, later_tolerance: f64) -> Result<LoadedSolid<'_>, TestError> {
         let cells: Vec<u32> = (0..self.active.len()).filter(|&c| self.active[c]).map(|c| c as u32).collect();
+        // The plies of an element are those of its cell, one list after the other.
         let mut starts = vec![0];
         let mut plies = Vec::new();
         for &c in &cells {
@@ -184,6 +185,7 @@ impl SolidTest<'_> {
         let mut library = Library { elastic: self.card.elastic, known: BTreeMap::new(), all: Vec::new() };
         let mut material = vec![VOID; self.active.len()];
         let mut scale = vec![0.0; self.active.len()];
+        // Undamaged cells get the stiffness of their plies, scaled by the share of the cell that is filled.
         let whole = [[0.0; 3]; 2];
         for &c in &cells {
             let c = c as usize;
@@ -207,6 +209,7 @@ impl SolidTest<'_> {
             cancel: self.cancel.clone(),
         };
         let system = VoxelSystem::new(part, &holds, &settings)?;
+        // Corners without an active cell have no node; their forces are left out.
         let mut forces = vec![DVec3::ZERO; system.n_nodes()];
         for (p, f) in self.forces_n {
             if let Some(i) = system.node(*p) {

@@ -97,6 +97,7 @@ impl Fronts {
         let mut fronts = Vec::new();
         let mut all: Vec<u32> = (0..elements.places.len() as u32).collect();
         cut(elements, &mut all, &mut fronts);
+        // `rank` is the place of a node in the order of elimination, `home` the front that eliminates it.
         let (mut rank, mut home) = (vec![0u32; all.len()], vec![0u32; all.len()]);
         let mut next = 0;
         for (f, front) in fronts.iter().enumerate() {
@@ -107,11 +108,13 @@ impl Fronts {
         }
         let mut of_element = Vec::with_capacity(elements.corners.len());
         for (e, corners) in elements.corners.iter().enumerate() {
+            // An element is assembled where the first of its nodes is eliminated.
             let first = corners.iter().min_by_key(|c| rank[**c as usize]).copied().unwrap_or(0);
             of_element.push(home[first as usize]);
             fronts[home[first as usize] as usize].elements.push((e as u32, *corners));
         }
         for f in 0..fronts.len() {
+            // The nodes of a front: its own, those of its elements, and those that its children pass on.
             let own = fronts[f].nodes.len();
             let mut nodes = fronts[f].nodes.clone();
             nodes.extend(fronts[f].elements.iter().flat_map(|e| e.1));
@@ -127,6 +130,7 @@ impl Fronts {
                 let up = fronts[child].nodes[fronts[child].own..].iter().map(|n| at(*n)).collect();
                 fronts[child].up = up;
             }
+            // From here on elements name the places of their nodes in the front.
             fronts[f].elements.iter_mut().for_each(|(_, corners)| *corners = corners.map(at));
             let force = |n: &u32| [forces[2 * *n as usize], forces[2 * *n as usize + 1]];
             fronts[f].forces = nodes[..own].iter().flat_map(force).collect();
@@ -143,6 +147,8 @@ impl Fronts {
         let mib = |sum: &dyn Fn(&Front) -> usize| {
             (8 * fronts.iter().map(sum).sum::<usize>()) as f64 / BYTES_PER_MIB
         };
+        // Besides the factor, the matrices that fronts pass on are kept where memory allows, so that a change of a few
+        // elements repeats the fronts above them alone.
         let needed_mib = mib(&Front::factor_len);
         let kept_mib = mib(&|f| {
             let n = 2 * (f.nodes.len() - f.own);

@@ -516,6 +516,7 @@ fn mesh(file: &FeFile, options: &DirectionOptions) -> Result<DirectionSamples, D
         },
     };
     let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre);
+    // A solid's file may hold its surface too; elements of the highest dimension alone fill the part.
     let dimension = file.elements.iter().map(|e| e.kind.dimension()).max().unwrap_or(0);
     let elements: Vec<Element> =
         file.elements.iter().copied().filter(|e| e.kind.dimension() == dimension).collect();
@@ -526,6 +527,7 @@ fn mesh(file: &FeFile, options: &DirectionOptions) -> Result<DirectionSamples, D
         let v = DVec3::new(part(0)?, part(1)?, part(2)?).normalize_or_zero();
         (v.is_finite() && v != DVec3::ZERO).then_some(v)
     };
+    // Directions have no sign, so they are averaged as tensors: opposite vectors must not cancel.
     let mut sums = vec![([0.0; 6], 0.0); file.nodes.len()];
     let mut add = |node: usize, axis: DVec3| {
         let (sum, n) = &mut sums[node];
@@ -538,6 +540,7 @@ fn mesh(file: &FeFile, options: &DirectionOptions) -> Result<DirectionSamples, D
             file.nodes.len()
         }
         On::Elements => {
+            // A node gets the mean of the elements around it, so that directions are continuous between them.
             for (e, element) in file.elements.iter().enumerate() {
                 if let Some(axis) = axis(e) {
                     element.nodes().iter().for_each(|&i| add(i as usize, axis));

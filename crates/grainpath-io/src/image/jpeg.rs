@@ -94,28 +94,16 @@ fn error(e: DecodeErrors) -> ImageError {
     }
 }
 
-/// The orientation tag (0x0112) of the first directory of EXIF data; `None` when there is none or it is damaged.
-fn orientation(exif: &[u8]) -> Option<u16> {
+/// The orientation tag of the first directory of EXIF data; `None` when there is none or it is damaged.
+fn orientation(segment: &[u8]) -> Option<u16> {
     // An EXIF segment is a TIFF file after a prefix of six bytes (EXIF 2.3, APP1).
-    let tiff = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
-    let little = match tiff.get(..2)? {
-        b"II" => true,
-        b"MM" => false,
-        _ => return None,
-    };
-    let u16_at = |i: usize| {
-        let b = tiff.get(i..i.checked_add(2)?)?.try_into().ok()?;
-        Some(if little { u16::from_le_bytes(b) } else { u16::from_be_bytes(b) })
-    };
-    let u32_at = |i: usize| {
-        let b = tiff.get(i..i.checked_add(4)?)?.try_into().ok()?;
-        Some(if little { u32::from_le_bytes(b) } else { u32::from_be_bytes(b) })
-    };
-    let directory = u32_at(4)? as usize;
-    let n = usize::from(u16_at(directory)?);
-    // A directory entry has 12 bytes: tag, type, count, value.
-    let entry = (0..n).map(|k| directory + 2 + 12 * k).find(|&e| u16_at(e) == Some(0x0112))?;
-    u16_at(entry + 8).filter(|o| (1..=8).contains(o))
+    let tiff = segment.strip_prefix(b"Exif\0\0").unwrap_or(segment);
+    let mut reader = exif::Reader::new();
+    // Damage elsewhere in the segment leaves the tag readable.
+    let read = reader.continue_on_error(true).read_raw(tiff.to_vec());
+    let fields = read.or_else(|e| e.distill_partial_result(|_| ())).ok()?;
+    let turned = fields.get_field(exif::Tag::Orientation, exif::In::PRIMARY)?.value.get_uint(0)?;
+    u16::try_from(turned).ok().filter(|o| (1..=8).contains(o))
 }
 
 /// Turns the image as EXIF orientation `turned` (1 to 8) says, so that it stands upright.

@@ -173,10 +173,12 @@ impl Tour {
         for length in 1..=3.min(n.saturating_sub(1)) {
             for a in 0..=n - length {
                 let b = a + length;
+                // A stretch is tried again only after the way to one of its paths has changed.
                 if !self.order[a..b].iter().any(|o| looked[o.path] || self.look[o.path]) {
                     continue;
                 }
                 let (first, last) = (self.order[a].enter, self.order[b - 1].leave);
+                // Taken out, the stretch saves the travels to it and from it and costs the one that closes the gap.
                 let saved = self.gaps_mm[a] + self.gaps_mm[b] - way_mm(self.before(a), self.after(b));
                 if saved < 1e-6 {
                     continue;
@@ -189,6 +191,7 @@ impl Tour {
                     let (before, after) = (self.before(k), self.after(k));
                     let gap = self.gaps_mm[k];
                     for (turned, from, to) in [(false, first, last), (true, last, first)] {
+                        // The first travel alone may cost more than the best place so far.
                         if is_longer(before, from, best.0 + gap) {
                             continue;
                         }

@@ -246,6 +246,7 @@ impl Source {
         image: Option<Image>,
     ) -> Result<Box<dyn SliceSource>, VolumeError> {
         let n_axes = array.shape.len();
+        // The last three axes are z, y and x; the slices of a scan are counted from x.
         let size = [n_axes - 1, n_axes - 2, n_axes - 3].map(|axis| array.shape[axis] as usize);
         let format = match (&image, array.version) {
             (Some(_), 2) => "OME-Zarr 0.4",
@@ -273,6 +274,7 @@ impl Source {
             let mut units: Vec<String> = axes[n_axes - 3..].iter().map(unit).collect();
             units.dedup();
             info.stored.push(("unit", units.join(", ").chars().take(60).collect()));
+            // A viewer's file may name hundreds of levels, and these lines are printed.
             let levels = image.about["datasets"].as_array().map_or(&[][..], Vec::as_slice);
             let levels: Vec<&str> = levels.iter().filter_map(|d| d["path"].as_str()).collect();
             let shown: String = levels.join(", ").chars().take(200).collect();
@@ -285,6 +287,7 @@ impl Source {
             info.warnings.push(Warning::new(WarningId::ScanFirstEntry, text).in_file(folder.as_str()));
         }
         let unit = array.unit();
+        // A slice needs all chunks that it crosses at once, so their number bounds the memory of a reader.
         let in_row = [n_axes - 2, n_axes - 1].map(|axis| array.shape[axis].div_ceil(unit[axis]));
         if in_row[0].saturating_mul(in_row[1]) > MAX_IN_ROW {
             return Err(error(
