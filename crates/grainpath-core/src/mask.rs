@@ -60,7 +60,7 @@ impl MaskGrid {
         let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
         let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
         for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
-            // In each row a convex shape covers a single run of cells, between its leftmost and its rightmost
+            // In each row a convex shape covers a single stretch of cells, between its leftmost and its rightmost
             // crossing.
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
             for (a, b) in edges(corners) {
@@ -108,7 +108,7 @@ impl MaskGrid {
     }
 
     /// The bits of a word that belong to the cells `from` to `to` of a row.
-    fn run(word: usize, from: usize, to: usize) -> u64 {
+    fn stretch(word: usize, from: usize, to: usize) -> u64 {
         let first = if word == from / 64 { from % 64 } else { 0 };
         let last = if word == to / 64 { to % 64 } else { 63 };
         (u64::MAX << first) & (u64::MAX >> (63 - last))
@@ -159,7 +159,7 @@ impl Mask {
     pub fn of_contours<'a>(grid: MaskGrid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
         let mut mask = Self::empty(grid);
         // Even-odd filling without sorting: each edge flips one bit in each row that it crosses, and a running
-        // parity turns the flips into runs of cells.
+        // parity turns the flips into stretches of cells.
         for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
             mask.toggle_right_of(a, b);
         }
@@ -224,7 +224,7 @@ impl Mask {
         let (grid, bits) = (self.grid, &mut self.bits);
         grid.convex_rows(corners, 0.0, |row, from, to| {
             for word in from / 64..=to / 64 {
-                bits[row * grid.words + word] |= MaskGrid::run(word, from, to);
+                bits[row * grid.words + word] |= MaskGrid::stretch(word, from, to);
             }
         });
     }
@@ -234,7 +234,7 @@ impl Mask {
         let mut any = false;
         self.grid.convex_rows(corners, 1.0, |row, from, to| {
             any |= (from / 64..=to / 64)
-                .any(|word| self.bits[row * self.grid.words + word] & MaskGrid::run(word, from, to) != 0);
+                .any(|word| self.bits[row * self.grid.words + word] & MaskGrid::stretch(word, from, to) != 0);
         });
         any
     }

@@ -302,7 +302,8 @@ fn stress_at_a_hole_is_lekhnitskiis() {
             forces[2 * i] = if end { 0.5 * cell } else { cell };
         }
     }
-    let mut system = PlateSystem::new(&elements, &membrane, &holds, &forces, 2048.0).expect("held");
+    let mut system =
+        PlateSystem::new(&elements, &membrane, &holds, &forces, 2048.0, CancelFlag::default()).expect("held");
     let x = system.solve().expect("solved");
     let [e1, e2, _] = card.elastic.e_mpa;
     let (n12, g12) = (card.elastic.nu[0], card.elastic.g_mpa[0]);

@@ -53,7 +53,7 @@ const CROSSINGS: f64 = 150_000.0;
 
 /// Measures a program against the sections of its part. `section` returns the part's section at a height
 /// above the plate, in the machine's coordinates. A `sample` above 0 is the number of evenly spaced
-/// layers to measure; the outside check selects the same ones.
+/// layers to measure.
 pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync, sample: usize) -> Quality {
     let n = program.layers.len();
     let with_part: Vec<&BeadLayer> =

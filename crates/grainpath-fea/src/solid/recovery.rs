@@ -36,7 +36,8 @@ pub struct Recovered {
     pub stress_mpa: Vec<Stress>,
     /// Estimated error of each element in the energy norm, root of N mm.
     pub error: Vec<f64>,
-    /// Estimated error over the whole in the energy norm, 0 to 1.
+    /// Estimated error over the whole, as a share of the solution in the energy norm: 0 for an exact one, and 1 or more
+    /// for a mesh that shows next to nothing of the stress.
     pub relative_error: f64,
 }
 

@@ -169,8 +169,8 @@ impl PlateTest<'_> {
             (0..n).into_par_iter().map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
         let stiffness = |e: usize| square(&membranes[e]);
-        let mut system = PlateSystem::new(self.elements, &stiffness, self.holds, &forces, self.max_mib)?;
-        system.stop_on(self.cancel.clone());
+        let cancel = self.cancel.clone();
+        let system = PlateSystem::new(self.elements, &stiffness, self.holds, &forces, self.max_mib, cancel)?;
         drop(membranes);
         let mut element_of = vec![None; self.elements.grid.nx * self.elements.grid.ny];
         self.elements.cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));

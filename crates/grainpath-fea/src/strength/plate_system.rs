@@ -55,16 +55,18 @@ fn lower(k: &[[f64; 8]; 8]) -> Lower {
 }
 
 impl PlateSystem {
-    /// Assembles and factors the matrix. `forces` act on the unknowns, N.
+    /// Assembles and factors the matrix. `forces` act on the unknowns, N. `cancel` stops this and every later
+    /// factorization.
     ///
     /// # Errors
-    /// [`SparseError`] when the factor would take more than `max_mib` MiB or the plate can move freely.
+    /// [`SparseError`] when the factor would take more than `max_mib` MiB or the matrix is not positive definite.
     pub fn new(
         elements: &PlateElements,
         stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
         holds: &[GridHold],
         forces: &[f64],
         max_mib: f64,
+        cancel: CancelFlag,
     ) -> Result<Self, SparseError> {
         let dofs = 2 * elements.places.len();
         let stiffness: Vec<Lower> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
@@ -81,6 +83,7 @@ impl PlateSystem {
             }
         }
         let mut fronts = Fronts::new(elements, &added, forces, max_mib)?;
+        fronts.cancel = cancel;
         fronts.refactor(&stiffness)?;
         Ok(Self { fronts, stiffness, dofs, factored: 1, solved: 0, stale: false })
     }
@@ -95,11 +98,6 @@ impl PlateSystem {
         self.stiffness[element] = lower(stiffness);
         self.fronts.change(element);
         self.stale = true;
-    }
-
-    /// Stops a factorization when this flag is set.
-    pub(crate) fn stop_on(&mut self, cancel: CancelFlag) {
-        self.fronts.cancel = cancel;
     }
 
     /// Displacements of the unknowns, mm.
@@ -165,7 +163,9 @@ mod tests {
         for i in all.filter(|i| elements.places[*i as usize][0] == n as u32) {
             f[2 * i as usize] = if elements.places[i as usize][1] == 0 { 1.0 } else { -1.0 };
         }
-        let mut system = PlateSystem::new(&elements, &|_| square(&c), &holds, &f, 1024.0).expect("held");
+        let mut system =
+            PlateSystem::new(&elements, &|_| square(&c), &holds, &f, 1024.0, CancelFlag::default())
+                .expect("held");
         let x = system.solve().expect("solved");
         let tip = x[2 * elements.places.iter().position(|p| *p == [n as u32, 0]).expect("tip") + 1];
         let length = n as f64 * h;
@@ -190,15 +190,19 @@ mod tests {
         let spot = |e: usize| row(e) > 9 && column(e) > 20;
         let n = elements.cells.len();
         let direct = |e: usize| if crack(e) || spot(e) { soft } else { whole };
-        let want =
-            PlateSystem::new(&elements, &direct, &holds, &f, 1024.0).expect("held").solve().expect("solved");
+        let want = PlateSystem::new(&elements, &direct, &holds, &f, 1024.0, CancelFlag::default())
+            .expect("held")
+            .solve()
+            .expect("solved");
         let longest = want.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         // With room for all that fronts hand on, and with just enough for the factor.
         let least = (10..)
             .map(|k| f64::from(1u32 << k) / 1_048_576.0)
-            .find(|b| PlateSystem::new(&elements, &|_| whole, &holds, &f, *b).is_ok());
+            .find(|b| PlateSystem::new(&elements, &|_| whole, &holds, &f, *b, CancelFlag::default()).is_ok());
         for max_mib in [1024.0, least.expect("some size is enough")] {
-            let mut system = PlateSystem::new(&elements, &|_| whole, &holds, &f, max_mib).expect("held");
+            let mut system =
+                PlateSystem::new(&elements, &|_| whole, &holds, &f, max_mib, CancelFlag::default())
+                    .expect("held");
             let intact = system.solve().expect("solved");
             (0..n).filter(|e| crack(*e)).for_each(|e| system.change(e, &soft));
             assert_ne!(system.solve().expect("solved"), intact);

@@ -1,8 +1,8 @@
-//! Finds runs of points that lie on a circle, to be written as G2 or G3.
+//! Finds sequences of points that lie on a circle, to be written as G2 or G3.
 //!
 //! # Method
-//! The circle through the first, the middle and the last point of a run is compared with all its points
-//! and chords. The run is doubled until it no longer fits; bisection then finds the longest run that
+//! The circle through the first, the middle and the last point of a sequence is compared with all its points
+//! and chords. The sequence is doubled until it no longer fits; bisection then finds the longest sequence that
 //! does. Where an arc ends, the search starts again.
 //!
 //! # Units, cost and limits
@@ -42,7 +42,7 @@ const MAX_SWEEP: f64 = 5.5;
 
 /// The longest arc from point `start` that stays within `tolerance_mm` of the points and the chords.
 ///
-/// The length of a run is doubled while it fits; then bisection finds the limit between the last that
+/// The length of a sequence is doubled while it fits; then bisection finds the limit between the last that
 /// fits and the first that does not. That takes n log n distance tests for n points instead of n squared.
 pub(super) fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
     let points = &points[start..];

@@ -250,16 +250,16 @@ impl StressReport {
     }
 }
 
-/// Describes a list of layers in words, as runs with a constant step, for example "layers 1, 3, ... 39" or
-/// "layers 1 to 12, 20, 22". A long list is cut off after the first few runs.
+/// Describes a list of layers in words, as series with a constant step, for example "layers 1, 3, ... 39" or
+/// "layers 1 to 12, 20, 22". A long list is cut off after the first few series.
 fn in_words(layers: &[usize]) -> String {
-    /// Largest number of listed runs. Source: chosen: about as many fit into a line of a terminal; only the text depends
+    /// Largest number of listed series. Source: chosen: about as many fit into a line of a terminal; only the text depends
     /// on it.
     const MOST: usize = 6;
     let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
     for &layer in layers {
         match stretches.last_mut() {
-            // The first two layers of a run fix the step between its layers. A further layer joins the run if it keeps
+            // The first two layers of a series fix the step between its layers. A further layer joins the series if it keeps
             // that step, and otherwise begins a new one.
             Some((first, last, step)) if first == last || layer - *last == *step => {
                 *step = layer - *last;

@@ -50,7 +50,7 @@ struct Group {
 /// An element within its group.
 struct Tet {
     nodes: [u16; 10],
-    material: u16,
+    material: u32,
     /// Gradients of the last three barycentric coordinates, and the volume; 0 for a curved element.
     slopes: [DVec3; 3],
     volume: f64,
@@ -198,7 +198,7 @@ fn group(model: &Model<'_>, g: usize) -> Group {
         let volume = if EDGES.iter().enumerate().all(straight) { j.determinant() / 6.0 } else { 0.0 };
         Tet {
             nodes: mesh.tets[t].map(local),
-            material: model.material(t) as u16,
+            material: model.material(t) as u32,
             slopes: [turn.x_axis, turn.y_axis, turn.z_axis],
             volume,
         }

@@ -121,6 +121,10 @@ pub(crate) fn iterate(
     let (mut u, mut r) = from.unwrap_or((prescribed, first));
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
+    // The loop below would take a load that is not finite for one that is solved.
+    if !size.is_finite() {
+        return Err(SolidError::NotPositive);
+    }
     while size > goal && iterations < settings.max_iterations {
         settings.cancel.check()?;
         multigrid.apply(operator, &r, &mut z);
