@@ -56,6 +56,18 @@ impl Samples {
 }
 
 /// An upright image: rows start at the top, and the channels of a pixel are stored together.
+///
+/// ```
+/// use grainpath_core::image::{Image, ImageFormat, Samples};
+///
+/// // A red and a white pixel, one above the other.
+/// let samples = Samples::U8(vec![255, 0, 0, 255, 255, 255]);
+/// let image = Image { format: ImageFormat::Png, width: 1, height: 2, channels: 3, samples };
+/// let grey = image.to_grey_f32();
+/// assert_eq!(grey.len(), image.width * image.height);
+/// assert!((grey[0] - 0.299 * 255.0).abs() < 1e-3);
+/// assert!((grey[1] - image.samples.full_scale()).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Format of the file.

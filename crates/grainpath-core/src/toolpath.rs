@@ -280,6 +280,21 @@ pub struct PlannedPath {
 }
 
 /// The paths of one layer, in printing order.
+///
+/// ```
+/// use grainpath_core::{DVec2, LayerPlan, PlannedPath, Role, Toolpath, Travel};
+///
+/// let bead = |y_mm: f64| {
+///     let points = vec![DVec2::new(0.0, y_mm), DVec2::new(20.0, y_mm)];
+///     let path = Toolpath::new(points, 0.45, Role::SolidFill, false);
+///     PlannedPath { travel: Travel::default(), path }
+/// };
+/// // The second layer of 0.2 mm: the nozzle stands at its top.
+/// let layer = LayerPlan { z_top_mm: 0.4, height_mm: 0.2, paths: vec![bead(0.0), bead(0.4)] };
+/// let volume_mm3: f64 = layer.paths.iter().map(|p| p.path.volume_mm3(layer.height_mm)).sum();
+/// // Two beads of 20 mm, with a section of 0.2 (0.45 - 0.2 (1 - pi/4)) mm2.
+/// assert!((volume_mm3 - 3.257).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerPlan {
     /// Height of the nozzle above the plate, mm.

@@ -181,9 +181,11 @@ fn rasters_off_axis_follow_tsai_and_hill() {
             pla().hankinson_mpa(deg.to_radians())
         );
         assert!((first / want - 1.0).abs() < 0.001, "{deg}: {first} {want}");
-        // A crack along beads at 30 degrees has steps on square cells, which hold it back a little.
-        let most = if deg == 30.0 { 0.05 } else { 0.002 };
-        assert!((mpa / want - 1.0).abs() < most, "{deg}: {mpa} {want}");
+        // At 30 degrees the load rises by 4 % after the first failure. The rise depends on the cells: it is 2.0, 4.0 and
+        // 6.1 % in cells of 0.5, 0.25 and 0.125 mm. The steps of a crack on square cells do not explain it, since a
+        // crack at 60 degrees has the same steps and no rise. The cause is not known.
+        let rise = if deg == 30.0 { 1.040 } else { 1.0 };
+        assert!((mpa / want - rise).abs() < 0.002, "{deg}: {mpa} {want}");
         // Hankinson's formula has no shear strength and is the upper bound here.
         assert!(mpa < 1.01 * pla().hankinson_mpa(deg.to_radians()), "{deg}");
         if deg <= 45.0 {

@@ -341,7 +341,10 @@ mod tests {
             let mut bytes = MAGIC.to_vec();
             bytes.push(VERSION);
             bytes.extend(tail);
-            let _ = LayerStack::from_bytes(&bytes);
+            if let Ok(read) = LayerStack::from_bytes(&bytes) {
+                prop_assert!(read.layers.windows(2).all(|w| w[0].z_top_mm < w[1].z_top_mm));
+                prop_assert!(read.layers.len() <= bytes.len());
+            }
         }
     }
 

@@ -138,7 +138,11 @@ fn our_own_layers_are_read_back() {
 proptest::proptest! {
     #[test]
     fn any_path_data_is_survived(d in "[MmLlHhVvCcSsQqTtAaZz0-9 .,eE+-]{0,60}", tail in ".{0,20}") {
-        let _ = read(&page(&format!("<path d='{d}'/>{tail}")));
-        let _ = read(&page(&format!("<polygon transform='matrix({d})' points='{d}'/>")));
+        for shape in [format!("<path d='{d}'/>{tail}"), format!("<polygon transform='matrix({d})' points='{d}'/>")] {
+            if let Ok(outline) = read(&page(&shape)) {
+                proptest::prop_assert!(outline.region.contours().flatten().all(|p| p.is_finite()));
+                proptest::prop_assert!(outline.region.area_mm2() > 0.0, "{shape}");
+            }
+        }
     }
 }

@@ -22,6 +22,28 @@ use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
 
 /// The report of a run. Keys that do not apply are left out.
+///
+/// ```
+/// use grainpath::measure::report::Report;
+/// use grainpath::{Settings, plan_layers};
+/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
+/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+/// # let stack = LayerStack::new((0..9).map(layer).collect()).unwrap();
+/// # let (settings, diagnostics) = (Settings::default(), Diagnostics::default());
+///
+/// // `stack` has nine layers of 20 x 10 mm.
+/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics)?;
+/// let mut program = Vec::new();
+/// let written = grainpath_gcode::write_gcode(&planned.plan, &planned.config, &[], &mut program).unwrap();
+/// let report = Report::new(&planned, &written);
+/// assert_eq!((report.layers, report.z_max_mm), (9, 1.8));
+/// // All nine layers are skin, so that the beads fill 360 mm3; the skirt comes on top.
+/// assert!((355.0..400.0).contains(&report.extruded_mm3), "{}", report.extruded_mm3);
+/// let json = serde_json::to_value(&report).unwrap();
+/// assert!(json["mass_g"].is_number() && json.get("stress").is_none());
+/// # Ok::<(), grainpath::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct Report {

@@ -76,6 +76,34 @@ pub struct Inputs {
 
 /// Plans a job whose shape is a mesh.
 ///
+/// ```
+/// use grainpath::{Inputs, plan_job};
+/// # use grainpath_core::{DVec2, Diagnostics, Region};
+/// # let (job, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// // A box of 20 x 10 x 2 mm.
+/// let mesh = grainpath::shape::extruded(outline, 2.0).unwrap();
+/// let inputs = Inputs {
+///     mesh,
+///     path: "box.stl".into(),
+///     stress: None,
+///     deck: None,
+///     directions: None,
+///     densities: None,
+///     photos: Vec::new(),
+///     texture: None,
+///     regions: Default::default(),
+///     known: None,
+/// };
+/// let planned = plan_job(&settings, inputs, &diagnostics)?;
+/// assert_eq!(planned.plan.layers.len(), 10);
+/// assert!((planned.plan.layers[9].z_top_mm - 2.0).abs() < 1e-9);
+/// // The part stands in the middle of the bed; the paths keep the coordinates of the mesh.
+/// assert!(planned.plan.plate_from_part_mm.x > 0.0);
+/// # Ok::<(), grainpath::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be reached, and if the
 /// run was cancelled.
@@ -134,6 +162,21 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
 }
 
 /// Plans a job whose shape is the board of its photographs; `directions` are those of `guide.field`.
+///
+/// ```
+/// use grainpath::plan_photo;
+/// use grainpath_core::Diagnostics;
+/// use grainpath_imaging::{photo::Photo, raster::Grey};
+///
+/// // A picture of 60 x 40 pixels shows a board of 30 x 20 mm.
+/// let job = "[shape.photo]\nfiles = [\"board.png\"]\nsize_mm = [30, 20]\nthickness_mm = 1\n";
+/// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+/// let photos = [Photo::new("board.png".into(), Grey::filled(60, 40, 0.5))];
+/// let planned = plan_photo(&settings, &photos, None, &Diagnostics::default())?;
+/// assert_eq!(planned.stack.layers().len(), 5);
+/// assert!((planned.stack.layers()[0].region().area_mm2() - 600.0).abs() < 0.1);
+/// # Ok::<(), grainpath::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`plan_job`].
@@ -206,6 +249,16 @@ pub fn plan_parted_scan(
 
 /// Whether windows of layers can be filled independently once all sections are known. This needs a job in which only the
 /// printing order depends on the paths of other layers, and no guide or support is computed for the whole part.
+///
+/// ```
+/// use grainpath::run::fills_in_windows;
+///
+/// let mut settings = grainpath::Settings::default();
+/// assert!(fills_in_windows(&settings));
+/// // One density for the whole part is found from its mass.
+/// settings.fill.mass_g = Some(12.0);
+/// assert!(!fills_in_windows(&settings));
+/// ```
 pub fn fills_in_windows(settings: &Settings) -> bool {
     let steps = config::steps(settings);
     matches!(settings.guide.kind, GuideKind::None | GuideKind::Angle)
@@ -219,6 +272,21 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
 }
 
 /// Lays the walls, skins and infill of a window of layers, for jobs for which [`fills_in_windows`] is true.
+///
+/// ```
+/// use grainpath::run::{config, fill_window};
+/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
+/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+/// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// // Layers 4 to 6 of twelve, not yet in printing order.
+/// let window = fill_window(&config::steps(&job), &stack, 4..7, &diagnostics)?;
+/// assert_eq!(window.len(), 3);
+/// let island = &window[0].islands[0];
+/// assert!(island.walls.len() == 2 && !island.fills.is_empty());
+/// # Ok::<(), grainpath::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error`] if the run was cancelled.
@@ -252,6 +320,21 @@ fn plan_cut(
 
 /// Plans a job whose shape is a stack of sections with their own heights, in the position in which it is printed. `path`
 /// is the stack's name in errors. Other arguments are those of [`plan_scan`].
+///
+/// ```
+/// use grainpath::plan_layers;
+/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
+/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+/// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// // `stack` has twelve layers of 20 x 10 mm.
+/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics)?;
+/// assert_eq!(planned.plan.layers.len(), 12);
+/// let printed_mm: f64 = planned.plan.layers[5].paths.iter().map(|p| p.path.length_mm()).sum();
+/// assert!(printed_mm > 2.0 * 55.0, "two walls and infill: {printed_mm} mm");
+/// # Ok::<(), grainpath::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`plan_job`], and for a stack without area.

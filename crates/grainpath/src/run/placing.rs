@@ -50,6 +50,21 @@ pub struct Placed {
 
 /// Places the bodies of a mesh file on the bed and repairs them.
 ///
+/// ```
+/// use grainpath::run::{config, placed_mesh};
+/// # use grainpath_core::{DVec2, Diagnostics, Region};
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// // A box of 20 x 10 x 2 mm that floats 3 mm above its own origin.
+/// let mut file = grainpath::shape::extruded(outline, 2.0).unwrap();
+/// file.bodies[0].mesh.vertices.iter_mut().for_each(|p| p.z += 3.0);
+/// let placed = placed_mesh(&config::placing(&settings), file, &diagnostics)?;
+/// let (low, high) = placed.mesh.bounds().unwrap();
+/// assert_eq!((low.z, high.z, placed.lowered_mm), (0.0, 2.0, 3.0));
+/// # Ok::<(), grainpath::shape::ShapeError>(())
+/// ```
+///
 /// # Errors
 /// As [`shape::mend`].
 pub fn placed_mesh(
@@ -72,6 +87,20 @@ pub fn placed_mesh(
 }
 
 /// Places the bodies of a mesh file on the bed, repairs them and cuts them into layers.
+///
+/// ```
+/// use grainpath::run::{config, mesh_and_layers};
+/// # use grainpath_core::{DVec2, Diagnostics, Region};
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// // A box of 20 x 10 x 2 mm gives ten layers of 0.2 mm.
+/// let file = grainpath::shape::extruded(outline, 2.0).unwrap();
+/// let sliced = mesh_and_layers(&config::placing(&settings), file, &diagnostics)?;
+/// assert_eq!(sliced.stack.layers().len(), 10);
+/// assert!((sliced.stack.layers()[4].region().area_mm2() - 200.0).abs() < 0.01);
+/// # Ok::<(), grainpath::shape::ShapeError>(())
+/// ```
 ///
 /// # Errors
 /// As [`shape::mend`] and [`shape::slice`].

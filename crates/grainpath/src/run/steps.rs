@@ -162,6 +162,17 @@ pub struct RasterAngles {
 
 impl RasterAngles {
     /// The angle of a layer; `layer_idx` counts from 0. If the pattern does not `turn`, it is the first angle of the range.
+    ///
+    /// ```
+    /// use grainpath::run::RasterAngles;
+    /// use std::f64::consts::FRAC_PI_4;
+    ///
+    /// // 45 and 135 degrees in turn, and from the fifth layer on 0.
+    /// let angles = RasterAngles { ranges: vec![(0, vec![FRAC_PI_4, 3.0 * FRAC_PI_4]), (4, vec![0.0])] };
+    /// assert_eq!(angles.of_layer(1, true), 3.0 * FRAC_PI_4);
+    /// assert_eq!(angles.of_layer(1, false), FRAC_PI_4);
+    /// assert_eq!(angles.of_layer(7, true), 0.0);
+    /// ```
     pub fn of_layer(&self, layer_idx: usize, turn: bool) -> f64 {
         let Some((first, angles)) = self.ranges.iter().rev().find(|r| r.0 <= layer_idx) else { return 0.0 };
         let turns = if turn { layer_idx - first } else { 0 };
@@ -259,6 +270,19 @@ impl Copies {
 
 impl<'a> Steps<'a> {
     /// The steps of a part without supports, fibre and guide.
+    ///
+    /// ```
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// // `stack` has twelve layers of 20 x 10 mm.
+    /// let steps = Steps::new(&settings, &stack);
+    /// assert_eq!(steps.walls(0..12, &diagnostics)?.len(), 12);
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     pub fn new(settings: &'a StepSettings, stack: &'a LayerStack) -> Self {
         Self {
             settings,
@@ -279,7 +303,28 @@ impl<'a> Steps<'a> {
     }
 
     /// Adds supports.
-    #[must_use]
+    ///
+    /// ```
+    /// use grainpath::support::Support;
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// use grainpath::support::cut::{Layers, SupportLayer};
+    ///
+    /// // A square of support beside the part, in each layer.
+    /// let beside = || Region::rectangle(DVec2::new(25.0, 0.0), DVec2::new(35.0, 10.0));
+    /// let layers = (0..12).map(|_| SupportLayer { region: beside(), ..SupportLayer::default() }).collect();
+    /// let support = Support { cut: Layers { layers, ..Layers::default() }, ..Support::default() };
+    /// let steps = Steps::new(&settings, &stack).with_support(Some(&support));
+    /// let mut walls = steps.walls(5..6, &diagnostics)?;
+    /// let skins = steps.skins(5..6, &mut walls, &diagnostics)?;
+    /// let filled = steps.infill(5..6, walls, skins, Density::new(0.2), &diagnostics)?;
+    /// assert!(!filled.layers[0].supports.is_empty());
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     pub fn with_support(self, support: Option<&'a Support>) -> Self {
         Self { support, ..self }
     }
@@ -303,7 +348,28 @@ impl<'a> Steps<'a> {
     }
 
     /// Lays more walls where the stress takes more of the material's strength.
-    #[must_use]
+    ///
+    /// ```
+    /// use grainpath::guide::density::DensityMap;
+    /// use grainpath_core::DVec3;
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// // The right half takes all of the strength, the left half none: there are 2 walls, and 5 on the right.
+    /// # let mut settings = settings;
+    /// settings.most_walls = 5;
+    /// let (low, high) = (DVec3::ZERO, DVec3::new(20.0, 10.0, 2.4));
+    /// let share = DensityMap::new(low, high, 0.5, true, |p| if p.x > 10.0 { 1.0 } else { 0.0 });
+    /// let steps = Steps::new(&settings, &stack).with_stress_share(Some(&share));
+    /// let island = &steps.walls(0..1, &diagnostics)?[0].islands[0];
+    /// // Two closed walls, and three open ones in the right half.
+    /// assert_eq!((island.walls.len(), island.fills.len()), (2, 3));
+    /// assert!(island.fills.iter().all(|wall| !wall.closed));
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     pub fn with_stress_share(self, stress_share: Option<&'a DensityMap>) -> Self {
         Self { stress_share, ..self }
     }
@@ -349,6 +415,22 @@ impl<'a> Steps<'a> {
     }
 
     /// The walls of a window of layers, and the areas for their infill.
+    ///
+    /// ```
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// // `stack` has twelve layers of 20 x 10 mm. The outer of two walls lies half a bead inside the part.
+    /// let walls = Steps::new(&settings, &stack).walls(3..6, &diagnostics)?;
+    /// assert_eq!(walls.len(), 3);
+    /// let island = &walls[0].islands[0];
+    /// assert_eq!(island.walls.len(), 2);
+    /// assert!((island.walls[0].path.length_mm() - (60.0 - 8.0 * 0.225)).abs() < 0.01);
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -466,6 +548,23 @@ impl<'a> Steps<'a> {
     /// Divides the infill regions of a window of layers into skins, bridges and sparse infill, and
     /// marks walls over air. `walls` are those of the window; each [`LayerWalls::fill`] is emptied.
     ///
+    /// ```
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// // The lowest four and the topmost five of twelve layers are dense.
+    /// let steps = Steps::new(&settings, &stack);
+    /// let mut walls = steps.walls(0..12, &diagnostics)?;
+    /// let skins = steps.skins(0..12, &mut walls, &diagnostics)?;
+    /// let sparse: Vec<usize> = (0..12).filter(|i| !skins[*i].sparse.is_empty()).collect();
+    /// assert_eq!(sparse, [4, 5, 6]);
+    /// assert!(walls[0].fill.is_empty());
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
     pub fn skins(
@@ -510,6 +609,23 @@ impl<'a> Steps<'a> {
     /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are
     /// those of the window. The infill regions of a layer are freed as soon as it is filled, so that they do not lie
     /// beside the paths of the whole window.
+    ///
+    /// ```
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// let steps = Steps::new(&settings, &stack);
+    /// let mut walls = steps.walls(0..12, &diagnostics)?;
+    /// let skins = steps.skins(0..12, &mut walls, &diagnostics)?;
+    /// let filled = steps.infill(0..12, walls, skins, Density::new(0.2), &diagnostics)?;
+    /// // Volume of the infill of a layer, mm3.
+    /// let laid = |i: usize| filled.layers[i].islands[0].fills.iter().map(|p| p.volume_mm3(0.2)).sum::<f64>();
+    /// assert!((0.15..0.35).contains(&(laid(5) / laid(0))), "sparse over dense: {}", laid(5) / laid(0));
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -605,6 +721,24 @@ impl<'a> Steps<'a> {
     /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and passes each
     /// layer to `each` as soon as it is planned. The layers are the same for every window size, up to
     /// rounding of layer heights in the last bits.
+    ///
+    /// ```
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
+    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// let order = config::order(&grainpath::Settings::default());
+    /// let mut heights_mm = Vec::new();
+    /// Steps::new(&settings, &stack).in_windows(5, Density::new(0.2), &order, &diagnostics, |layer| {
+    ///     assert!(!layer.paths.is_empty());
+    ///     heights_mm.push(layer.z_top_mm);
+    /// })?;
+    /// assert_eq!(heights_mm.len(), 12);
+    /// assert!(heights_mm.is_sorted());
+    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
+    /// ```
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.

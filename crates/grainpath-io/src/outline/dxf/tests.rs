@@ -175,6 +175,9 @@ proptest::proptest! {
                 text += &format!(" {} {value}", codes[*code]);
             }
         }
-        let _ = read(&text);
+        if let Ok(outline) = read(&text) {
+            proptest::prop_assert!(outline.region.contours().flatten().all(|p| p.is_finite()));
+            proptest::prop_assert!(outline.region.area_mm2() > 0.0, "{text}");
+        }
     }
 }
