@@ -215,8 +215,8 @@ fn strict_refuses_what_would_only_be_warned_of() {
     assert_eq!(report["warnings"][0]["id"], "mesh-open", "{report}");
     assert!(!dir.join("open.gcode").exists());
     let job = "format = 1\n[shape]\nmesh = \"open.stl\"\n[material]\nprofile = \"pla\"\n[guide]\nkind = \"stress\"\n\
-               [[guide.fixture]]\nbox_mm = [[-1, -1, -1], [1, 11, 6]]\n\
-               [[guide.load]]\nbox_mm = [[9, -1, -1], [11, 11, 6]]\nforce_n = [10, 0, 0]\n\
+               [[guide.fixture]]\non = { box_mm = [[-1, -1, -1], [1, 11, 6]] }\nfix = \"xyz\"\n\
+               [[guide.load]]\non = { box_mm = [[9, -1, -1], [11, 11, 6]] }\nforce_n = [10, 0, 0]\n\
                [strength]\ncell_mm = 1.5\ncorners = false\ncheck = false\n";
     fs::write(dir.join("open.toml"), job).expect("a file");
     let before = list(&dir);

@@ -5,8 +5,9 @@
 //! or of the tests' helpers that it calls (`assert!` and its family, `panic!`, `unwrap`, `expect`, `?`,
 //! `#[should_panic]`). Ignored tests count alike: when they are run, they must look at something.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use proc_macro2::TokenTree;
 use syn::visit::Visit;
 
 use crate::source::TestFile;
@@ -27,24 +28,38 @@ pub fn find(files: &[TestFile]) -> (usize, Vec<Empty>) {
             collect.visit_item(item);
         }
     }
-    // Functions are known by name alone, so two of one name count as one: if either can fail, both can.
-    let mut fails: BTreeMap<&str, bool> = BTreeMap::new();
+    // A name means the functions of that name in the same file. Only where there is none, it means those of other
+    // files. Two of one name in one file count as one: if either can fail, both can.
+    let mut by_file: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     for function in &functions {
-        *fails.entry(&function.name).or_default() |= function.fails;
+        *by_file.entry((&function.path, &function.name)).or_default() |= function.fails;
     }
+    let elsewhere = |by_file: &BTreeMap<(&str, &str), bool>| -> BTreeSet<String> {
+        by_file.iter().filter(|(_, fails)| **fails).map(|((_, name), _)| (*name).to_owned()).collect()
+    };
+    let can_fail =
+        |function: &Function, by_file: &BTreeMap<(&str, &str), bool>, others: &BTreeSet<String>| {
+            let called = |c: &String| {
+                let own = by_file.get(&(function.path.as_str(), c.as_str()));
+                own.copied().unwrap_or_else(|| others.contains(c))
+            };
+            function.fails || function.calls.iter().any(called)
+        };
     // Helpers may call helpers. Two levels are the deepest in use; ten rounds cost nothing.
+    let mut others = elsewhere(&by_file);
     for _ in 0..10 {
         for function in &functions {
-            if function.calls.iter().any(|c| fails.get(c.as_str()).copied().unwrap_or_default()) {
-                fails.insert(&function.name, true);
+            if can_fail(function, &by_file, &others) {
+                by_file.insert((&function.path, &function.name), true);
             }
         }
+        others = elsewhere(&by_file);
     }
     let tests: Vec<&Function> = functions.iter().filter(|f| f.is_test).collect();
     let empty = tests.iter().filter_map(|test| {
         let what = if test.returns_early {
             "can return early"
-        } else if !test.fails && !fails.get(test.name.as_str()).copied().unwrap_or_default() {
+        } else if !can_fail(test, &by_file, &others) {
             "asserts nothing"
         } else {
             return None;
@@ -85,17 +100,37 @@ impl<'ast> Visit<'ast> for Collect<'_> {
     }
 
     fn visit_macro(&mut self, item: &'ast syn::Macro) {
-        // The arguments of `proptest!` cannot be parsed as Rust, so their text is searched: the macro
-        // counts as one test.
-        if item.path.is_ident("proptest") {
-            let text = item.tokens.to_string();
+        // `in` makes the arguments of a property invalid Rust, so its name and its body are found among the tokens:
+        // `fn name (...) {...}`.
+        if item.path.segments.last().is_none_or(|s| s.ident != "proptest") {
+            return;
+        }
+        let tokens: Vec<TokenTree> = item.tokens.clone().into_iter().collect();
+        for window in tokens.windows(4) {
+            let [
+                TokenTree::Ident(keyword),
+                TokenTree::Ident(name),
+                TokenTree::Group(_),
+                TokenTree::Group(body),
+            ] = window
+            else {
+                continue;
+            };
+            if keyword != "fn" {
+                continue;
+            }
+            let mut seen = Body { fails: false, returns_early: false, calls: Vec::new(), closures: 0 };
+            // A body that cannot be parsed counts as one that asserts nothing, so that it is noticed.
+            if let Ok(block) = syn::parse2::<syn::Block>(TokenTree::Group(body.clone()).into()) {
+                seen.visit_block(&block);
+            }
             self.functions.push(Function {
                 path: self.path.to_owned(),
-                name: "proptest!".to_owned(),
+                name: name.to_string(),
                 is_test: true,
-                fails: text.contains("assert"),
-                returns_early: text.contains("return ;") || text.contains("return;"),
-                calls: Vec::new(),
+                fails: seen.fails,
+                returns_early: seen.returns_early,
+                calls: seen.calls,
             });
         }
     }
@@ -176,6 +211,23 @@ mod tests {
         let items = syn::parse_file(text).expect("the test is Rust").items;
         let (_, empty) = find(&[TestFile { path: "a.rs".to_owned(), items }]);
         empty.into_iter().map(|e| (e.name, e.what)).collect()
+    }
+
+    #[test]
+    fn properties_are_read_and_names_are_those_of_their_file() {
+        let file = |path: &str, text: &str| {
+            let items = syn::parse_file(text).expect("the test is Rust").items;
+            TestFile { path: path.to_owned(), items }
+        };
+        let a = "proptest! { #[test] fn a(x in 0..3, y: bool) { let _ = run(x); }
+                             #[test] fn b(x in 0..3) { prop_assert!(run(x)); }
+                             #[test] fn c(x in 0..3) { checked(x); } }
+                 #[test] fn d() { survive(); }
+                 fn survive() { run(); }";
+        let b = "fn survive() { panic!() } fn checked() { panic!() }";
+        let (n, found) = find(&[file("a.rs", a), file("b.rs", b)]);
+        let found: Vec<&str> = found.iter().map(|e| e.name.as_str()).collect();
+        assert_eq!((n, found), (4, vec!["a", "d"]));
     }
 
     #[test]

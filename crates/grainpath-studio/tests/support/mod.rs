@@ -27,8 +27,14 @@ use tower::ServiceExt;
 pub(crate) struct Planner;
 
 impl Engine for Planner {
-    fn exit_code(&self, _: RefusalKind) -> i32 {
-        3
+    fn exit_code(&self, kind: RefusalKind) -> i32 {
+        match kind {
+            RefusalKind::Fault => 1,
+            RefusalKind::Usage => 2,
+            RefusalKind::Input => 3,
+            RefusalKind::Physics => 4,
+            RefusalKind::Interrupted => 130,
+        }
     }
 
     fn job_for(&self, file: &Path) -> Result<String, Refusal> {

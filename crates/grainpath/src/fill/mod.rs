@@ -101,6 +101,7 @@ pub fn infill(pattern: Pattern, continuous: &Continuous) -> &dyn Infill {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use grainpath_core::failure_svg::FailurePicture;
     use grainpath_core::math::direction;
     use grainpath_core::poly::Join;
     use grainpath_core::{DVec2, Region};
@@ -242,9 +243,15 @@ mod tests {
                     paths
                 };
                 let paths = draw();
+                let mut picture = FailurePicture::new("fill in the region");
+                picture.region("region", &region);
+                paths.iter().for_each(|p| picture.line(pattern.name(), &p.points));
                 assert_eq!(paths, draw());
                 assert!(!paths.is_empty(), "{} on {outline}", pattern.name());
                 for p in paths.iter().flat_map(|p| &p.points) {
+                    if !grown.contains(*p) {
+                        picture.point("outside", *p);
+                    }
                     assert!(grown.contains(*p), "{} on {outline}: {p} is outside", pattern.name());
                 }
             }
@@ -259,7 +266,11 @@ mod tests {
                 let mut paths = Vec::new();
                 region.polygons.iter().for_each(|p| Solid.fill(&context, p, &mut paths));
                 let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
-                let expected = region.offset(0.5 * context.spacing_mm(), Join::Miter(3.0)).area_mm2() * 0.2;
+                let filled = region.offset(0.5 * context.spacing_mm(), Join::Miter(3.0));
+                let mut picture = FailurePicture::new("dense lines");
+                picture.region("filled", &filled);
+                paths.iter().for_each(|p| picture.line("line", &p.points));
+                let expected = filled.area_mm2() * 0.2;
                 assert!(
                     (volume / expected - 1.0).abs() < 0.01,
                     "{outline} at {angle}: {}",
@@ -272,17 +283,29 @@ mod tests {
 
     #[test]
     fn crumbs_and_slivers_do_no_harm() {
-        let sliver = vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::new(10.0, 1e-4)];
-        let crumb = vec![DVec2::ZERO, DVec2::new(0.01, 0.0), DVec2::new(0.0, 0.01)];
-        for outer in [sliver, crumb, vec![DVec2::ZERO; 3], vec![]] {
+        // A bead along a field reaches a tenth of a spacing out of a sliver. A shape without area has no inside, so its
+        // offsets, of up to half a step, lie outside.
+        let away = DVec2::new(0.13, 0.21);
+        let sliver = vec![away, away + DVec2::new(10.0, 0.0), away + DVec2::new(10.0, 1e-4)];
+        let crumb = vec![away, away + DVec2::new(0.01, 0.0), away + DVec2::new(0.0, 0.01)];
+        let point = vec![away; 3];
+        for (outer, most_mm) in [(sliver, 0.05), (crumb, 0.05), (point, 2.1), (vec![], 0.0)] {
             let polygon = Polygon { outer, holes: Vec::new() };
+            let near = polygon.bounds().map(|b| b.grown(most_mm));
             for pattern in Pattern::ALL.iter().copied() {
                 for density in [0.1, 1.0] {
+                    let mut paths = Vec::new();
                     infill(pattern, &Continuous::FOR_TESTS).fill(
                         &context(density, 0.2, 0.1),
                         &polygon,
-                        &mut Vec::new(),
+                        &mut paths,
                     );
+                    let is_in =
+                        |p: &DVec2| near.is_some_and(|b| p.cmpge(b.min).all() && p.cmple(b.max).all());
+                    assert!(paths.iter().flat_map(|p| &p.points).all(is_in), "{}: {paths:?}", pattern.name());
+                    let length: f64 = paths.iter().map(Toolpath::length_mm).sum();
+                    let most = polygon.perimeter_mm() + 8.0 * most_mm + 0.45;
+                    assert!(length <= most, "{} of {density}: {length} mm", pattern.name());
                 }
             }
         }

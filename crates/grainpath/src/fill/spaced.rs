@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn a_room_of_one_height_is_filled_from_border_to_border() {
+    fn a_region_of_one_height_is_filled_from_border_to_border() {
         let corners = [(0.0, 0.0), (30.0, 0.0), (30.0, 9.3), (0.0, 9.3)];
         let infill_region = Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() };
         let (found, strip_mm) = lines(&infill_region, 0.0, 0.4).expect("lines");

@@ -26,14 +26,10 @@ use grainpath_imaging::scan::texture::TextureReport;
 /// ```
 /// use grainpath::measure::report::Report;
 /// use grainpath::{Settings, plan_layers};
-/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
-/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-/// # let stack = LayerStack::new((0..9).map(layer).collect()).unwrap();
-/// # let (settings, diagnostics) = (Settings::default(), Diagnostics::default());
-///
+/// # let stack = grainpath_parts::layers_of_a_box(9);
+/// # let (settings, diagnostics) = (Settings::default(), grainpath_core::Diagnostics::default());
 /// // `stack` has nine layers of 20 x 10 mm.
-/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics)?;
+/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics).unwrap();
 /// let mut program = Vec::new();
 /// let written = grainpath_gcode::write_gcode(&planned.plan, &planned.config, &[], &mut program).unwrap();
 /// let report = Report::new(&planned, &written);
@@ -42,7 +38,6 @@ use grainpath_imaging::scan::texture::TextureReport;
 /// assert!((355.0..400.0).contains(&report.extruded_mm3), "{}", report.extruded_mm3);
 /// let json = serde_json::to_value(&report).unwrap();
 /// assert!(json["mass_g"].is_number() && json.get("stress").is_none());
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]

@@ -94,18 +94,14 @@ impl OrderState {
 /// use grainpath::order::order_stack;
 /// use grainpath::run::{config, fill_window};
 /// use grainpath_core::Role;
-/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
-/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-/// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
-/// let filled = fill_window(&settings, &stack, 0..12, &diagnostics)?;
-/// let plans = order_stack(&stack, filled, &config::order(&settings), &diagnostics)?;
+/// # let stack = grainpath_parts::layers_of_a_box(12);
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
+/// let filled = fill_window(&settings, &stack, 0..12, &diagnostics).unwrap();
+/// let plans = order_stack(&stack, filled, &config::order(&settings), &diagnostics).unwrap();
 /// assert_eq!(plans.len(), 12);
 /// // The default order of walls is inner first.
 /// let walls: Vec<Role> = plans[5].paths.iter().map(|p| p.path.role).filter(|r| r.is_wall()).collect();
 /// assert_eq!(walls, [Role::InnerWall, Role::OuterWall]);
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 ///
 /// # Errors

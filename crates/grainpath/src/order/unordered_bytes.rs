@@ -231,7 +231,9 @@ mod tests {
             let at = (cut * bytes.len() as f64) as usize;
             prop_assert!(paths_from_bytes(&bytes[..at]).is_err());
             bytes[at] = byte;
-            let _ = paths_from_bytes(&bytes);
+            if let Ok(read) = paths_from_bytes(&bytes) {
+                prop_assert!(read.len() <= bytes.len());
+            }
         }
     }
 }

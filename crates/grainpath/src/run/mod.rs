@@ -78,14 +78,10 @@ pub struct Inputs {
 ///
 /// ```
 /// use grainpath::{Inputs, plan_job};
-/// # use grainpath_core::{DVec2, Diagnostics, Region};
-/// # let (job, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
-/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
 /// // A box of 20 x 10 x 2 mm.
-/// let mesh = grainpath::shape::extruded(outline, 2.0).unwrap();
 /// let inputs = Inputs {
-///     mesh,
+///     mesh: grainpath_parts::file_of_a_box(),
 ///     path: "box.stl".into(),
 ///     stress: None,
 ///     deck: None,
@@ -96,12 +92,11 @@ pub struct Inputs {
 ///     regions: Default::default(),
 ///     known: None,
 /// };
-/// let planned = plan_job(&settings, inputs, &diagnostics)?;
+/// let planned = plan_job(&settings, inputs, &diagnostics).unwrap();
 /// assert_eq!(planned.plan.layers.len(), 10);
 /// assert!((planned.plan.layers[9].z_top_mm - 2.0).abs() < 1e-9);
 /// // The part stands in the middle of the bed; the paths keep the coordinates of the mesh.
 /// assert!(planned.plan.plate_from_part_mm.x > 0.0);
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 ///
 /// # Errors
@@ -167,15 +162,13 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
 /// use grainpath::plan_photo;
 /// use grainpath_core::Diagnostics;
 /// use grainpath_imaging::{photo::Photo, raster::Grey};
-///
 /// // A picture of 60 x 40 pixels shows a board of 30 x 20 mm.
 /// let job = "[shape.photo]\nfiles = [\"board.png\"]\nsize_mm = [30, 20]\nthickness_mm = 1\n";
 /// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
 /// let photos = [Photo::new("board.png".into(), Grey::filled(60, 40, 0.5))];
-/// let planned = plan_photo(&settings, &photos, None, &Diagnostics::default())?;
+/// let planned = plan_photo(&settings, &photos, None, &Diagnostics::default()).unwrap();
 /// assert_eq!(planned.stack.layers().len(), 5);
 /// assert!((planned.stack.layers()[0].region().area_mm2() - 600.0).abs() < 0.1);
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 ///
 /// # Errors
@@ -252,7 +245,6 @@ pub fn plan_parted_scan(
 ///
 /// ```
 /// use grainpath::run::fills_in_windows;
-///
 /// let mut settings = grainpath::Settings::default();
 /// assert!(fills_in_windows(&settings));
 /// // One density for the whole part is found from its mass.
@@ -275,17 +267,13 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
 ///
 /// ```
 /// use grainpath::run::{config, fill_window};
-/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
-/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-/// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// # let stack = grainpath_parts::layers_of_a_box(12);
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
 /// // Layers 4 to 6 of twelve, not yet in printing order.
-/// let window = fill_window(&config::steps(&job), &stack, 4..7, &diagnostics)?;
+/// let window = fill_window(&config::steps(&settings), &stack, 4..7, &diagnostics).unwrap();
 /// assert_eq!(window.len(), 3);
 /// let island = &window[0].islands[0];
 /// assert!(island.walls.len() == 2 && !island.fills.is_empty());
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 ///
 /// # Errors
@@ -323,17 +311,13 @@ fn plan_cut(
 ///
 /// ```
 /// use grainpath::plan_layers;
-/// # use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Region};
-/// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-/// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
+/// # let stack = grainpath_parts::layers_of_a_box(12);
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
 /// // `stack` has twelve layers of 20 x 10 mm.
-/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics)?;
+/// let planned = plan_layers(&settings, stack, "box", None, None, &[], None, &diagnostics).unwrap();
 /// assert_eq!(planned.plan.layers.len(), 12);
 /// let printed_mm: f64 = planned.plan.layers[5].paths.iter().map(|p| p.path.length_mm()).sum();
 /// assert!(printed_mm > 2.0 * 55.0, "two walls and infill: {printed_mm} mm");
-/// # Ok::<(), grainpath::Error>(())
 /// ```
 ///
 /// # Errors

@@ -52,17 +52,13 @@ pub struct Placed {
 ///
 /// ```
 /// use grainpath::run::{config, placed_mesh};
-/// # use grainpath_core::{DVec2, Diagnostics, Region};
-/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
-/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
 /// // A box of 20 x 10 x 2 mm that floats 3 mm above its own origin.
-/// let mut file = grainpath::shape::extruded(outline, 2.0).unwrap();
+/// let mut file = grainpath_parts::file_of_a_box();
 /// file.bodies[0].mesh.vertices.iter_mut().for_each(|p| p.z += 3.0);
-/// let placed = placed_mesh(&config::placing(&settings), file, &diagnostics)?;
+/// let placed = placed_mesh(&config::placing(&settings), file, &diagnostics).unwrap();
 /// let (low, high) = placed.mesh.bounds().unwrap();
 /// assert_eq!((low.z, high.z, placed.lowered_mm), (0.0, 2.0, 3.0));
-/// # Ok::<(), grainpath::shape::ShapeError>(())
 /// ```
 ///
 /// # Errors
@@ -90,16 +86,12 @@ pub fn placed_mesh(
 ///
 /// ```
 /// use grainpath::run::{config, mesh_and_layers};
-/// # use grainpath_core::{DVec2, Diagnostics, Region};
-/// # let (settings, diagnostics) = (grainpath::Settings::default(), Diagnostics::default());
-/// # let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-/// # let outline = grainpath_io::Outline { region, warnings: Vec::new() };
+/// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
 /// // A box of 20 x 10 x 2 mm gives ten layers of 0.2 mm.
-/// let file = grainpath::shape::extruded(outline, 2.0).unwrap();
-/// let sliced = mesh_and_layers(&config::placing(&settings), file, &diagnostics)?;
+/// let file = grainpath_parts::file_of_a_box();
+/// let sliced = mesh_and_layers(&config::placing(&settings), file, &diagnostics).unwrap();
 /// assert_eq!(sliced.stack.layers().len(), 10);
 /// assert!((sliced.stack.layers()[4].region().area_mm2() - 200.0).abs() < 0.01);
-/// # Ok::<(), grainpath::shape::ShapeError>(())
 /// ```
 ///
 /// # Errors

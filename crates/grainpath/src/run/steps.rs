@@ -166,7 +166,6 @@ impl RasterAngles {
     /// ```
     /// use grainpath::run::RasterAngles;
     /// use std::f64::consts::FRAC_PI_4;
-    ///
     /// // 45 and 135 degrees in turn, and from the fifth layer on 0.
     /// let angles = RasterAngles { ranges: vec![(0, vec![FRAC_PI_4, 3.0 * FRAC_PI_4]), (4, vec![0.0])] };
     /// assert_eq!(angles.of_layer(1, true), 3.0 * FRAC_PI_4);
@@ -270,19 +269,6 @@ impl Copies {
 
 impl<'a> Steps<'a> {
     /// The steps of a part without supports, fibre and guide.
-    ///
-    /// ```
-    /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
-    /// // `stack` has twelve layers of 20 x 10 mm.
-    /// let steps = Steps::new(&settings, &stack);
-    /// assert_eq!(steps.walls(0..12, &diagnostics)?.len(), 12);
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
-    /// ```
     pub fn new(settings: &'a StepSettings, stack: &'a LayerStack) -> Self {
         Self {
             settings,
@@ -306,25 +292,22 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// use grainpath::support::Support;
-    /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
     /// use grainpath::support::cut::{Layers, SupportLayer};
-    ///
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec2, Density, Diagnostics, Region};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// // A square of support beside the part, in each layer.
     /// let beside = || Region::rectangle(DVec2::new(25.0, 0.0), DVec2::new(35.0, 10.0));
     /// let layers = (0..12).map(|_| SupportLayer { region: beside(), ..SupportLayer::default() }).collect();
     /// let support = Support { cut: Layers { layers, ..Layers::default() }, ..Support::default() };
     /// let steps = Steps::new(&settings, &stack).with_support(Some(&support));
-    /// let mut walls = steps.walls(5..6, &diagnostics)?;
-    /// let skins = steps.skins(5..6, &mut walls, &diagnostics)?;
-    /// let filled = steps.infill(5..6, walls, skins, Density::new(0.2), &diagnostics)?;
+    /// let mut walls = steps.walls(5..6, &diagnostics).unwrap();
+    /// let skins = steps.skins(5..6, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(5..6, walls, skins, Density::new(0.2), &diagnostics).unwrap();
     /// assert!(!filled.layers[0].supports.is_empty());
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
+    #[must_use]
     pub fn with_support(self, support: Option<&'a Support>) -> Self {
         Self { support, ..self }
     }
@@ -351,25 +334,21 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// use grainpath::guide::density::DensityMap;
-    /// use grainpath_core::DVec3;
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// # use grainpath_core::{DVec3, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (mut settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// // The right half takes all of the strength, the left half none: there are 2 walls, and 5 on the right.
-    /// # let mut settings = settings;
     /// settings.most_walls = 5;
     /// let (low, high) = (DVec3::ZERO, DVec3::new(20.0, 10.0, 2.4));
     /// let share = DensityMap::new(low, high, 0.5, true, |p| if p.x > 10.0 { 1.0 } else { 0.0 });
     /// let steps = Steps::new(&settings, &stack).with_stress_share(Some(&share));
-    /// let island = &steps.walls(0..1, &diagnostics)?[0].islands[0];
+    /// let island = &steps.walls(0..1, &diagnostics).unwrap()[0].islands[0];
     /// // Two closed walls, and three open ones in the right half.
     /// assert_eq!((island.walls.len(), island.fills.len()), (2, 3));
     /// assert!(island.fills.iter().all(|wall| !wall.closed));
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
+    #[must_use]
     pub fn with_stress_share(self, stress_share: Option<&'a DensityMap>) -> Self {
         Self { stress_share, ..self }
     }
@@ -418,18 +397,15 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// // `stack` has twelve layers of 20 x 10 mm. The outer of two walls lies half a bead inside the part.
-    /// let walls = Steps::new(&settings, &stack).walls(3..6, &diagnostics)?;
+    /// let walls = Steps::new(&settings, &stack).walls(3..6, &diagnostics).unwrap();
     /// assert_eq!(walls.len(), 3);
     /// let island = &walls[0].islands[0];
     /// assert_eq!(island.walls.len(), 2);
     /// assert!((island.walls[0].path.length_mm() - (60.0 - 8.0 * 0.225)).abs() < 0.01);
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
     ///
     /// # Errors
@@ -550,19 +526,16 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// // The lowest four and the topmost five of twelve layers are dense.
     /// let steps = Steps::new(&settings, &stack);
-    /// let mut walls = steps.walls(0..12, &diagnostics)?;
-    /// let skins = steps.skins(0..12, &mut walls, &diagnostics)?;
+    /// let mut walls = steps.walls(0..12, &diagnostics).unwrap();
+    /// let skins = steps.skins(0..12, &mut walls, &diagnostics).unwrap();
     /// let sparse: Vec<usize> = (0..12).filter(|i| !skins[*i].sparse.is_empty()).collect();
     /// assert_eq!(sparse, [4, 5, 6]);
     /// assert!(walls[0].fill.is_empty());
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
     ///
     /// # Errors
@@ -612,19 +585,16 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// let steps = Steps::new(&settings, &stack);
-    /// let mut walls = steps.walls(0..12, &diagnostics)?;
-    /// let skins = steps.skins(0..12, &mut walls, &diagnostics)?;
-    /// let filled = steps.infill(0..12, walls, skins, Density::new(0.2), &diagnostics)?;
+    /// let mut walls = steps.walls(0..12, &diagnostics).unwrap();
+    /// let skins = steps.skins(0..12, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(0..12, walls, skins, Density::new(0.2), &diagnostics).unwrap();
     /// // Volume of the infill of a layer, mm3.
     /// let laid = |i: usize| filled.layers[i].islands[0].fills.iter().map(|p| p.volume_mm3(0.2)).sum::<f64>();
     /// assert!((0.15..0.35).contains(&(laid(5) / laid(0))), "sparse over dense: {}", laid(5) / laid(0));
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
     ///
     /// # Errors
@@ -724,20 +694,17 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
-    /// # let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    /// # let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
-    /// # let stack = LayerStack::new((0..12).map(layer).collect()).unwrap();
-    /// # let (settings, diagnostics) = (config::steps(&grainpath::Settings::default()), Diagnostics::default());
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
     /// let order = config::order(&grainpath::Settings::default());
     /// let mut heights_mm = Vec::new();
     /// Steps::new(&settings, &stack).in_windows(5, Density::new(0.2), &order, &diagnostics, |layer| {
     ///     assert!(!layer.paths.is_empty());
     ///     heights_mm.push(layer.z_top_mm);
-    /// })?;
+    /// }).unwrap();
     /// assert_eq!(heights_mm.len(), 12);
     /// assert!(heights_mm.is_sorted());
-    /// # Ok::<(), grainpath_core::diagnostics::Interrupted>(())
     /// ```
     ///
     /// # Errors

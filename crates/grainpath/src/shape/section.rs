@@ -518,7 +518,11 @@ mod tests {
             vec![DVec2::new(5.0, 5.0), DVec2::new(5.0, 9.0), DVec2::new(9.0, 9.0), DVec2::new(9.0, 5.0)],
         ];
         let exact = Region::from_contours(&contours, FillRule::NonZero);
-        let found = gridded(&contours).area_mm2();
+        let found = gridded(&contours);
+        let mut picture = grainpath_core::failure_svg::FailurePicture::new("section on the grid");
+        picture.region("exact", &exact);
+        picture.region("found", &found);
+        let found = found.area_mm2();
         assert!((found - exact.area_mm2()).abs() < 0.01 * exact.area_mm2(), "{found} {}", exact.area_mm2());
     }
 

@@ -194,6 +194,7 @@ fn areas(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use grainpath_core::failure_svg::FailurePicture;
     use grainpath_core::math::{direction, rotated};
     use grainpath_core::{DVec2, Role};
 
@@ -234,6 +235,10 @@ mod tests {
             // Two walls on three sides, half a strip from the walls and from the border.
             let depth = 0.5 * 0.45 + 2.0 * s;
             let expected = (15.0 - depth - 0.5 * s) * (20.0 - 2.0 * depth);
+            let mut picture = FailurePicture::new("fills on both sides of a border");
+            picture.region("part", &Region::from(plate.clone()));
+            picture.region("rest", &divided.rest.fill);
+            picture.region("region", &divided.regions[0]);
             for fill in [&divided.rest.fill, &divided.regions[0]] {
                 assert!((fill.area_mm2() / expected - 1.0).abs() < 1e-3, "{} {expected}", fill.area_mm2());
             }
@@ -249,6 +254,9 @@ mod tests {
         let (plate, right) = halves(37f64.to_radians(), 15.0);
         let none = Region::default();
         let divided = lay_divided(&plate, &SETTINGS, share(&none, 2), &[share(&right, 4)]);
+        let mut picture = FailurePicture::new("walls of a region");
+        picture.region("region", &right);
+        divided.rest.singles.iter().for_each(|wall| picture.line("open wall", &wall.points));
         assert_eq!(divided.rest.loops.len(), 2);
         assert_eq!(divided.rest.singles.len(), 2, "the third and fourth wall, open");
         for (wall, depth) in divided.rest.singles.iter().zip([2.0, 3.0]) {

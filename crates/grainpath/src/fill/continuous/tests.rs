@@ -155,16 +155,23 @@ fn a_neck_thinner_than_a_bead_is_named() {
 }
 
 #[test]
-fn rooms_of_no_size_do_no_harm() {
+fn regions_of_no_size_get_no_beads_outside() {
     let sliver = Region::rectangle(DVec2::ZERO, DVec2::new(5.0, 0.01));
     let crumb = Region::rectangle(DVec2::ZERO, DVec2::splat(0.05));
     let field = Angle(|p: DVec2| p.x);
     for part in [sliver, crumb] {
-        Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &part.polygons[0], &mut Vec::new());
+        let mut paths = Vec::new();
+        Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &part.polygons[0], &mut paths);
+        let near = part.offset(1e-3, Join::Miter(3.0));
+        assert!(paths.iter().flat_map(|p| &p.points).all(|p| near.contains(*p)), "{paths:?}");
+        let length: f64 = paths.iter().map(Toolpath::length_mm).sum();
+        assert!(length <= part.polygons[0].perimeter_mm() + WIDTH, "{length}");
     }
     let empty = Polygon::default();
     let part = Region::rectangle(DVec2::ZERO, DVec2::splat(1.0));
-    Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &empty, &mut Vec::new());
+    let mut paths = Vec::new();
+    Continuous::FOR_TESTS.fill(&context(&part, WIDTH, &field), &empty, &mut paths);
+    assert!(paths.is_empty(), "{paths:?}");
 }
 
 /// A star-shaped polygon, down to spikes, with holes that may meet each other and the outline.
