@@ -260,8 +260,8 @@ fn shapes(
         report.outputs.insert(what, path.display().to_string());
     }
     if let Some(path) = &paths.surface {
-        let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
-            .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
+        let mesh = grainpath::shape::loft(&planned.stack, cell_mm, diagnostics)
+            .map_err(|e| grainpath::Error::Shape { path: path.display().to_string(), source: e.into() })?;
         write_mesh(path, &[&mesh])?;
         report.outputs.insert("surface", path.display().to_string());
     }

@@ -6,6 +6,7 @@
 
 pub mod canny;
 pub mod distance;
+pub mod loft;
 pub mod metric;
 pub mod photo;
 pub mod raster;

@@ -40,7 +40,7 @@ use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::region::{self, RegionAreas, RegionPart};
-use crate::shape::{self, ShapeError};
+use crate::shape::{ShapeError, loft};
 use crate::support;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
 use grainpath_job::{Settings, WallCount};
@@ -361,7 +361,7 @@ fn surface_if_wanted(
     if !is_wanted {
         return Ok(TriMesh::default());
     }
-    shape::surface(stack, settings.output.surface_cell_mm, diagnostics)
+    Ok(loft(stack, settings.output.surface_cell_mm, diagnostics)?)
 }
 
 /// Inputs for guides and regions: stress solved by another program, the user's own directions, and, for a guide

@@ -8,13 +8,14 @@ mod outline;
 mod photo;
 mod place;
 mod section;
-mod surface;
 
 use std::ops::Range;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::triangulation::TriangulationError;
 use grainpath_core::{Diagnostics, Layer, LayerStack, Region, TriMesh};
+use grainpath_imaging::loft::LoftError;
+pub use grainpath_imaging::loft::loft;
 use rayon::prelude::*;
 
 pub use heights::{Adaptive, layer_heights};
@@ -23,7 +24,6 @@ pub use outline::extruded;
 pub use outline::prism;
 pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, Standing, likely_unit, place};
-pub use surface::surface;
 
 /// Settings for cutting a mesh into layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +68,16 @@ pub enum ShapeError {
     NothingLeft,
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+impl From<LoftError> for ShapeError {
+    fn from(error: LoftError) -> Self {
+        match error {
+            LoftError::NoArea => Self::NothingLeft,
+            LoftError::TooLarge { limit } => Self::SurfaceTooLarge { limit },
+            LoftError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+        }
+    }
 }
 
 /// Cuts placed and mended meshes into layers. The section of a layer is taken at the middle of its
