@@ -4,7 +4,7 @@
 //! Least-squares fits and coarse levels of solvers lead to such systems. Some are rank deficient: samples
 //! on one line, for example, do not determine a plane. The factor leaves out each unknown whose column
 //! depends on the columns before it, and the solution is zero there. An unknown is left out if
-//! elimination reduces its diagonal entry to at most [`RANK_TOLERANCE`] times the entry.
+//! elimination reduces its diagonal entry to at most `RANK_TOLERANCE` times the entry.
 //!
 //! Storage: row-major, `n * n`, of which the lower triangle is read. Cost: n³ / 6 multiplications
 //! for the factor and n² for a solution. Degenerate: an all-zero matrix gives the zero solution;

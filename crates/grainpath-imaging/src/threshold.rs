@@ -114,7 +114,7 @@ impl Histogram {
         self.low + (bin + 0.5) * self.width
     }
 
-    /// Otsu's threshold, a grey value between two bins; see [`otsu_split`].
+    /// Otsu's threshold, a grey value between two bins; see `otsu_split`.
     pub fn otsu(&self) -> f64 {
         // The split lies between two bins, half a bin below the centre of the next.
         self.value(otsu_split(&self.counts) - 0.5)

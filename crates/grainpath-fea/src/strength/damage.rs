@@ -24,7 +24,7 @@ use crate::plane::PlaneStiffness;
 pub(crate) const MIN_REMAINING: f64 = 1e-4;
 
 /// Share of the stiffness that is lost at a damage strain: 0 up to a damage strain of 1, and all but
-/// [`MIN_REMAINING`] from the final strain on. In between, stress falls on a straight line.
+/// `MIN_REMAINING` from the final strain on. In between, stress falls on a straight line.
 pub fn damage(damage_strain: f64, final_strain: f64) -> f64 {
     if damage_strain <= 1.0 {
         return 0.0;

@@ -239,7 +239,7 @@ pub struct Ply {
     pub coherence: f64,
     /// Its material: the number of its card.
     pub material: u8,
-    /// Share of it that carries across its beads, from [`LEAST_JOINED`] to 1. The rest has no material beside it in its own
+    /// Share of it that carries across its beads, from `LEAST_JOINED` to 1. The rest has no material beside it in its own
     /// layer or the two next to that, but has some in layers further off.
     pub joined: f64,
 }

@@ -2,7 +2,7 @@
 //!
 //! The beads of a program become cells of a grid. A part of one section under loads in its plane is a plate: its layers
 //! are homogenised through the thickness, with the directions of beads kept apart ([`laminate`]), and its cells are
-//! square elements under plane stress ([`elements`], [`plate_system`]). Any other part is a solid of box-shaped cells
+//! square elements under plane stress ([`squares`], [`plate_system`]). Any other part is a solid of box-shaped cells
 //! ([`bricks`]), whose layers can part as well.
 //!
 //! Both are loaded until they fail ([`plate_strength`], [`brick_strength`]): plies fail at the strengths of their

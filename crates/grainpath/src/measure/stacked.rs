@@ -4,8 +4,8 @@
 //! of layers it is a joint through the part. Counted are the places of infill where an open path begins and ends, where
 //! a closed path begins, and where a path turns back beside itself (a hairpin).
 //!
-//! A column is a square of [`COLUMN_MM`] of a grid. Its places are stacked where more than a third of the layers with
-//! infill have one in it, a third being rounded up, or more than [`LONGEST_RUN`] layers in a row. Where beads meet the
+//! A column is a square of `COLUMN_MM` of a grid. Its places are stacked where more than a third of the layers with
+//! infill have one in it, a third being rounded up, or more than `LONGEST_RUN` layers in a row. Where beads meet the
 //! border of the infill across, each of them ends there, and less than a column apart: these places are counted by
 //! themselves.
 //!

@@ -2,7 +2,7 @@
 //! and `held`.
 //!
 //! A [`Sample`] stands for a small area of an overhang. A [`Contact`] is a point at which a support is to
-//! touch the part; it holds the samples around it. A [`Grid`] says where the contacts of one overhang are
+//! touch the part; it holds the samples around it. A [`ContactGrid`] says where the contacts of one overhang are
 //! placed. Lengths are in mm in the coordinates of the part on the plate, areas in mm2 in plan; normals point
 //! out of the part.
 

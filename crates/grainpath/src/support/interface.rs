@@ -2,7 +2,7 @@
 //!
 //! A contact holds a point only. Contacts are L/2 apart (L is `max_unsupported_mm`), so a bead of the part may touch none:
 //! the skin under a table can run between two rows of contacts from one edge to the other. So where the beads of a layer
-//! lie beyond those of the layer below (the overhang leans by more than [`flat_rad`]), interface beads are laid along the
+//! lie beyond those of the layer below (the overhang leans by more than `flat_rad`), interface beads are laid along the
 //! rows of contacts, in x and in y. They are 0.6 L apart, so a bead of the part meets one of them every 0.6 L, or every
 //! 0.85 L where it runs at 45 degrees to both. This method is our own; the paper on trees (`Shen2016`) has points only.
 //!
@@ -102,7 +102,7 @@ pub struct Point {
     pub is_flat: bool,
 }
 
-/// Lines on the undersides of flat overhangs. Points lie at multiples of [`SupportSettings::sample_mm`] in plan.
+/// Lines on the undersides of flat overhangs. Points lie at multiples of `SupportSettings::sample_mm` in plan.
 pub fn lines(
     points: &[Point],
     grids: &BTreeMap<u32, ContactGrid>,

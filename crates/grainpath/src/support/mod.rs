@@ -1,6 +1,6 @@
 //! Tree supports: overhangs and contacts ([`overhang`]), free space around the part ([`clearance`]), branches that join
 //! ([`tree`]), their thickness ([`bending`]), their layers ([`cut`]), their beads ([`beads`]), interface lines below flat
-//! overhangs ([`interface`]), beads added to hold up others ([`held`]), and the supports as one closed surface ([`solid`],
+//! overhangs ([`interface`]), beads added to hold up others ([`held`]), and the supports as one closed surface ([`closed_surface`],
 //! [`poisson`]).
 
 pub mod bending;
