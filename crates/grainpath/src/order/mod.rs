@@ -96,7 +96,7 @@ impl OrderState {
 /// use grainpath_core::Role;
 /// # let stack = grainpath_parts::layers_of_a_box(12);
 /// # let (settings, diagnostics) = (grainpath::Settings::default(), grainpath_core::Diagnostics::default());
-/// let filled = fill_window(&settings, &stack, 0..12, &diagnostics).unwrap();
+/// let filled = fill_window(&config::steps(&settings), &stack, 0..12, &diagnostics).unwrap();
 /// let plans = order_stack(&stack, filled, &config::order(&settings), &diagnostics).unwrap();
 /// assert_eq!(plans.len(), 12);
 /// // The default order of walls is inner first.
@@ -106,7 +106,7 @@ impl OrderState {
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub(crate) fn order_stack(
+pub fn order_stack(
     stack: &LayerStack,
     layers: Vec<LayerPaths>,
     settings: &OrderSettings,
@@ -123,7 +123,7 @@ pub(crate) fn order_stack(
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub(crate) fn order_window(
+pub fn order_window(
     sections: &[Layer],
     window: Range<usize>,
     layers: Vec<LayerPaths>,

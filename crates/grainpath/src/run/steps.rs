@@ -333,7 +333,7 @@ impl<'a> Steps<'a> {
     /// Lays more walls where the stress takes more of the material's strength.
     ///
     /// ```
-    /// use grainpath::guide::density::DensityMap;
+    /// use grainpath::guide::graded_density::DensityMap;
     /// # use grainpath::run::{Steps, config};
     /// # use grainpath_core::{DVec3, Diagnostics};
     /// # let stack = grainpath_parts::layers_of_a_box(12);
