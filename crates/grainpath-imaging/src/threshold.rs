@@ -153,7 +153,7 @@ impl Histogram {
 /// // Two peaks, with bins 3 to 6 empty between them.
 /// assert_eq!(otsu_split(&[1, 8, 1, 0, 0, 0, 0, 2, 9, 2]), 5.0);
 /// ```
-pub(crate) fn otsu_split(counts: &[u64]) -> f64 {
+pub fn otsu_split(counts: &[u64]) -> f64 {
     let all: f64 = counts.iter().map(|&c| c as f64).sum();
     let sum: f64 = counts.iter().enumerate().map(|(i, &c)| i as f64 * c as f64).sum();
     let (mut below, mut below_sum) = (0.0, 0.0);
