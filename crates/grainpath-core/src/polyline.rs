@@ -84,11 +84,7 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
 /// };
 /// assert_eq!(kept_vertices(4, usize::MAX, off), [true, false, true, true]);
 /// ```
-pub fn kept_vertices(
-    n: usize,
-    max_piece: usize,
-    off: impl Fn(usize, usize, usize) -> f64,
-) -> Vec<bool> {
+pub fn kept_vertices(n: usize, max_piece: usize, off: impl Fn(usize, usize, usize) -> f64) -> Vec<bool> {
     let mut keep = vec![false; n];
     if n == 0 {
         return keep;
