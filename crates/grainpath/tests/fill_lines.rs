@@ -78,9 +78,14 @@ fn expected_share(pattern: Pattern, name: &str, region: &Polygon, density: f64) 
         // Groups of loops have a whole number. Around a hole the last ones run out in the middle.
         Pattern::Concentric if name == "disc" => between(-0.0105, 0.0),
         Pattern::Concentric => between(-0.0005, 0.0005),
-        // The middle lines are 6 % too long for the density. As single lines they would be narrower instead, but beads
-        // side by side all have one width. The beads around their ends come on top.
-        Pattern::Streamlines | Pattern::Stripes => between(0.06 * density, 0.085 * density),
+        // The lines are laid again until their beads have the volume of the area to be filled, which begins at the strips
+        // of the surrounding beads.
+        Pattern::Streamlines | Pattern::Stripes => {
+            let border_mm = 0.5 * bead_spacing_mm(0.45, 0.2);
+            let filled = Region::from(region.clone()).offset(border_mm, Join::Miter(2.0)).area_mm2();
+            let share = density * filled / region.area_mm2();
+            0.998 * share..1.002 * share
+        }
         other => panic!("{} does not take several beads", other.name()),
     }
 }

@@ -41,6 +41,9 @@ pub struct SideBySide {
 /// has a length of pi widths; a shorter loop encloses no free area.
 const SHORTEST_LOOP: f64 = 3.0;
 
+/// How often lines along a field are laid again to come nearer to the density.
+const ROUNDS: usize = 2;
+
 impl Infill for SideBySide {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let n = self.beads;
@@ -72,16 +75,7 @@ impl Infill for SideBySide {
                 }
                 self.loops(context, infill_region, &lines, out);
             }
-            Pattern::Stripes | Pattern::Streamlines => {
-                let own =
-                    context.field.map(|field| Widened { field, beads: n, least_mm: context.spacing_mm() });
-                let field = own.as_ref().map(|own| own as &dyn DirectionField);
-                let wider = FillContext { density: self.share(context), field, ..*context };
-                let mut lines = Vec::new();
-                // The field is known only inside the region, so lines end at its border.
-                infill(self.pattern, &self.continuous).fill(&wider, infill_region, &mut lines);
-                self.loops(context, infill_region, &lines, out);
-            }
+            Pattern::Stripes | Pattern::Streamlines => self.along_field(context, infill_region, out),
             // The job's reader refuses several beads for these patterns.
             Pattern::SeedLines | Pattern::Continuous => {
                 infill(self.pattern, &self.continuous).fill(context, infill_region, out);
@@ -94,6 +88,51 @@ impl SideBySide {
     /// The density that the lines would have if each were a single bead.
     fn share(&self, context: &FillContext<'_>) -> Density {
         Density::new(context.density.fraction() / self.beads as f64)
+    }
+
+    /// Lays lines along the field whose beads have the volume that the density asks for.
+    ///
+    /// Single lines along a field are narrower or wider than nominal, which makes up for distances that are
+    /// not quite those asked for. Beads of one line would part, or press into each other, so their width
+    /// stays and the distance of the lines changes.
+    fn along_field(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        let own =
+            context.field.map(|field| Widened { field, beads: self.beads, least_mm: context.spacing_mm() });
+        let field = own.as_ref().map(|own| own as &dyn DirectionField);
+        let laid = |density: Density| {
+            let wider = FillContext { density, field, ..*context };
+            let (mut lines, mut beads) = (Vec::new(), Vec::new());
+            // The field is known only inside the region, so lines end at its border.
+            infill(self.pattern, &self.continuous).fill(&wider, infill_region, &mut lines);
+            self.loops(context, infill_region, &lines, &mut beads);
+            beads
+        };
+        let mut density = self.share(context);
+        let mut best = laid(density);
+        // A field that asks for distances decides the density.
+        let asks = |field: &dyn DirectionField| {
+            infill_region.outer.first().and_then(|p| field.spacing_mm(p.extend(context.z_mid_mm))).is_some()
+        };
+        if !field.is_some_and(asks) {
+            let filled = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
+            let wanted_mm3 = context.density.fraction() * filled.area_mm2() * context.height_mm;
+            let volume = |beads: &[Toolpath]| -> f64 {
+                beads.iter().map(|bead| bead.volume_mm3(context.height_mm)).sum()
+            };
+            let mut last = volume(&best);
+            for _ in 0..ROUNDS {
+                if last <= 0.0 {
+                    break;
+                }
+                density = Density::new(density.fraction() * wanted_mm3 / last);
+                let beads = laid(density);
+                last = volume(&beads);
+                if (last - wanted_mm3).abs() < (volume(&best) - wanted_mm3).abs() {
+                    best = beads;
+                }
+            }
+        }
+        out.extend(best);
     }
 
     /// The region, grown so far that the ends of lines that leave it lie outside and are cut off.
