@@ -3,9 +3,11 @@
 //! Method: the edges of the region are sorted into the buckets of a grid with about one edge in each. A
 //! segment is tested against the edges in the buckets that it passes. An edge is crossed if its ends lie on
 //! different sides of the segment and the segment's ends lie on different sides of the edge. The side is
-//! computed exactly (`shewchuk1997`); a point on the line counts as on its right. Crossings therefore
-//! alternate between entering and leaving, and clipping needs a single point test, at the beginning of a
-//! line.
+//! computed exactly (`shewchuk1997`). Ties are decided as if every line were moved to the left by an
+//! infinitesimal length, and up by one that is infinitesimal beside the first (the symbolic perturbation of
+//! `edelsbrunner1990`). The move is the same for all lines and all edges, so crossings alternate between
+//! entering and leaving even where a vertex of the line lies on a vertex of the border. Clipping needs a
+//! single point test, at the beginning of a line, which decides ties by the same move.
 //!
 //! Lengths are in mm. A crossing is given as a share of the segment, 0 to 1. A point of a clipped piece is
 //! given as vertex index plus share of the segment after it. Cost: building is about linear in the vertices.
@@ -13,15 +15,17 @@
 //! to the left of the point. The grid has at most about 2000 buckets a side.
 //!
 //! Degenerate cases: an empty region has no crossings and clips every line to nothing. A line through a
-//! vertex crosses the border once or not at all. A piece that runs exactly along an edge is inside on one
-//! side of the border only. Pieces of a single point are left out. The position of a crossing between nearly
-//! parallel segments is as inexact as their angle is small; that it exists is exact.
+//! vertex crosses the border as often as the moved line does. A piece that runs exactly along an edge is
+//! inside where the region lies to the left of the edge, or above a horizontal one. Pieces of a single
+//! point are left out. The position of a crossing between nearly parallel segments is as inexact as their
+//! angle is small; that it exists is exact.
 
 use glam::DVec2;
 
 use super::{Bounds2, Region};
 use crate::buckets::{Buckets, CellGrid};
 use crate::math::cross;
+use crate::segment::turn;
 
 /// A piece of a clipped polyline.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,8 +84,9 @@ impl LineClipper {
         Self { edges, bounds, buckets }
     }
 
-    /// All crossings of the segment with the border, in order along it. By the half-open rule a
-    /// line through a vertex crosses the border once or not at all.
+    /// All crossings of the segment with the border, in order along it. Where the segment touches the
+    /// border in a point, they are those of a segment moved to the left by an infinitesimal length, and up
+    /// by an even smaller one.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
         self.buckets.cells.for_each_passed(a, b, |cell| near.extend(self.buckets.members(cell)));
@@ -115,7 +120,8 @@ impl LineClipper {
         met
     }
 
-    /// Whether `p` is inside the region: the number of edges left of it is odd.
+    /// Whether `p` is inside the region: the number of edges left of it is odd. On the border it is the
+    /// answer for a point moved as [`Self::crossings`] moves a segment.
     pub fn contains(&self, p: DVec2) -> bool {
         if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
             return false;
@@ -136,28 +142,12 @@ impl LineClipper {
         self.contains(a) && self.contains(b) && !self.meets(a, b)
     }
 
-    /// Whether a line begins inside, consistently with its crossings. For a first point on the
-    /// border [`Self::contains`] may disagree with them. Therefore the middle of the first segment's
-    /// longest stretch without a crossing is tested, and each crossing before it changes the side.
-    fn begins_inside(&self, line: &[DVec2]) -> bool {
-        let &[a, b, ..] = line else { return line.first().is_some_and(|&p| self.contains(p)) };
-        let mut stops = vec![0.0];
-        stops.extend(self.crossings(a, b).into_iter().map(|c| c.t));
-        stops.push(1.0);
-        // Of stretches of equal length the first is taken.
-        let longest = (1..stops.len()).fold(1, |best, k| {
-            if stops[k] - stops[k - 1] > stops[best] - stops[best - 1] { k } else { best }
-        });
-        let there = self.contains(a.lerp(b, 0.5 * (stops[longest - 1] + stops[longest])));
-        there ^ ((longest - 1) % 2 == 1)
-    }
-
-    /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge
-    /// counts as inside on one side only (half-open rule).
+    /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge is
+    /// inside where the region lies to the left of the edge, or above a horizontal one.
     pub fn clip(&self, line: &[DVec2]) -> Vec<ClippedLine> {
         let mut out: Vec<ClippedLine> = Vec::new();
         let Some(&first) = line.first() else { return out };
-        let inside = self.begins_inside(line);
+        let inside = self.contains(first);
         let begin = |p: DVec2, at: f64| ClippedLine { points: vec![p], at: vec![at] };
         let mut current = inside.then(|| begin(first, 0.0));
         for (i, w) in line.windows(2).enumerate() {
@@ -183,21 +173,19 @@ impl LineClipper {
     }
 }
 
-/// The position at which `a`-`b` crosses `p`-`q`, as a share of `a`-`b`. Sides are exact; a point
-/// on a line counts as on its right.
+/// The position at which `a`-`b` crosses the edge `p`-`q`, as a share of `a`-`b`. Sides are exact.
 fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
-    let side = |u: DVec2, v: DVec2, w: DVec2| {
-        let c = |p: DVec2| robust::Coord { x: p.x, y: p.y };
-        robust::orient2d(c(u), c(v), c(w))
-    };
-    let (sp, sq) = (side(a, b, p), side(a, b, q));
-    // Ends on the same side: the segment does not cross the line. By the half-open rule a point on
-    // the line has a definite side too.
-    if (sp > 0.0) == (sq > 0.0) {
+    // Where a point lies exactly on a line, the side follows from the move of `a` and `b` to the left and,
+    // infinitesimally less, up. A line that points up is then left of where it was, and one that points to
+    // the right above it, so what lay on it lies to its right.
+    let moved_to_its_left = |d: DVec2| d.y > 0.0 || (d.y == 0.0 && d.x > 0.0);
+    let left = |side: f64, tie: bool| if side == 0.0 { tie } else { side > 0.0 };
+    let tie = !moved_to_its_left(b - a);
+    if left(turn(a, b, p), tie) == left(turn(a, b, q), tie) {
         return None;
     }
-    let (sa, sb) = (side(p, q, a), side(p, q, b));
-    if (sa > 0.0) == (sb > 0.0) {
+    let tie = moved_to_its_left(q - p);
+    if left(turn(p, q, a), tie) == left(turn(p, q, b), tie) {
         return None;
     }
     // The segments are known to cross, so a zero here is a rounding error; the middle is as good as
@@ -253,6 +241,35 @@ mod tests {
     }
 
     proptest! {
+        // Vertices on a lattice of five by five meet vertices and edges of the border in most cases.
+        #[test]
+        fn a_line_that_touches_the_border_stays_inside(
+            square in (0i32..5, 0i32..5, 0i32..5, 0i32..5, 0i32..5, 0i32..5),
+            line in proptest::collection::vec((0i32..5, 0i32..5), 2..7),
+        ) {
+            let lattice = |x: i32, y: i32| DVec2::new(f64::from(x), f64::from(y));
+            let (ax, ay, bx, by, cx, cy) = square;
+            let outer = vec![lattice(ax, ay), lattice(bx, by), lattice(cx, cy)];
+            let triangle = Region::from(crate::Polygon { outer, holes: vec![] });
+            let line: Vec<DVec2> = line.into_iter().map(|(x, y)| lattice(x, y)).collect();
+            let clipper = LineClipper::new(&triangle);
+            // The line moved as the module says, by lengths that matter on no lattice of this size.
+            let moved: Vec<DVec2> = line.iter().map(|&p| p + DVec2::new(-1e-5, 1e-10)).collect();
+            let counts = |line: &[DVec2]| -> Vec<usize> {
+                line.windows(2).map(|w| clipper.crossings(w[0], w[1]).len()).collect()
+            };
+            prop_assert_eq!(counts(&line), counts(&moved));
+            prop_assert_eq!(clipper.contains(line[0]), clipper.contains(moved[0]));
+            let length = |pieces: Vec<ClippedLine>| -> f64 {
+                pieces.iter().flat_map(|p| p.points.windows(2)).map(|w| w[0].distance(w[1])).sum()
+            };
+            let (found, expected) = (length(clipper.clip(&line)), length(clipper.clip(&moved)));
+            let mut picture = FailurePicture::new("clip at ties");
+            picture.region("region", &triangle);
+            picture.line("line", &line);
+            prop_assert!(picture.holds((found - expected).abs() < 1e-3), "{found} mm, moved {expected} mm");
+        }
+
         #[test]
         fn pieces_cover_exactly_what_is_inside(
             radii in proptest::collection::vec(2.0f64..10.0, 5..60),

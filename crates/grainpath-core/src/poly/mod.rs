@@ -84,10 +84,10 @@ fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2)
     for (a, b) in edges {
         // Half-open in y, so a vertex at the height of `p` counts for one of its two edges.
         if (a.y > p.y) != (b.y > p.y) {
-            // Every edge is taken from its lower end to its upper one, so that two polygons that
-            // share an edge compute the same product.
+            // Every edge is taken from its lower end to its upper one, so a point on it is left of it,
+            // whichever of two polygons that share the edge it belongs to.
             let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
-            odd ^= cross(high - low, p - low) < 0.0;
+            odd ^= crate::segment::turn(low, high, p) < 0.0;
         }
     }
     odd

@@ -285,11 +285,13 @@ mod tests {
     fn crumbs_and_slivers_do_no_harm() {
         // A bead along a field reaches a tenth of a spacing out of a sliver. A shape without area has no inside, so its
         // offsets, of up to half a step, lie outside.
-        let away = DVec2::new(0.13, 0.21);
-        let sliver = vec![away, away + DVec2::new(10.0, 0.0), away + DVec2::new(10.0, 1e-4)];
-        let crumb = vec![away, away + DVec2::new(0.01, 0.0), away + DVec2::new(0.0, 0.01)];
-        let point = vec![away; 3];
-        for (outer, most_mm) in [(sliver, 0.05), (crumb, 0.05), (point, 2.1), (vec![], 0.0)] {
+        // The origin is the centre of the rasters, so lines and waves pass through it.
+        let shapes = [DVec2::ZERO, DVec2::new(0.13, 0.21)].map(|corner| {
+            let sliver = vec![corner, corner + DVec2::new(10.0, 0.0), corner + DVec2::new(10.0, 1e-4)];
+            let crumb = vec![corner, corner + DVec2::new(0.01, 0.0), corner + DVec2::new(0.0, 0.01)];
+            [(sliver, 0.05), (crumb, 0.05), (vec![corner; 3], 2.1), (vec![], 0.0)]
+        });
+        for (outer, most_mm) in shapes.into_iter().flatten() {
             let polygon = Polygon { outer, holes: Vec::new() };
             let near = polygon.bounds().map(|b| b.grown(most_mm));
             for pattern in Pattern::ALL.iter().copied() {
