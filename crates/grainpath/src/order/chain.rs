@@ -15,9 +15,8 @@
 //! island is a single path without a travel. Lengths are in mm. Cost: the points of the chain are
 //! sorted into square cells as wide as the reach, so a loop is compared with few of them.
 
-use std::collections::BTreeMap;
-
-use grainpath_core::{BeadWidth, DVec2, Toolpath, segment};
+use grainpath_core::buckets::PointGrid2;
+use grainpath_core::{BeadWidth, Bounds2, DVec2, Toolpath, segment};
 
 /// Paths that follow each other without a travel between them.
 struct Chain {
@@ -140,38 +139,41 @@ fn places(path: &Toolpath, piece: usize, step_mm: f64) -> Vec<Place> {
     out
 }
 
+/// Places along the pieces of a chain, which can be found by their position.
+struct Places {
+    all: Vec<Place>,
+    /// The numbers of the places.
+    grid: PointGrid2<usize>,
+}
+
+impl Places {
+    fn new(pieces: &[Toolpath], reach_mm: f64) -> Self {
+        let of = |(k, piece)| places(piece, k, 0.25 * reach_mm);
+        let all: Vec<Place> = pieces.iter().enumerate().flat_map(of).collect();
+        let bounds = Bounds2::around_points(all.iter().map(|place| place.at));
+        let mut grid =
+            PointGrid2::new(bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO }), reach_mm);
+        all.iter().enumerate().for_each(|(k, place)| grid.insert(place.at, k));
+        Self { all, grid }
+    }
+}
+
 impl Chain {
     /// Joins closed paths within reach to the chain, the nearest first, until none is left within reach.
     fn take_in(&mut self, rest: &mut Vec<Toolpath>, reach_mm: f64) {
         loop {
-            // The cells are rebuilt after every join, because lengths along the cut path change.
-            let cells = self.cells(reach_mm);
-            let found = (0..rest.len()).filter_map(|i| Some((i, self.join(&cells, &rest[i], reach_mm)?)));
+            // The places are sorted again after every join, because lengths along the cut path change.
+            let own = Places::new(&self.pieces, reach_mm);
+            let found = (0..rest.len()).filter_map(|i| Some((i, self.join(&own, &rest[i], reach_mm)?)));
             let nearest = found.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
             let Some((i, (gap_mm, here, there_mm))) = nearest else { return };
             self.graft(here, opened(rest.remove(i)), there_mm, gap_mm);
         }
     }
 
-    /// Sorts the places of the chain into cells as wide as the reach.
-    fn cells(&self, reach_mm: f64) -> BTreeMap<(i64, i64), Vec<Place>> {
-        let mut cells: BTreeMap<(i64, i64), Vec<Place>> = BTreeMap::new();
-        for (k, piece) in self.pieces.iter().enumerate() {
-            for place in places(piece, k, 0.25 * reach_mm) {
-                cells.entry(cell(place.at, reach_mm)).or_default().push(place);
-            }
-        }
-        cells
-    }
-
     /// Finds the place where a loop comes nearest to the chain and both are long enough to be joined.
     /// Returns the distance, the point on the chain, and the length along the loop.
-    fn join(
-        &self,
-        cells: &BTreeMap<(i64, i64), Vec<Place>>,
-        path: &Toolpath,
-        reach_mm: f64,
-    ) -> Option<(f64, Place, f64)> {
+    fn join(&self, own: &Places, path: &Toolpath, reach_mm: f64) -> Option<(f64, Place, f64)> {
         if !path.closed {
             return None;
         }
@@ -180,21 +182,18 @@ impl Chain {
         let lengths: Vec<f64> = self.pieces.iter().map(Toolpath::length_mm).collect();
         let mut best: Option<(f64, Place, f64)> = None;
         for there in places(&open, 0, 0.25 * reach_mm) {
-            let (i, j) = cell(there.at, reach_mm);
-            for key in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (i + x, j + y))) {
-                for here in cells.get(&key).into_iter().flatten() {
-                    // A piece as long as the gap is removed from each path. The piece must lie
-                    // between the ends of its path.
-                    let d = here.at.distance(there.at);
-                    let fits = |along: f64, all: f64| along > d && along + d < all;
-                    if d <= reach_mm
-                        && d > 1e-6
-                        && best.as_ref().is_none_or(|b| d < b.0 - 1e-9)
-                        && fits(here.along_mm, lengths[here.piece])
-                        && fits(there.along_mm, length)
-                    {
-                        best = Some((d, *here, there.along_mm));
-                    }
+            for (_, k) in own.grid.within(there.at, reach_mm) {
+                let here = own.all[k];
+                // A piece as long as the gap is removed from each path. The piece must lie between the ends
+                // of its path.
+                let d = here.at.distance(there.at);
+                let fits = |along: f64, all: f64| along > d && along + d < all;
+                if d > 1e-6
+                    && best.as_ref().is_none_or(|b| d < b.0 - 1e-9)
+                    && fits(here.along_mm, lengths[here.piece])
+                    && fits(there.along_mm, length)
+                {
+                    best = Some((d, here, there.along_mm));
                 }
             }
         }
@@ -291,10 +290,6 @@ impl Chain {
         self.pieces.reverse();
         self.pieces.iter_mut().for_each(Toolpath::reverse);
     }
-}
-
-fn cell(p: DVec2, size_mm: f64) -> (i64, i64) {
-    ((p.x / size_mm).floor() as i64, (p.y / size_mm).floor() as i64)
 }
 
 #[cfg(test)]

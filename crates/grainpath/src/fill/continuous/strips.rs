@@ -20,12 +20,13 @@
 //! phase on about [`MANY_NODES`] nodes, or more if [`MESH_MAX`] bounds the grid squares; then linear in the
 //! outlines.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, segment};
 
+use super::super::field::levels::{EdgePoints, Joints, off_lines_rad};
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
 use super::super::field::stripes::{BORDER_CELL, NearBorder};
 use super::super::field::widths::smooth;
@@ -34,8 +35,6 @@ use crate::fill::FillContext;
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::polyline::resampled;
 use grainpath_core::tuned::Tuned;
-
-const NONE: u32 = u32::MAX;
 
 /// Smallest side of the grid squares on which the phase is found, in beads.
 /// Measured: row `fill.continuous.strips.MESH_MIN` of `cargo xtask bench constants`.
@@ -224,54 +223,18 @@ struct Line {
 }
 
 fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
-    let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
-    let (mut points, mut edge_of) = (Vec::new(), Vec::new());
-    starts.push(0u32);
-    // A tiny offset that varies from node to node keeps every node off the lines.
-    let at = |i: usize| phase[i] + 1e-6 * (1.0 + (i % 97) as f64 / 97.0);
-    for (e, (edge, turn)) in mesh.edges.iter().zip(turns).enumerate() {
-        let [a, b] = edge.ends.map(|k| k as usize);
-        let first = at(a);
-        let second = if turn.mirrored { -at(b) } else { at(b) };
-        let off = second - first - turn.grown_rad;
-        let grown = turn.grown_rad + off - TAU * (off / TAU).round();
-        let (low, high) = (first.min(first + grown), first.max(first + grown));
-        let mut levels: Vec<f64> = Vec::new();
-        // Sign changes of the cosine lie at odd multiples of a quarter turn.
-        let mut k = (low / PI - 0.5).floor() + 1.0;
-        while (k + 0.5) * PI <= high && levels.len() < 64 {
-            levels.push(((k + 0.5) * PI - first) / grown);
-            k += 1.0;
-        }
-        if grown < 0.0 {
-            levels.reverse();
-        }
-        let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
-        points.extend(levels.into_iter().map(|t| p + t.clamp(0.0, 1.0) * (q - p)));
-        edge_of.resize(points.len(), e as u32);
-        starts.push(points.len() as u32);
-    }
-    let joined = joints(mesh, &starts, points.len());
-    let is_strip = |node: u32| cos(at(node as usize)) < 0.0;
-    let mut used = vec![false; points.len()];
-    let mut out = Vec::new();
-    let mut follow = |first: usize, closed: bool| {
-        let mut line: Vec<u32> = Vec::new();
-        let (mut from, mut at) = (NONE, first as u32);
-        while at != NONE && !used[at as usize] {
-            used[at as usize] = true;
-            line.push(at);
-            let [a, b] = joined[at as usize];
-            (from, at) = (at, if a == from && from != NONE { b } else { a });
-        }
+    // Sign changes of the cosine lie at odd multiples of a quarter turn.
+    let found = EdgePoints::new(mesh, turns, phase, PI, 0.5);
+    let EdgePoints { starts, points } = &found;
+    let edge_of = |point: u32| starts.partition_point(|&start| start <= point) - 1;
+    let is_strip = |node: u32| cos(off_lines_rad(phase, node as usize)) < 0.0;
+    let line = |(line, closed): (Vec<u32>, bool)| {
         // The first pair of points on different edges of a triangle shows on which side the strip
         // lies.
-        let Some(w) = line.windows(2).find(|w| edge_of[w[0] as usize] != edge_of[w[1] as usize]) else {
-            return;
-        };
-        let e = edge_of[w[0] as usize];
-        let end = mesh.edges[e as usize].ends[0];
-        let odd = (w[0] - starts[e as usize]) % 2 == 1;
+        let w = line.windows(2).find(|w| edge_of(w[0]) != edge_of(w[1]))?;
+        let e = edge_of(w[0]);
+        let end = mesh.edges[e].ends[0];
+        let odd = (w[0] - starts[e]) % 2 == 1;
         let [p, q] = [points[w[0] as usize], points[w[1] as usize]];
         let left = cross(q - p, mesh.nodes[end as usize] - p) > 0.0;
         let mut points: Vec<DVec2> = line.iter().map(|&k| points[k as usize]).collect();
@@ -280,40 +243,21 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
         if left != (is_strip(end) ^ odd) {
             points.reverse();
         }
-        out.push(Line { points, closed });
+        Some(Line { points, closed })
     };
-    for (i, j) in joined.iter().enumerate() {
-        if j[1] == NONE {
-            follow(i, false);
-        }
-    }
-    for i in 0..joined.len() {
-        follow(i, true);
-    }
-    out
+    joints(mesh, &found).lines().into_iter().filter_map(line).collect()
 }
 
-/// For each point the one or two points that it is joined to. Around a triangle the cosine changes sign an
-/// even number of times, so every point finds a partner. Where a turn of the phase is missing, neighbouring
-/// points on the same side are joined: there a strip ends, or the gap between two strips.
-fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
-    let mut joined = vec![[NONE; 2]; n];
-    let mut join = |a: u32, b: u32| {
-        for (from, to) in [(a, b), (b, a)] {
-            let slot = &mut joined[from as usize];
-            slot[usize::from(slot[0] != NONE)] = to;
-        }
-    };
+/// Joins the points around each triangle. There the cosine changes sign an even number of times, so every
+/// point finds a partner. Where a turn of the phase is missing, neighbouring points on the same side are
+/// joined: there a strip ends, or the gap between two strips.
+fn joints(mesh: &FieldMesh, found: &EdgePoints) -> Joints {
+    let mut joints = Joints::new(found.points.len());
     for t in &mesh.triangles {
-        let count = t.edges.map(|e| starts[e as usize + 1] - starts[e as usize]);
+        let count = found.counts(t);
         let most = (0..3).fold(0, |m, k| if count[k] > count[m] { k } else { m });
         let others = count[(most + 1) % 3] + count[(most + 2) % 3];
-        // The `p`-th point of a side, counted from a corner.
-        let from = |side: usize, corner: usize, p: u32| {
-            let e = t.edges[side] as usize;
-            let forward = mesh.edges[e].ends[0] == t.corners[corner];
-            starts[e] + if forward { p } else { count[side] - 1 - p }
-        };
+        let from = |side: usize, corner: usize, p: u32| found.corner_point(mesh, t, side, corner, p);
         for corner in 0..3 {
             let sides = [(corner + 1) % 3, (corner + 2) % 3];
             // If one side has more points than the other two together, all points of those two are joined
@@ -324,18 +268,18 @@ fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
                 (count[sides[0]] + count[sides[1]] - count[corner]) / 2
             };
             for p in 0..around {
-                join(from(sides[0], corner, p), from(sides[1], corner, p));
+                joints.join(from(sides[0], corner, p), from(sides[1], corner, p));
             }
         }
         if count[most] > others {
             let corner = (most + 1) % 3;
             let first = count[3 - corner - most];
             for k in 0..(count[most] - others) / 2 {
-                join(from(most, corner, first + 2 * k), from(most, corner, first + 2 * k + 1));
+                joints.join(from(most, corner, first + 2 * k), from(most, corner, first + 2 * k + 1));
             }
         }
     }
-    joined
+    joints
 }
 
 /// A point where a piece of a line meets the region's border.

@@ -23,7 +23,7 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 
 use super::phase::Turn;
-use grainpath_core::field_mesh::FieldMesh;
+use grainpath_core::field_mesh::{FieldMesh, Triangle};
 
 const NONE: u32 = u32::MAX;
 
@@ -36,17 +36,10 @@ pub(super) struct Level {
 /// Traces all level lines. They never cross, because the points on a triangle's sides are joined around its
 /// corners. At a singular point of the phase one point is left over, and its line ends.
 pub(super) fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
-    let (starts, points) = crossings(mesh, turns, phase);
-    let mut joined = vec![[NONE; 2]; points.len()];
-    let mut join = |a: u32, b: u32| {
-        for (from, to) in [(a, b), (b, a)] {
-            let slot = &mut joined[from as usize];
-            slot[usize::from(slot[0] != NONE)] = to;
-        }
-    };
+    let found = EdgePoints::new(mesh, turns, phase, TAU, 0.0);
+    let mut joints = Joints::new(found.points.len());
     for t in &mesh.triangles {
-        let mut count = t.edges.map(|e| starts[e as usize + 1] - starts[e as usize]);
-        let full = count;
+        let mut count = found.counts(t);
         let most = (0..3).fold(0, |m, k| if count[k] > count[m] { k } else { m });
         let others = count[(most + 1) % 3] + count[(most + 2) % 3];
         // The number of lines around a corner is (a + b - c) / 2, where a and b count the points on the two
@@ -65,85 +58,124 @@ pub(super) fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Leve
             // the corner.
             let around = (count[sides[0]] + count[sides[1]] - count[corner]) / 2;
             for p in 0..around {
-                let [a, b] = sides.map(|side| {
-                    let e = t.edges[side] as usize;
-                    // Points are stored in order from the first end of an edge, but are counted here from
-                    // the corner.
-                    let from_first = mesh.edges[e].ends[0] == t.corners[corner];
-                    starts[e] + if from_first { p } else { full[side] - 1 - p }
-                });
-                join(a, b);
+                let [a, b] = sides.map(|side| found.corner_point(mesh, t, side, corner, p));
+                joints.join(a, b);
             }
         }
     }
-    chains(&joined, &points)
-}
-
-/// The points at which the phase completes a turn on an edge, in order from the edge's first end, and the
-/// range of points of each edge.
-fn crossings(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> (Vec<u32>, Vec<DVec2>) {
-    let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
-    let mut points = Vec::new();
-    starts.push(0);
-    for (edge, turn) in mesh.edges.iter().zip(turns) {
-        let [a, b] = edge.ends.map(|k| k as usize);
-        // A tiny offset, so that no node lies on a line.
-        let hair = |i: usize| 1e-6 * (1.0 + (i % 97) as f64 / 97.0);
-        let first = phase[a] + hair(a);
-        let second = if turn.mirrored { -(phase[b] + hair(b)) } else { phase[b] + hair(b) };
-        let off = second - first - turn.grown_rad;
-        // Phases are known only up to whole turns. Of all possible growths along the edge, the one nearest
-        // to the growth that the field asks for is taken.
-        let grown = turn.grown_rad + off - TAU * (off / TAU).round();
-        let (low, high) = (first.min(first + grown), first.max(first + grown));
-        let mut levels: Vec<f64> = Vec::new();
-        let mut k = (low / TAU).floor() + 1.0;
-        // The bound of 64 ends the loop if a phase is not finite. An edge is about one bead long and
-        // normally crosses one or two levels.
-        while k * TAU <= high && levels.len() < 64 {
-            levels.push((k * TAU - first) / grown);
-            k += 1.0;
-        }
-        if grown < 0.0 {
-            levels.reverse();
-        }
-        let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
-        points.extend(levels.into_iter().map(|t| p + t.clamp(0.0, 1.0) * (q - p)));
-        starts.push(points.len() as u32);
-    }
-    (starts, points)
-}
-
-/// Connects points to lines by following the joints.
-fn chains(joined: &[[u32; 2]], points: &[DVec2]) -> Vec<Level> {
-    let mut used = vec![false; points.len()];
-    let mut out = Vec::new();
-    let mut follow = |first: usize, closed: bool| {
-        let mut line = Vec::new();
-        let (mut from, mut at) = (NONE, first as u32);
-        while at != NONE && !used[at as usize] {
-            used[at as usize] = true;
-            line.push(points[at as usize]);
-            let [a, b] = joined[at as usize];
-            // A joint has no direction. The walk takes the slot that does not lead back; at the start of a
-            // line only one slot is used.
-            let next = if a == from && from != NONE { b } else { a };
-            (from, at) = (at, next);
-        }
-        if line.len() > 1 {
-            out.push(Level { points: line, closed });
-        }
+    let line = |(line, closed): (Vec<u32>, bool)| Level {
+        points: line.into_iter().map(|k| found.points[k as usize]).collect(),
+        closed,
     };
-    // Open lines are followed from their ends first; all lines that remain are closed.
-    for (i, j) in joined.iter().enumerate() {
-        if j[0] != NONE && j[1] == NONE {
-            follow(i, false);
+    joints.lines().into_iter().map(line).collect()
+}
+
+/// The points at which the phase reaches a level, edge after edge.
+pub(crate) struct EdgePoints {
+    /// The points of edge `e` are those from `starts[e]` to before `starts[e + 1]`, in order from its first end.
+    pub(crate) starts: Vec<u32>,
+    /// All points, mm.
+    pub points: Vec<DVec2>,
+}
+
+impl EdgePoints {
+    /// Finds the points at which the phase is `k + share` steps of `step_rad`, for any whole `k`.
+    pub(crate) fn new(mesh: &FieldMesh, turns: &[Turn], phase: &[f64], step_rad: f64, share: f64) -> Self {
+        let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
+        let mut points = Vec::new();
+        starts.push(0);
+        for (edge, turn) in mesh.edges.iter().zip(turns) {
+            let [a, b] = edge.ends.map(|k| k as usize);
+            let first = off_lines_rad(phase, a);
+            let second = off_lines_rad(phase, b) * if turn.mirrored { -1.0 } else { 1.0 };
+            let off = second - first - turn.grown_rad;
+            // Phases are known only up to whole turns. Of all possible growths along the edge, the one
+            // nearest to the growth that the field asks for is taken.
+            let grown = turn.grown_rad + off - TAU * (off / TAU).round();
+            let (low, high) = (first.min(first + grown), first.max(first + grown));
+            let mut levels: Vec<f64> = Vec::new();
+            let mut k = (low / step_rad - share).floor() + 1.0;
+            // The bound of 64 ends the loop if a phase is not finite. An edge is about one bead long and
+            // normally crosses one or two levels.
+            while (k + share) * step_rad <= high && levels.len() < 64 {
+                levels.push(((k + share) * step_rad - first) / grown);
+                k += 1.0;
+            }
+            if grown < 0.0 {
+                levels.reverse();
+            }
+            let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
+            points.extend(levels.into_iter().map(|t| p + t.clamp(0.0, 1.0) * (q - p)));
+            starts.push(points.len() as u32);
+        }
+        Self { starts, points }
+    }
+
+    /// Number of points on each side of a triangle.
+    pub(crate) fn counts(&self, triangle: &Triangle) -> [u32; 3] {
+        triangle.edges.map(|e| self.starts[e as usize + 1] - self.starts[e as usize])
+    }
+
+    /// The `p`-th point of a triangle's side, counted from a corner at one of its ends. Points are stored in
+    /// order from the first end of the edge.
+    pub(crate) fn corner_point(
+        &self,
+        mesh: &FieldMesh,
+        triangle: &Triangle,
+        side: usize,
+        corner: usize,
+        p: u32,
+    ) -> u32 {
+        let e = triangle.edges[side] as usize;
+        let from_first = mesh.edges[e].ends[0] == triangle.corners[corner];
+        if from_first { self.starts[e] + p } else { self.starts[e + 1] - 1 - p }
+    }
+}
+
+/// The phase at a node with a tiny offset that varies from node to node, so that no node lies on a line.
+pub(crate) fn off_lines_rad(phase: &[f64], node: usize) -> f64 {
+    phase[node] + 1e-6 * (1.0 + (node % 97) as f64 / 97.0)
+}
+
+/// For each point the one or two points that it is joined to.
+pub(crate) struct Joints(Vec<[u32; 2]>);
+
+impl Joints {
+    /// No joints between `n` points.
+    pub(crate) fn new(n: usize) -> Self {
+        Self(vec![[NONE; 2]; n])
+    }
+
+    /// Joins two points, of which neither has two joints yet.
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
+        for (from, to) in [(a, b), (b, a)] {
+            let slot = &mut self.0[from as usize];
+            slot[usize::from(slot[0] != NONE)] = to;
         }
     }
-    for (i, j) in joined.iter().enumerate() {
-        if j[1] != NONE {
-            follow(i, true);
-        }
+
+    /// The points of each line in order, and whether it is closed. Points without a joint are left out.
+    pub(crate) fn lines(&self) -> Vec<(Vec<u32>, bool)> {
+        let mut used = vec![false; self.0.len()];
+        let mut out = Vec::new();
+        let mut follow = |first: usize, closed: bool| {
+            let mut line = Vec::new();
+            let (mut from, mut at) = (NONE, first as u32);
+            while at != NONE && !used[at as usize] {
+                used[at as usize] = true;
+                line.push(at);
+                let [a, b] = self.0[at as usize];
+                // A joint has no direction. The walk takes the slot that does not lead back; at the start of
+                // a line only one slot is used.
+                (from, at) = (at, if a == from && from != NONE { b } else { a });
+            }
+            if line.len() > 1 {
+                out.push((line, closed));
+            }
+        };
+        // Open lines are followed from their ends first; all lines that remain are closed.
+        (0..self.0.len()).filter(|&i| self.0[i][1] == NONE).for_each(|i| follow(i, false));
+        (0..self.0.len()).for_each(|i| follow(i, true));
+        out
     }
-    out
 }

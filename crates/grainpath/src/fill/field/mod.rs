@@ -23,7 +23,7 @@
 //! Lengths are in mm, phases in radians; the sign of the axis has no meaning.
 
 mod band;
-mod levels;
+pub(super) mod levels;
 mod one_width;
 pub(super) mod phase;
 mod seed_lines;
