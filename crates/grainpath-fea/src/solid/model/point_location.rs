@@ -1,7 +1,8 @@
 //! The element at a point.
 //!
-//! A grid of cells lists the elements whose bounds reach into each cell. Lengths are in mm. Cost: a
-//! query visits one cell, or 27 for points outside.
+//! A grid of cells lists the elements whose bounds reach into each cell. `grainpath_core::buckets` has items
+//! that reach into several cells in the plane, and in space only points. Lengths are in mm. Cost: a query
+//! visits one cell, or 27 for points outside.
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 

@@ -37,7 +37,8 @@ pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
         (q.x as i64, q.y as i64)
     };
     // Ends by cell, in reverse order, so that `pop` takes the first line first. An entry is twice the
-    // line's index, plus one for its last point.
+    // line's index, plus one for its last point. A map, because cells of 5 um over a drawing of metres are
+    // too many for the grids of `grainpath_core::buckets`, and because used ends are removed.
     let mut at: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
     for (i, line) in lines.iter().enumerate().rev() {
         for (side, p) in ends(line).into_iter().enumerate() {
