@@ -43,6 +43,14 @@ pub enum PlaneError {
         /// The free motion: "move along x" and the like.
         how: &'static str,
     },
+    /// Supports that contradict one another.
+    #[error("the node at ({x:.2}, {y:.2}) mm is prescribed two different displacements along one direction")]
+    Contradiction {
+        /// x of the node, mm.
+        x: f64,
+        /// y of the node, mm.
+        y: f64,
+    },
     /// The equations could not be solved.
     #[error(transparent)]
     Sparse(#[from] SparseError),

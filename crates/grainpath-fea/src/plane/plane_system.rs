@@ -41,6 +41,10 @@ const NONE: usize = usize::MAX;
 /// numbers take 4.7 MB. The result does not depend on it.
 const CHUNK: usize = 4096;
 
+/// Directions and displacements that differ by less, as a share, count as equal. Source: derived: rounding of
+/// a direction computed from coordinates is below 1e-12 of it, and nobody types displacements to a millionth.
+const SAME: f64 = 1e-6;
+
 /// A factored plate, ready for any number of load cases.
 pub struct PlaneSystem<'a> {
     problem: &'a PlaneProblem<'a>,
@@ -60,7 +64,8 @@ impl<'a> PlaneSystem<'a> {
     /// Checks that the plate is held, assembles and factors.
     ///
     /// # Errors
-    /// [`PlaneError`] when a piece is free to move, an element is inverted or the factor is too large.
+    /// [`PlaneError`] when a piece is free to move, two supports contradict each other, an element is inverted
+    /// or the factor is too large.
     pub fn new(problem: &'a PlaneProblem<'a>) -> Result<Self, PlaneError> {
         check_held(problem)?;
         let mesh = problem.mesh;
@@ -77,11 +82,19 @@ impl<'a> PlaneSystem<'a> {
             if !held[i][0] {
                 held[i][0] = true;
                 given.x = hold.displacement_mm;
-            } else if s.abs() > 1e-6 && !held[i][1] {
+            } else if s.abs() > SAME && !held[i][1] {
                 held[i][1] = true;
                 // The second support prescribes a combination of both axes, of which the first is
                 // known already.
                 given.y = (hold.displacement_mm - c * given.x) / s;
+            } else {
+                // The displacement in this direction is known already, so the same one has to be asked for.
+                let known_mm = c * given.x + s * given.y;
+                let largest_mm = given.abs().max_element().max(hold.displacement_mm.abs());
+                if (hold.displacement_mm - known_mm).abs() > SAME * largest_mm {
+                    let at = mesh.nodes[i];
+                    return Err(PlaneError::Contradiction { x: at.x, y: at.y });
+                }
             }
         }
         let mut n = 0;

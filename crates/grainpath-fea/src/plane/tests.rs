@@ -316,6 +316,30 @@ fn a_loose_part_is_named() {
 }
 
 #[test]
+fn contradictory_supports_are_refused_and_repeats_are_not() {
+    let mesh = mapped(4, 2, |u, v| DVec2::new(4.0 * u, 2.0 * v));
+    let c = isotropic(1000.0, 0.3);
+    let stiffness = move |_: DVec2| c;
+    let refused = |more: &[(DVec2, f64)]| {
+        let mut holds = hold(&mesh, DVec2::X, |p| p.x < 1e-9);
+        holds.extend(hold(&mesh, DVec2::Y, |p| p.x < 1e-9));
+        let node = holds[0].node;
+        holds.extend(more.iter().map(|&(along, displacement_mm)| Hold { node, along, displacement_mm }));
+        let problem = PlaneProblem {
+            mesh: &mesh,
+            thickness_mm: 1.0,
+            stiffness: &stiffness,
+            holds: &holds,
+            max_mib: 1024.0,
+        };
+        matches!(PlaneSystem::new(&problem), Err(PlaneError::Contradiction { .. }))
+    };
+    assert!(!refused(&[(DVec2::X, 0.0), (DVec2::ONE.normalize(), 0.0)]));
+    assert!(refused(&[(DVec2::X, 0.1)]));
+    assert!(refused(&[(DVec2::ONE.normalize(), -0.1)]));
+}
+
+#[test]
 fn a_free_mesh_of_a_plate_with_a_hole_finds_the_stress_at_its_rim() {
     // Meshed as the planner does, from a polygon of a circle: Howland's 3.14 at d/W = 0.2.
     let disc = |k: usize| direction(k as f64 / 96.0 * TAU) * 2.0;

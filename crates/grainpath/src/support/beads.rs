@@ -106,14 +106,18 @@ pub fn sparse(layer: &SupportLayer, context: &FillContext, settings: &BeadSettin
     rest.polygons.iter().map(of_piece).filter(|i| !i.fills.is_empty()).collect()
 }
 
-/// A short bead for a piece in which no loop fits. It runs along the longer side and is as wide as the piece.
+/// A short bead for a piece in which no loop fits. It runs along the longer side and is as wide as the piece: with round
+/// ends it has the area of the piece, so the width of a disc is its diameter and that of a strip its short side.
 fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
     let middle = inner_point(p);
     let far = p.outer.iter().copied().max_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))?;
     let along = (far - middle).normalize_or(DVec2::X);
     let reach = |d: DVec2| p.outer.iter().map(|q| (*q - middle).dot(d)).fold(0.0, f64::max);
-    let width = (2.0 * p.area_mm2() / p.perimeter_mm() * 2.0)
-        .clamp(settings.min_bead_width_mm, settings.bead_width_mm);
+    // A bead of width w and length e with round ends has the area w e - (1 - pi / 4) w^2.
+    let extent = reach(along) + reach(-along);
+    let missing = 1.0 - 0.25 * std::f64::consts::PI;
+    let rest = (extent * extent - 4.0 * missing * p.area_mm2()).max(0.0).sqrt();
+    let width = (0.5 * (extent - rest) / missing).clamp(settings.min_bead_width_mm, settings.bead_width_mm);
     let (ahead, behind) = (reach(along) - 0.5 * width, reach(-along) - 0.5 * width);
     let points =
         vec![middle - along * behind.max(DAB_MM.value()), middle + along * ahead.max(DAB_MM.value())];
