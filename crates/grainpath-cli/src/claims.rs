@@ -137,6 +137,7 @@ fn holds(input: &Claim, output: &Claim) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ExitCode;
 
     #[test]
     fn one_file_has_one_identity_under_all_its_names() {
@@ -156,7 +157,11 @@ mod tests {
             claims.read("shape.mesh", &at("part.stl"));
             claims.write("output.gcode", name);
             let error = claims.check().expect_err(&name.display().to_string());
-            assert!(error.message.contains("shape.mesh") && error.code == 2, "{}", error.message);
+            assert!(
+                error.message.contains("shape.mesh") && error.code == ExitCode::Usage,
+                "{}",
+                error.message
+            );
         }
         let mut claims = Claims::default();
         claims.read("shape.mesh", &at("part.stl"));

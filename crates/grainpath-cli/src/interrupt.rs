@@ -17,13 +17,11 @@ use std::time::Duration;
 use grainpath_core::Diagnostics;
 use tempfile::NamedTempFile;
 
-use crate::Failure;
+use crate::{ExitCode, Failure};
 
 /// The time in which a run may end by itself. Source: derived. A run should end 0.2 s after the signal, and the system
 /// needs up to 0.1 s of this to free the memory of a large run.
 const GRACE: Duration = Duration::from_millis(60);
-/// The exit code of an interrupted run. Source: shells add 128 to the number of the signal, and SIGINT is 2.
-pub(crate) const EXIT_CODE: i32 = 130;
 
 /// Whether a signal has arrived.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -74,13 +72,14 @@ pub(crate) fn end() -> ! {
         1 => "interrupted; one file had been written".to_owned(),
         n => format!("interrupted; {n} files had been written"),
     };
+    let code = ExitCode::Interrupted.number();
     if JSON.load(Ordering::Relaxed) {
-        let report = serde_json::json!({ "ok": false, "error": line, "code": EXIT_CODE });
+        let report = serde_json::json!({ "ok": false, "error": line, "code": code });
         // An error of standard output is ignored, since the run ends with an error code anyway.
         let _ = writeln!(io::stdout(), "{report}");
     }
     eprintln!("grainpath: {line}");
-    std::process::exit(EXIT_CODE);
+    std::process::exit(code.into());
 }
 
 /// A temporary file that is removed if the run is interrupted.
@@ -105,11 +104,11 @@ impl Temporary {
     /// Calls `rename`, which gives the file its final name, unless the run was interrupted.
     ///
     /// # Errors
-    /// The error of `rename`, or exit code 130 after an interruption.
+    /// The error of `rename`, or [`ExitCode::Interrupted`] after an interruption.
     pub(crate) fn finish<T>(self, rename: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
         let mut outputs = outputs();
         if INTERRUPTED.load(Ordering::SeqCst) {
-            return Err(Failure { code: EXIT_CODE, ..Failure::usage("interrupted") });
+            return Err(Failure { code: ExitCode::Interrupted, ..Failure::usage("interrupted") });
         }
         let result = rename()?;
         outputs.n_written += 1;

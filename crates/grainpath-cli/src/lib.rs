@@ -7,6 +7,7 @@ mod args;
 mod cad;
 mod claims;
 mod commands;
+mod exit_code;
 mod files;
 mod inputs;
 mod interrupt;
@@ -17,7 +18,6 @@ mod progress;
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
-use grainpath::ErrorKind;
 use grainpath_core::Warning;
 
 use args::{Args, Command};
@@ -29,6 +29,7 @@ pub use commands::render::tell_directions;
 pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};
+pub use exit_code::ExitCode;
 pub use inputs::{Given, Handed, no_shape, plan_given, plan_parted, read_body, shape_of};
 pub use memory::peak_rss_mb;
 pub use outputs::{program_bytes, read_back, report_of};
@@ -38,9 +39,8 @@ pub use outputs::{program_bytes, read_back, report_of};
 pub struct Failure {
     /// The message: the place of the mistake, the mistake, and the correct form.
     pub message: String,
-    /// Exit code: 2 wrong usage or job file; 3 bad input file; 4 job that cannot be fulfilled, or warnings under --strict;
-    /// 130 interrupted.
-    pub code: i32,
+    /// The exit code.
+    pub code: ExitCode,
     /// Warnings that count as a failure under `--strict`.
     pub warnings: Vec<Warning>,
     /// The page of the documentation about this error.
@@ -50,7 +50,7 @@ pub struct Failure {
 impl Failure {
     /// Wrong usage, a wrong job file, or an output that cannot be written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2, warnings: Vec::new(), page: None }
+        Self { message: message.into(), code: ExitCode::Usage, warnings: Vec::new(), page: None }
     }
 
     /// Warnings under `--strict`; `written` says whether the outputs exist.
@@ -58,23 +58,18 @@ impl Failure {
         let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
         let outcome = if written { "the outputs were written" } else { "nothing was written" };
         let message = format!("--strict refuses {} warnings ({}); {outcome}", ids.len(), ids.join(", "));
-        Self { message, code: 4, warnings, page: None }
+        Self { message, code: ExitCode::Physics, warnings, page: None }
     }
 
     /// An input file that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 3, warnings: Vec::new(), page: None }
+        Self { message: message.into(), code: ExitCode::Input, warnings: Vec::new(), page: None }
     }
 }
 
 impl From<grainpath::Error> for Failure {
     fn from(error: grainpath::Error) -> Self {
-        let code = match error.kind() {
-            ErrorKind::Job => 2,
-            ErrorKind::Input => 3,
-            ErrorKind::Physics => 4,
-            ErrorKind::Interrupted => interrupt::EXIT_CODE,
-        };
+        let code = ExitCode::from(error.kind());
         Self { message: error.to_string(), code, warnings: Vec::new(), page: error.page() }
     }
 }
@@ -120,12 +115,13 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
     match outcome {
         Ok(()) => 0,
-        Err(failure) if failure.code == interrupt::EXIT_CODE => interrupt::end(),
+        Err(failure) if failure.code == ExitCode::Interrupted => interrupt::end(),
         Err(failure) => {
             // The message is one line, so that a script can read it as the last line of standard error.
             let line = failure.message.replace('\n', " ");
             if json {
-                let mut report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });
+                let mut report =
+                    serde_json::json!({ "ok": false, "error": line, "code": failure.code.number() });
                 if !failure.warnings.is_empty() {
                     report["warnings"] = serde_json::json!(failure.warnings);
                 }
@@ -137,7 +133,7 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
             failure.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
             let page = failure.page.map(|page| format!(" (see {page})")).unwrap_or_default();
             eprintln!("grainpath: {line}{page}");
-            u8::try_from(failure.code).unwrap_or(1)
+            failure.code.number()
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use grainpath_cli::Failure;
+use grainpath_cli::{ExitCode, Failure};
 use grainpath_job::JobError;
 use pyo3::prelude::*;
 
@@ -47,11 +47,11 @@ pub(crate) fn exception(
 pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
     // Exit codes and exceptions both say who has to act, so each exit code has its exception.
     let kind = match failure.code {
-        2 => Kind::Job,
-        3 => Kind::Input,
-        4 => Kind::Physics,
-        130 => Kind::Cancelled,
-        _ => Kind::Internal,
+        ExitCode::Usage => Kind::Job,
+        ExitCode::Input => Kind::Input,
+        ExitCode::Physics => Kind::Physics,
+        ExitCode::Interrupted => Kind::Cancelled,
+        ExitCode::Fault => Kind::Internal,
     };
     exception(py, kind, &failure.message, None, None)
 }

@@ -21,7 +21,7 @@ use crate::args::Orient;
 use crate::commands::run::checked;
 use crate::commands::support::supported;
 use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
-use crate::{Failure, files, outputs, progress};
+use crate::{ExitCode, Failure, files, outputs, progress};
 
 /// Most poses that are ranked. Source: derived. A usual printed part has six to ten stable poses, and supports are grown
 /// for each.
@@ -132,8 +132,10 @@ pub(super) fn ranked(
     let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
     let placed = placed_mesh(&config::placing(settings), file.clone(), diagnostics).map_err(source)?;
     let turned = config::standing(settings, placed.lowered_mm).rotation;
-    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES)
-        .map_err(|e| Failure { code: 4, ..Failure::usage(format!("{}: {e}", shape.display())) })?;
+    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES).map_err(|e| Failure {
+        code: ExitCode::Physics,
+        ..Failure::usage(format!("{}: {e}", shape.display()))
+    })?;
     let strength = config::strength(settings);
     let beads = beads(settings);
     let mut ranked = Vec::with_capacity(poses.len());

@@ -28,7 +28,7 @@ use super::studio_part;
 use crate::args::Studio;
 use crate::claims::Claims;
 use crate::inputs::{Given, claim_inputs, no_shape, plan_given, shape_of};
-use crate::{Failure, files, interrupt, memory, outputs};
+use crate::{ExitCode, Failure, files, interrupt, memory, outputs};
 
 /// Name of the folder inside the current folder to which the studio writes.
 const WORK: &str = "grainpath-studio";
@@ -57,7 +57,7 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
     interrupt::remove_temporary();
     served.map_err(|r| Failure {
         message: r.message,
-        code: exit_code(r.kind),
+        code: ExitCode::from(r.kind),
         warnings: Vec::new(),
         page: None,
     })
@@ -93,21 +93,26 @@ impl Commands {
     }
 }
 
-/// The exit code of each kind of failure.
-fn exit_code(kind: RefusalKind) -> i32 {
-    match kind {
-        RefusalKind::Fault => 1,
-        RefusalKind::Usage => 2,
-        RefusalKind::Input => 3,
-        RefusalKind::Physics => 4,
-        RefusalKind::Interrupted => interrupt::EXIT_CODE,
+impl From<RefusalKind> for ExitCode {
+    fn from(kind: RefusalKind) -> Self {
+        match kind {
+            RefusalKind::Fault => Self::Fault,
+            RefusalKind::Usage => Self::Usage,
+            RefusalKind::Input => Self::Input,
+            RefusalKind::Physics => Self::Physics,
+            RefusalKind::Interrupted => Self::Interrupted,
+        }
     }
 }
 
 fn refusal(failure: Failure) -> Refusal {
-    use RefusalKind::{Fault, Input, Interrupted, Physics, Usage};
-    let kinds = [Usage, Input, Physics, Interrupted];
-    let kind = kinds.into_iter().find(|kind| exit_code(*kind) == failure.code).unwrap_or(Fault);
+    let kind = match failure.code {
+        ExitCode::Fault => RefusalKind::Fault,
+        ExitCode::Usage => RefusalKind::Usage,
+        ExitCode::Input => RefusalKind::Input,
+        ExitCode::Physics => RefusalKind::Physics,
+        ExitCode::Interrupted => RefusalKind::Interrupted,
+    };
     Refusal { message: failure.message.replace('\n', " "), kind }
 }
 
@@ -171,7 +176,7 @@ fn angles_to_guide(program: &Program, planned: &Planned) -> Option<Vec<Vec<u8>>>
 
 impl Engine for Commands {
     fn exit_code(&self, kind: RefusalKind) -> i32 {
-        exit_code(kind)
+        ExitCode::from(kind).number().into()
     }
 
     fn job_for(&self, file: &Path) -> Result<String, Refusal> {
