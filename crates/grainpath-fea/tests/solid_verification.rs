@@ -500,6 +500,30 @@ fn a_factorization_agrees_with_the_iteration() {
     assert!(matches!(solve(&model, &supports, &all, &small), Err(SolidError::Memory { .. })));
 }
 
+/// The iteration and the factorization refuse it, on nodes that move and on nodes that are held.
+#[test]
+fn a_load_that_is_not_finite_is_refused_as_one() {
+    let mesh = Brick::new([4, 2, 2], |q| q * DVec3::new(20.0, 6.0, 6.0)).mesh();
+    let model = Model::uniform(&mesh, isotropic(1000.0, 0.3));
+    let mut supports = Supports::new(mesh.nodes.len());
+    for (i, _) in (0u32..).zip(&mesh.nodes).filter(|(_, p)| p.x == 0.0) {
+        supports.fix(&mesh, i).expect("all zero");
+    }
+    let held = mesh.nodes.iter().position(|p| p.x == 0.0).expect("held");
+    let moves = mesh.nodes.iter().position(|p| p.x == 20.0).expect("free");
+    // The square of the last force overflows.
+    for force in [f64::NAN, f64::INFINITY, 1e200] {
+        for node in [held, moves].into_iter().filter(|&i| i == moves || !force.is_finite()) {
+            for method in [Method::Direct, Method::Iterative] {
+                let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
+                load[node].z = force;
+                let error = solve(&model, &supports, &[load], &SolveSettings { method, ..tight() }).err();
+                assert_eq!(error, Some(SolidError::LoadNotFinite), "{force} at node {node}, {method:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_moment_bends_and_gravity_pulls() {
     let mesh = Brick::new([8, 2, 2], |q| q * DVec3::new(40.0, 6.0, 6.0)).mesh();

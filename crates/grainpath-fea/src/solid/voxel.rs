@@ -248,7 +248,7 @@ impl VoxelSystem {
     /// and convergence has become slow.
     ///
     /// # Errors
-    /// No convergence.
+    /// No convergence, or a load that is not finite.
     pub fn solve(&mut self, load: &[DVec3], settings: &SolveSettings) -> Result<Solution, SolidError> {
         self.last = None;
         self.iterated(load, None, settings)
@@ -259,7 +259,7 @@ impl VoxelSystem {
     /// `gain` times its value after the change, or to the tolerance times the load if that is less.
     ///
     /// # Errors
-    /// No convergence.
+    /// No convergence, or a load that is not finite.
     pub fn follow(
         &mut self,
         load: &[DVec3],

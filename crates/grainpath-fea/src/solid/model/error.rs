@@ -85,6 +85,9 @@ pub enum SolidError {
     /// The factorization broke down.
     #[error("the stiffness matrix is not positive definite; an element may be turned inside out")]
     NotPositive,
+    /// A load that is no number, or with which the solver cannot compute.
+    #[error("a load or a prescribed displacement is not a finite number, or too large to compute with")]
+    LoadNotFinite,
     /// The iteration ended before it reached the required residual.
     #[error("the solution did not converge: residual {residual:.1e} after {iterations} iterations")]
     NotConverged {

@@ -20,6 +20,7 @@ use grainpath_core::{DMat3, DVec3};
 use super::block_matrix::{Blocks, add, assemble, dot};
 use super::operator::Operator;
 use super::solution::Solution;
+use super::solve::finite_size;
 use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
@@ -82,7 +83,10 @@ impl Direct {
     }
 
     /// The solution for one load.
-    pub(crate) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Solution {
+    ///
+    /// # Errors
+    /// [`SolidError::LoadNotFinite`].
+    pub(crate) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Result<Solution, SolidError> {
         let supports = operator.supports();
         let (mut u, _) = supports.prescribed();
         let mut scratch = operator.scratch();
@@ -96,7 +100,7 @@ impl Direct {
             }
             supports.project(&mut rest);
             if pass == 0 {
-                goal = dot(&rest, &rest).sqrt();
+                goal = finite_size(load, &rest)?;
             }
             let mut x: Vec<f64> = rest.iter().flat_map(|v| v.to_array()).collect();
             self.factor.solve(&mut x);
@@ -113,7 +117,7 @@ impl Direct {
         }
         supports.project(&mut rest);
         let residual = if goal > 0.0 { dot(&rest, &rest).sqrt() / goal } else { 0.0 };
-        Solution { displacement: u, reaction, residual, iterations: 0 }
+        Ok(Solution { displacement: u, reaction, residual, iterations: 0 })
     }
 }
 

@@ -14,7 +14,7 @@
 //!
 //! Degenerate cases: without loads there are no solutions. A load of zero gives the prescribed displacements
 //! alone. A piece of the part that can move freely, a material that is not positive definite, too many
-//! iterations and a stop by the flag of the settings are errors. Loads must be finite.
+//! iterations and a stop by the flag of the settings are errors, and so is a load that is not finite.
 
 use grainpath_core::DVec3;
 
@@ -37,8 +37,8 @@ const DIRECT_LOADS: usize = 6;
 /// Solves for several loads (forces on each node, N) with one preparation.
 ///
 /// # Errors
-/// A piece that is not held, a material whose stiffness is not positive, memory above the limit, no
-/// convergence, or a stop by the flag of the settings.
+/// A piece that is not held, a material whose stiffness is not positive, a load that is not finite, memory above the
+/// limit, no convergence, or a stop by the flag of the settings.
 pub fn solve(
     model: &Model<'_>,
     supports: &Supports,
@@ -62,7 +62,7 @@ pub fn solve(
         let factored = Direct::new(model, supports, settings.max_mib)?;
         let solved = |load: &Vec<DVec3>| {
             settings.cancel.check()?;
-            Ok(factored.solve(&operator, load))
+            factored.solve(&operator, load)
         };
         let solutions = loads.iter().map(solved).collect::<Result<_, SolidError>>()?;
         let mib = factored.bytes() as f64 / BYTES_PER_MIB;
@@ -81,6 +81,17 @@ pub fn solve(
         .map(|load| Ok(iterate(&operator, &mut multigrid, load, None, settings)?.solution))
         .collect::<Result<_, SolidError>>()?;
     Ok((solutions, info))
+}
+
+/// Size of the forces at nodes that can move: those of a load and of prescribed displacements.
+///
+/// # Errors
+/// [`SolidError::LoadNotFinite`], also for forces whose squares overflow.
+pub(super) fn finite_size(load: &[DVec3], forces: &[DVec3]) -> Result<f64, SolidError> {
+    let size = dot(forces, forces).sqrt();
+    // Forces on supports are not in the size, but they go into the reactions.
+    let is_finite = size.is_finite() && load.iter().all(|f| f.is_finite());
+    if is_finite { Ok(size) } else { Err(SolidError::LoadNotFinite) }
 }
 
 /// A solution, its residual at each node (zero along supports), and the size of the load that the
@@ -116,12 +127,12 @@ pub(crate) fn iterate(
         add(&mut first, -1.0, &q);
     }
     supports.project(&mut first);
-    let load_size = dot(&first, &first).sqrt();
+    let load_size = finite_size(load, &first)?;
     let goal = settings.tolerance * load_size;
     let (mut u, mut r) = from.unwrap_or((prescribed, first));
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
-    // The loop below would take a load that is not finite for one that is solved.
+    // The loop below would take a start whose residual is not finite for a solution.
     if !size.is_finite() {
         return Err(SolidError::NotPositive);
     }
