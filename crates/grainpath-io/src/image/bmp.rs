@@ -11,7 +11,7 @@
 //! In favour of `zune-bmp`: it is five times as fast (0.16 s instead of 0.81 s for 12 megapixels), and it reads run-length
 //! encoding, which this reader refuses.
 
-use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+use super::{Image, ImageError, ImageFormat, ImageProblem, Samples, UnreadKind, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Bmp;
 
@@ -72,7 +72,7 @@ fn pixel(h: &Header, row: &[u8], x: usize) -> Result<[u8; 3], ImageError> {
             // Pixels of fewer than 8 bits begin at the high bit of a byte.
             let index = usize::from(byte >> (8 - bits - x * bits % 8)) & ((1 << bits) - 1);
             let colour = h.palette.get(index);
-            *colour.ok_or_else(|| malformed(FORMAT, format!("colour {index} is not in its palette")))?
+            *colour.ok_or_else(|| malformed(FORMAT, ImageProblem::Colour(index)))?
         }
     })
 }
@@ -87,7 +87,7 @@ fn header(bytes: &[u8], max_pixels: u64) -> Result<Header, ImageError> {
     let old = info == 12;
     // 40 bytes is BITMAPINFOHEADER; later versions are longer, up to 124.
     if !old && !(40..=1024).contains(&info) {
-        return Err(malformed(FORMAT, format!("a header of {info} bytes")));
+        return Err(malformed(FORMAT, ImageProblem::Header(info)));
     }
     let (width, height) = if old {
         (i64::from(u16_at(18)?), i64::from(u16_at(20)?))
@@ -95,18 +95,18 @@ fn header(bytes: &[u8], max_pixels: u64) -> Result<Header, ImageError> {
         (i64::from(u32_at(18)? as i32), i64::from(u32_at(22)? as i32))
     };
     if width < 0 {
-        return Err(malformed(FORMAT, format!("a width of {width}")));
+        return Err(malformed(FORMAT, ImageProblem::Width(width)));
     }
     check_size(FORMAT, width as u64, height.unsigned_abs(), max_pixels)?;
     let bits = usize::from(u16_at(if old { 24 } else { 28 })?);
     if ![1, 2, 4, 8, 16, 24, 32].contains(&bits) {
-        return Err(malformed(FORMAT, format!("{bits} bits a pixel")));
+        return Err(malformed(FORMAT, ImageProblem::Depth(bits)));
     }
     let compression = if old { 0 } else { u32_at(30)? };
     // 3 is BI_BITFIELDS, 6 BI_ALPHABITFIELDS.
     let fields = matches!(compression, 3 | 6) && bits >= 16;
     if compression != 0 && !fields {
-        let what = format!("compression {compression}");
+        let what = UnreadKind::Compression(compression);
         return Err(ImageError::Unsupported { format: FORMAT, what, instead: "uncompressed BMP or PNG" });
     }
     let masks = match (fields, bits) {

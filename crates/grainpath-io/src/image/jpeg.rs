@@ -6,7 +6,9 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{Colours, Image, ImageError, ImageFormat, Samples, check_size, malformed};
+use super::{
+    Colours, Image, ImageError, ImageFormat, ImageProblem, Samples, UnreadKind, check_size, malformed,
+};
 
 const FORMAT: ImageFormat = ImageFormat::Jpeg;
 /// Limit on the scans of a progressive image: each is a pass over all pixels. Source: `jpeg_simple_progression` of
@@ -23,7 +25,7 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Im
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(error)?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| malformed(FORMAT, "no size"))?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| malformed(FORMAT, ImageProblem::NoSize))?;
     check_size(FORMAT, width as u64, height as u64, max_pixels)?;
     if is_cut_short(bytes) {
         return Err(ImageError::Truncated(FORMAT));
@@ -41,7 +43,7 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Im
     let samples = decoder.decode().map_err(error)?;
     let channels = if grey { 1 } else { 3 };
     if samples.len() != width * height * channels {
-        return Err(malformed(FORMAT, "it does not hold the pixels its header promises"));
+        return Err(malformed(FORMAT, ImageProblem::Pixels));
     }
     let turned = decoder.exif().and_then(|exif| orientation(exif)).unwrap_or(1);
     let (width, height, samples) = upright(width, height, channels, samples, turned);
@@ -87,10 +89,10 @@ fn error(e: DecodeErrors) -> ImageError {
         DecodeErrors::ExhaustedData | DecodeErrors::IoErrors(_) => ImageError::Truncated(FORMAT),
         DecodeErrors::Unsupported(what) => ImageError::Unsupported {
             format: FORMAT,
-            what: format!("{what:?}"),
+            what: UnreadKind::Decoder(format!("{what:?}")),
             instead: "8-bit baseline or progressive JPEG, or PNG",
         },
-        other => malformed(FORMAT, other.to_string()),
+        other => malformed(FORMAT, ImageProblem::Decoder(other.to_string())),
     }
 }
 

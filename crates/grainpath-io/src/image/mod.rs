@@ -22,9 +22,60 @@ pub enum ImageError {
     #[error("{format}: the image ends before its last row", format = .0.name())]
     Truncated(ImageFormat),
     #[error("{format}: {problem}", format = .format.name())]
-    Malformed { format: ImageFormat, problem: String },
+    Malformed { format: ImageFormat, problem: ImageProblem },
     #[error("{format}: {what} is not read; save it as {instead}", format = .format.name())]
-    Unsupported { format: ImageFormat, what: String, instead: &'static str },
+    Unsupported { format: ImageFormat, what: UnreadKind, instead: &'static str },
+}
+
+/// What is wrong with an image.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ImageProblem {
+    #[error("no size")]
+    NoSize,
+    #[error("an image of {width} x {height} pixels")]
+    NoPixels { width: u64, height: u64 },
+    #[error("a width of {0}")]
+    Width(i64),
+    #[error("it does not hold the pixels its header promises")]
+    Pixels,
+    #[error("a header of {0} bytes")]
+    Header(usize),
+    #[error("{0} bits a pixel")]
+    Depth(usize),
+    #[error("colour {0} is not in its palette")]
+    Colour(usize),
+    #[error("its palette is cut short")]
+    PaletteEnds,
+    #[error("its palette has {0} bytes, and entries take three each")]
+    PaletteBytes(usize),
+    #[error("its tables are larger than an image needs")]
+    Tables,
+    #[error("its chunks are larger than an image needs")]
+    Chunks,
+    /// In the words of the library that decodes the format: `png`, `zune-jpeg` or `tiff`.
+    #[error("{0}")]
+    Decoder(String),
+}
+
+/// A kind of image that its format allows and that is not read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum UnreadKind {
+    #[error("one plane a channel")]
+    Planes,
+    #[error("64-bit integers")]
+    Integers64,
+    #[error("{0} bits a sample")]
+    Bits(usize),
+    #[error("a palette of 65536 colours")]
+    LargePalette,
+    /// The code of the compression in the header of a BMP.
+    #[error("compression {0}")]
+    Compression(u32),
+    /// In the words of the library that decodes the format: `zune-jpeg` or `tiff`.
+    #[error("{0}")]
+    Decoder(String),
 }
 
 /// Largest number of pixels that [`decode`] reads. Source: derived. An image of this size takes 750 MB as RGB; phone
@@ -142,7 +193,7 @@ fn how_to_convert(format: &str) -> &'static str {
 /// Refuses an image without pixels or with too many.
 fn check_size(format: ImageFormat, width: u64, height: u64, limit: u64) -> Result<(), ImageError> {
     if width == 0 || height == 0 {
-        return Err(malformed(format, format!("an image of {width} x {height} pixels")));
+        return Err(malformed(format, ImageProblem::NoPixels { width, height }));
     }
     match width.checked_mul(height) {
         Some(n) if n <= limit => Ok(()),
@@ -150,8 +201,8 @@ fn check_size(format: ImageFormat, width: u64, height: u64, limit: u64) -> Resul
     }
 }
 
-fn malformed(format: ImageFormat, problem: impl Into<String>) -> ImageError {
-    ImageError::Malformed { format, problem: problem.into() }
+fn malformed(format: ImageFormat, problem: ImageProblem) -> ImageError {
+    ImageError::Malformed { format, problem }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
 
-use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+use super::{Image, ImageError, ImageFormat, ImageProblem, Samples, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Png;
 
@@ -25,10 +25,9 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     if let Some(palette) = &reader.info().palette
         && (palette.is_empty() || palette.len() % 3 != 0)
     {
-        let problem = format!("its palette has {} bytes, and entries take three each", palette.len());
-        return Err(malformed(FORMAT, problem));
+        return Err(malformed(FORMAT, ImageProblem::PaletteBytes(palette.len())));
     }
-    let size = reader.output_buffer_size().ok_or_else(|| malformed(FORMAT, "no size"))?;
+    let size = reader.output_buffer_size().ok_or_else(|| malformed(FORMAT, ImageProblem::NoSize))?;
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(error)?;
     data.truncate(info.buffer_size());
@@ -51,7 +50,7 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
 fn error(e: DecodingError) -> ImageError {
     match e {
         DecodingError::IoError(_) => ImageError::Truncated(FORMAT),
-        DecodingError::LimitsExceeded => malformed(FORMAT, "its chunks are larger than an image needs"),
-        other => malformed(FORMAT, other.to_string()),
+        DecodingError::LimitsExceeded => malformed(FORMAT, ImageProblem::Chunks),
+        other => malformed(FORMAT, ImageProblem::Decoder(other.to_string())),
     }
 }

@@ -4,7 +4,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError, TiffFormatError};
 
-use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+use super::{Image, ImageError, ImageFormat, ImageProblem, Samples, UnreadKind, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Tiff;
 
@@ -34,13 +34,13 @@ pub(crate) fn read_page<R: std::io::Read + std::io::Seek>(
         ColorType::GrayA(_) => 2,
         ColorType::RGB(_) | ColorType::YCbCr(_) => 3,
         ColorType::RGBA(_) => 4,
-        other => return Err(unsupported(format!("{other:?}"))),
+        other => return Err(unsupported(UnreadKind::Decoder(format!("{other:?}")))),
     };
     let planar: Option<u16> = decoder.find_tag_unsigned(Tag::PlanarConfiguration).map_err(error)?;
     // Planes would have to be interleaved; cameras and scanners write chunky pixels (PlanarConfiguration
     // 1).
     if channels > 1 && planar == Some(2) {
-        return Err(unsupported("one plane a channel".into()));
+        return Err(unsupported(UnreadKind::Planes));
     }
     let palette = match colour {
         ColorType::Palette(_) => decoder.get_tag_u16_vec(Tag::ColorMap).map_err(error)?,
@@ -64,10 +64,10 @@ pub(crate) fn read_page<R: std::io::Read + std::io::Seek>(
         DecodingResult::I8(v) => Samples::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::I16(v) => Samples::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::I32(v) => Samples::F32(v.into_iter().map(|s| s as f32).collect()),
-        DecodingResult::U64(_) | DecodingResult::I64(_) => return Err(unsupported("64-bit integers".into())),
+        DecodingResult::U64(_) | DecodingResult::I64(_) => return Err(unsupported(UnreadKind::Integers64)),
     };
     if samples.count() != w * h * channels {
-        return Err(malformed(FORMAT, "it does not hold the pixels its header promises"));
+        return Err(malformed(FORMAT, ImageProblem::Pixels));
     }
     if let ColorType::Palette(bits) = colour {
         return coloured(w, h, &samples, &palette, bits);
@@ -79,11 +79,11 @@ pub(crate) fn read_page<R: std::io::Read + std::io::Seek>(
 fn unpack(packed: &[u8], row: usize, rows: usize, bits: u8, spread: bool) -> Result<Vec<u8>, ImageError> {
     let bits = usize::from(bits);
     if ![1, 2, 4].contains(&bits) {
-        return Err(unsupported(format!("{bits} bits a sample")));
+        return Err(unsupported(UnreadKind::Bits(bits)));
     }
     let stride = (row * bits).div_ceil(8);
     if packed.len() != stride * rows {
-        return Err(malformed(FORMAT, "it does not hold the pixels its header promises"));
+        return Err(malformed(FORMAT, ImageProblem::Pixels));
     }
     let largest = (1usize << bits) - 1;
     let value = |line: &[u8], x: usize| {
@@ -95,9 +95,9 @@ fn unpack(packed: &[u8], row: usize, rows: usize, bits: u8, spread: bool) -> Res
 
 fn coloured(w: usize, h: usize, samples: &Samples, palette: &[u16], bits: u8) -> Result<Image, ImageError> {
     let n = 1usize << bits.min(16);
-    let Samples::U8(indices) = samples else { return Err(unsupported("a palette of 65536 colours".into())) };
+    let Samples::U8(indices) = samples else { return Err(unsupported(UnreadKind::LargePalette)) };
     if palette.len() < 3 * n {
-        return Err(malformed(FORMAT, "its palette is cut short"));
+        return Err(malformed(FORMAT, ImageProblem::PaletteEnds));
     }
     // ColorMap holds all reds, then all greens, then all blues (TIFF 6.0, section 5).
     let colour = |&i: &u8| [0, n, 2 * n].map(|first| palette[first + usize::from(i).min(n - 1)]);
@@ -105,7 +105,7 @@ fn coloured(w: usize, h: usize, samples: &Samples, palette: &[u16], bits: u8) ->
     Ok(Image { format: FORMAT, width: w, height: h, channels: 3, samples })
 }
 
-fn unsupported(what: String) -> ImageError {
+fn unsupported(what: UnreadKind) -> ImageError {
     ImageError::Unsupported { format: FORMAT, what, instead: "grey or RGB TIFF, or PNG" }
 }
 
@@ -115,8 +115,8 @@ fn error(e: TiffError) -> ImageError {
         TiffError::FormatError(TiffFormatError::InconsistentSizesEncountered) => {
             ImageError::Truncated(FORMAT)
         }
-        TiffError::UnsupportedError(what) => unsupported(what.to_string()),
-        TiffError::LimitsExceeded => malformed(FORMAT, "its tables are larger than an image needs"),
-        other => malformed(FORMAT, other.to_string()),
+        TiffError::UnsupportedError(what) => unsupported(UnreadKind::Decoder(what.to_string())),
+        TiffError::LimitsExceeded => malformed(FORMAT, ImageProblem::Tables),
+        other => malformed(FORMAT, ImageProblem::Decoder(other.to_string())),
     }
 }
