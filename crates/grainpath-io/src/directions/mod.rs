@@ -37,8 +37,8 @@ mod scalar;
 mod table;
 
 pub use model::{
-    AngleUnit, BlendedDirection, DirectionError, DirectionOptions, DirectionSummary, GridAxes, MAX_CELLS,
-    MAX_POINTS,
+    AngleUnit, BlendedDirection, DirectionError, DirectionOptions, DirectionProblem, DirectionSummary,
+    GridAxes, MAX_CELLS, MAX_POINTS, MissingDirections,
 };
 pub use read::{parse_directions, sniff_directions};
 pub use samples::DirectionSamples;

@@ -14,7 +14,7 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::model::{DirectionError, MAX_CELLS, invalid};
+use super::model::{DirectionError, DirectionProblem, MAX_CELLS, invalid};
 
 /// An array with all numbers in the order of C, the last index fastest.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,13 +45,7 @@ struct Number {
 
 impl Number {
     fn parse(descr: &str, place: &str) -> Result<Self, DirectionError> {
-        let refused = || {
-            let problem = format!(
-                "the type {:?} is not read; save booleans, integers or floats of 4 or 8 bytes",
-                descr.chars().take(40).collect::<String>()
-            );
-            invalid(place, problem)
-        };
+        let refused = || invalid(place, DirectionProblem::Type(descr.chars().take(40).collect()));
         let (order, rest) = match descr.as_bytes() {
             [o @ (b'<' | b'>' | b'|' | b'='), rest @ ..] => (*o, rest),
             rest => (b'<', rest),
@@ -99,7 +93,7 @@ struct Header {
 
 impl Header {
     fn parse(text: &str, place: &str) -> Result<Self, DirectionError> {
-        let bad = |what: &str| invalid(place, format!("the numpy header does not state {what}"));
+        let bad = |what: &'static str| invalid(place, DirectionProblem::NotStated(what));
         let value = |key: &str| {
             let at = ['\'', '"'].iter().find_map(|q| text.find(&format!("{q}{key}{q}")))?;
             text[at + key.len() + 2..].trim_start().strip_prefix(':').map(str::trim_start)
@@ -115,10 +109,7 @@ impl Header {
                 if item.matches('(').count() > 0
                     || item.trim_end().trim_end_matches([',', ' ']).matches(',').count() > 1
                 {
-                    return Err(invalid(
-                        place,
-                        format!("the field {name:?} is an array itself, which is not read"),
-                    ));
+                    return Err(invalid(place, DirectionProblem::FieldOfArrays(name.to_owned())));
                 }
                 let number = Number::parse(kind, place)?;
                 fields.push((entry_size, number, name.to_owned()));
@@ -161,31 +152,29 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 
 /// Reads an array from a stream; `place` is its name in errors.
 fn read_stream(mut stream: impl Read, place: &str) -> Result<Array, DirectionError> {
-    let cut = |what: &str| invalid(place, format!("the array ends within {what}"));
+    let cut = |_| invalid(place, DirectionProblem::HeaderEnds);
     let mut start = [0u8; 8];
-    stream.read_exact(&mut start).map_err(|_| cut("its header"))?;
+    stream.read_exact(&mut start).map_err(cut)?;
     if !start.starts_with(MAGIC) {
-        return Err(invalid(place, "no numpy array (.npy)"));
+        return Err(invalid(place, DirectionProblem::NotNumpy));
     }
     let mut length = [0u8; 4];
     let width = if start[6] >= 2 { 4 } else { 2 };
-    stream.read_exact(&mut length[..width]).map_err(|_| cut("its header"))?;
+    stream.read_exact(&mut length[..width]).map_err(cut)?;
     let length = u32::from_le_bytes(length) as usize;
     if length > MAX_HEADER {
-        return Err(invalid(place, format!("a header of {length} bytes; at most {MAX_HEADER} are read")));
+        return Err(invalid(place, DirectionProblem::Header { found: length, limit: MAX_HEADER }));
     }
     let mut text = vec![0u8; length];
-    stream.read_exact(&mut text).map_err(|_| cut("its header"))?;
+    stream.read_exact(&mut text).map_err(cut)?;
     let header = Header::parse(&String::from_utf8_lossy(&text), place)?;
     // The limit on numbers bounds this: each number has eight bytes at most.
     let wanted = header.n * header.entry_size;
     let mut bytes = Vec::new();
     let found = stream.take(wanted as u64).read_to_end(&mut bytes);
-    found.map_err(|e| invalid(place, e.to_string()))?;
+    found.map_err(|e| invalid(place, DirectionProblem::Archive(e.to_string())))?;
     if bytes.len() < wanted {
-        let shape: Vec<String> = header.shape.iter().map(ToString::to_string).collect();
-        let problem =
-            format!("the shape ({}) needs {wanted} bytes; there are {}", shape.join(", "), bytes.len());
+        let problem = DirectionProblem::Bytes { shape: header.shape, wanted, found: bytes.len() };
         return Err(invalid(place, problem));
     }
     let fields = header.fields.iter().map(|(offset, number, name)| {
@@ -221,7 +210,8 @@ pub(super) fn read_npy(bytes: &[u8], place: &str) -> Result<Array, DirectionErro
 
 /// Reads all arrays of a `.npz` file, with their names, in the order of the file.
 pub(super) fn read_npz(bytes: &[u8], place: &str) -> Result<Vec<(String, Array)>, DirectionError> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| invalid(place, e.to_string()))?;
+    let mut zip = ZipArchive::new(Cursor::new(bytes))
+        .map_err(|e| invalid(place, DirectionProblem::Archive(e.to_string())))?;
     if zip.len() > MAX_ARRAYS {
         return Err(DirectionError::TooMany { what: "arrays", found: zip.len() as u64, limit: MAX_ARRAYS });
     }
@@ -230,7 +220,7 @@ pub(super) fn read_npz(bytes: &[u8], place: &str) -> Result<Vec<(String, Array)>
     for i in 0..zip.len() {
         let name = zip.name_for_index(i).and_then(Result::ok).map(|n| n.into_owned()).unwrap_or_default();
         let Some(key) = name.strip_suffix(".npy") else { continue };
-        let file = zip.by_index(i).map_err(|e| invalid(place, e.to_string()))?;
+        let file = zip.by_index(i).map_err(|e| invalid(place, DirectionProblem::Archive(e.to_string())))?;
         let array = read_stream(file, &format!("{place}, array {key}"))?;
         numbers += array.fields.iter().map(|(_, v)| v.len()).sum::<usize>();
         if numbers > MAX_NUMBERS {

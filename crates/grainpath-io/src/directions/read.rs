@@ -7,7 +7,8 @@ use grainpath_core::{DVec2, DVec3, Warning, WarningId};
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points, tensor};
 use super::grid::{DirectionGrid, GridCell};
 use super::model::{
-    AngleUnit, DirectionError, DirectionOptions, DirectionSummary, GridAxes, MAX_CELLS, invalid,
+    AngleUnit, DirectionError, DirectionOptions, DirectionProblem, DirectionSummary, GridAxes, MAX_CELLS,
+    MissingDirections, invalid, missing,
 };
 use super::npy::{Array, MAGIC, read_npy, read_npz};
 use super::samples::DirectionSamples;
@@ -115,7 +116,7 @@ pub(super) fn rows(
         let mut fields = cells(line, separator);
         for (k, column) in columns.iter_mut().enumerate() {
             let Some(field) = fields.next() else {
-                let problem = format!("{k} columns where the header has {}", names.len());
+                let problem = DirectionProblem::Columns { found: k, wanted: names.len() };
                 return Err(invalid(format!("{place}, line {}", i + 1), problem));
             };
             column.1.push(cell(field, separator));
@@ -137,7 +138,7 @@ fn from_arrays(
     place: &str,
 ) -> Result<DirectionSamples, DirectionError> {
     if arrays.is_empty() {
-        return Err(DirectionError::Missing("the archive holds no array (.npy)".into()));
+        return Err(missing(MissingDirections::Array));
     }
     // A structured array is a table.
     if let [(_, array)] = &arrays[..]
@@ -196,10 +197,8 @@ fn from_arrays(
         return grid(&format!("vectors {}, {}", x.0, y.0), &read, options, place);
     }
     let Some((name, array)) = wanted else {
-        let names: Vec<&str> = arrays.iter().map(|(n, _)| n.as_str()).collect();
-        let problem =
-            format!("none of the arrays {} is known; name one with guide.field.array", names.join(", "));
-        return Err(DirectionError::Missing(problem));
+        let names = arrays.iter().map(|(n, _)| n.clone()).collect();
+        return Err(missing(MissingDirections::KnownArray(names)));
     };
     let name = if name.is_empty() { "angles" } else { name };
     let read = GridNumbers { format, axes: None, unit: None, x: array, y: None, strength, spacing };
@@ -234,28 +233,23 @@ fn grid(
     place: &str,
 ) -> Result<DirectionSamples, DirectionError> {
     let shape = &numbers.x.shape;
-    let shown = || shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
     let (n0, n1, parts) = match shape[..] {
         [a, b] => (a, b, 1),
         [a, b, c @ (2 | 3)] => (a, b, c),
         _ => {
-            let problem = format!(
-                "{name} has the shape {}; a grid of angles has two indices, one of vectors three with 2 or 3 components \
-                 last, and a table has named columns",
-                shown()
-            );
+            let problem = DirectionProblem::Shape { name: name.to_owned(), shape: shape.clone() };
             return Err(invalid(place, problem));
         }
     };
     if n0 == 0 || n1 == 0 {
-        return Err(DirectionError::Missing(format!("{name} has the shape {}", shown())));
+        return Err(missing(MissingDirections::Cells { name: name.to_owned(), shape: shape.clone() }));
     }
     if n0.saturating_mul(n1) > MAX_CELLS {
         return Err(DirectionError::TooMany { what: "cells", found: (n0 * n1) as u64, limit: MAX_CELLS });
     }
     for other in [numbers.y, numbers.strength, numbers.spacing].into_iter().flatten() {
         if other.shape[..] != [n0, n1] {
-            return Err(invalid(place, format!("the arrays of a grid differ in shape from {}", shown())));
+            return Err(invalid(place, DirectionProblem::ShapesDiffer(shape.clone())));
         }
     }
     let mut warnings = Vec::new();
@@ -313,7 +307,7 @@ fn grid(
         let all: Vec<f32> =
             (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r))).map(spacing_mm).collect();
         if let Some(i) = all.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
-            return Err(invalid(place, format!("the spacing of cell {} is not above 0", i + 1)));
+            return Err(invalid(place, DirectionProblem::CellSpacing(i + 1)));
         }
         grid = grid.with_spacing(all);
     }
@@ -357,10 +351,7 @@ fn matrices(files: &[(&str, &[u8])], options: &DirectionOptions) -> Result<Direc
     let (name, x, y) = match (&theta, &x, &y) {
         (Some(theta), _, _) => ("theta", theta, None),
         (None, Some(x), Some(y)) => ("vectors xField, yField", x, Some(y)),
-        _ => {
-            let what = "a folder of vector_slicer has thetaField.csv, or xField.csv and yField.csv";
-            return Err(DirectionError::Missing(what.into()));
-        }
+        _ => return Err(missing(MissingDirections::Matrices)),
     };
     let (axes, unit) = (Some(GridAxes::Xy), Some(AngleUnit::Radian));
     let strength = shape.as_ref();
@@ -387,10 +378,7 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
             let v = cell(field, separator);
             if v.is_nan() && !field.trim_ascii().eq_ignore_ascii_case(b"nan") {
                 let word: String = String::from_utf8_lossy(field).chars().take(40).collect();
-                return Err(invalid(
-                    format!("{place}, line {}", i + 1),
-                    format!("found {word:?} where a number of the matrix should be"),
-                ));
+                return Err(invalid(format!("{place}, line {}", i + 1), DirectionProblem::NotANumber(word)));
             }
             values.push(v);
         }
@@ -398,7 +386,7 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
         if rows == 0 {
             columns = n;
         } else if n != columns {
-            let problem = format!("{n} numbers where the first line has {columns}");
+            let problem = DirectionProblem::Numbers { found: n, wanted: columns };
             return Err(invalid(format!("{place}, line {}", i + 1), problem));
         }
         rows += 1;
@@ -411,10 +399,7 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
         }
     }
     if columns <= 6 && rows > 10 * columns {
-        let problem = format!(
-            "{rows} lines of {columns} numbers without a header; name the columns, as in x_mm,y_mm,angle_deg"
-        );
-        return Err(invalid(place, problem));
+        return Err(invalid(place, DirectionProblem::NoHeader { rows, columns }));
     }
     Ok(Array { shape: vec![rows, columns], fields: vec![(String::new(), values)] })
 }
@@ -427,7 +412,11 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
 const GREY_TOLERANCE: f32 = 0.6 / 255.0;
 
 /// The grey of every pixel, from 0 to 1, row by row from the top, and its alpha; `meaning` says what a grey picture is.
-pub(super) fn grey(image: &Image, place: &str, meaning: &str) -> Result<Vec<(f32, f32)>, DirectionError> {
+pub(super) fn grey(
+    image: &Image,
+    place: &str,
+    meaning: &'static str,
+) -> Result<Vec<(f32, f32)>, DirectionError> {
     let scale = 1.0 / image.samples.full_scale();
     let value = |i: usize| match &image.samples {
         Samples::U8(v) => scale * f32::from(v[i]),
@@ -446,7 +435,7 @@ pub(super) fn grey(image: &Image, place: &str, meaning: &str) -> Result<Vec<(f32
     };
     let pixels = image.width * image.height;
     if colour && (0..pixels).any(coloured) {
-        return Err(invalid(place, format!("the picture has colours; {meaning}")));
+        return Err(invalid(place, DirectionProblem::Colours(meaning)));
     }
     Ok((0..pixels).map(|k| (value(n * k), if alpha { value(n * k + n - 1) } else { 1.0 })).collect())
 }
@@ -497,22 +486,18 @@ const USUAL: [&str; 8] =
 
 fn mesh(file: &FeFile, options: &DirectionOptions) -> Result<DirectionSamples, DirectionError> {
     let vectors: Vec<&FeArray> = file.arrays.iter().filter(|a| [2, 3].contains(&a.components)).collect();
-    let names = || vectors.iter().map(|a| a.name.as_str()).collect::<Vec<_>>().join(", ");
+    let names = || vectors.iter().map(|a| a.name.clone()).collect();
     let find = |name: &str| vectors.iter().find(|a| a.name.eq_ignore_ascii_case(name)).copied();
     let array = match &options.array {
-        Some(name) => find(name).ok_or_else(|| {
-            DirectionError::Missing(format!("no array {name:?} of 2 or 3 components; there are: {}", names()))
-        })?,
+        Some(name) => find(name)
+            .ok_or_else(|| missing(MissingDirections::NamedArray { name: name.clone(), names: names() }))?,
         None => match (USUAL.iter().find_map(|n| find(n)), &vectors[..]) {
             (Some(array), _) => array,
             (None, [only]) => only,
             (None, []) => {
-                return Err(DirectionError::Missing("the file has no array of 2 or 3 components".into()));
+                return Err(missing(MissingDirections::Vector));
             }
-            (None, _) => {
-                let problem = format!("several vectors ({}); name one with guide.field.array", names());
-                return Err(DirectionError::Missing(problem));
-            }
+            (None, _) => return Err(missing(MissingDirections::OneVector(names()))),
         },
     };
     let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre);

@@ -10,7 +10,9 @@ use grainpath_core::{DVec2, DVec3};
 
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points};
 use super::grid::DirectionGrid;
-use super::model::{DirectionError, DirectionSummary, GridAxes, MAX_CELLS, MAX_POINTS, invalid};
+use super::model::{
+    DirectionError, DirectionProblem, DirectionSummary, GridAxes, MAX_CELLS, MAX_POINTS, invalid,
+};
 use super::npy::{MAGIC, read_npy};
 use super::read::{grey, header, matrix, rows};
 use super::samples::DirectionSamples;
@@ -84,7 +86,7 @@ pub fn parse_densities(
         let read = read_npy(bytes, name)?;
         return match (&read.fields[..], &read.shape[..]) {
             ([(_, values)], &[n0, n1]) => grid("npy", GridAxes::Yx, [n0, n1], |i| values[i]),
-            ([_], _) => Err(invalid("the array", "a grid of densities has two indices, a[y][x]")),
+            ([_], _) => Err(invalid("the array", DirectionProblem::NotTwoIndices)),
             (fields, _) => columns("npy", fields, array),
         };
     }
@@ -100,7 +102,7 @@ pub fn parse_densities(
         return mesh(&parse_fe(bytes, Some(name))?, array);
     }
     if bytes.iter().take(4096).any(|b| *b == 0) {
-        return Err(invalid("the file", "neither CSV, .npy, a picture nor a finite-element file"));
+        return Err(invalid("the file", DirectionProblem::NoDensityFile));
     }
     match header(bytes) {
         Some((names, separator)) => columns("CSV", &rows(bytes, &names, separator, name)?, array),
@@ -116,7 +118,7 @@ fn checked(value: f64, place: impl FnOnce() -> String) -> Result<f64, DirectionE
     if (0.0..=1.0).contains(&value) {
         Ok(value)
     } else {
-        Err(invalid(place(), format!("the density should be from 0 to 1, is {value}")))
+        Err(invalid(place(), DirectionProblem::Density(value)))
     }
 }
 
@@ -129,7 +131,7 @@ fn chosen(names: &[&str], array: Option<&str>) -> Result<usize, DirectionError> 
     };
     found.ok_or_else(|| {
         let what = array.map_or("no density".to_owned(), |a| format!("no array {a:?}"));
-        invalid(what, format!("there are: {}; name one with fill.density.array", names.join(", ")))
+        invalid(what, DirectionProblem::NoDensity(names.iter().map(|n| (*n).to_owned()).collect()))
     })
 }
 
@@ -176,7 +178,7 @@ fn columns(
 ) -> Result<DensitySamples, DirectionError> {
     let n = all.first().map_or(0, |c| c.1.len());
     if n == 0 {
-        return Err(invalid("the table", "no rows"));
+        return Err(invalid("the table", DirectionProblem::NoRows));
     }
     if n > MAX_POINTS {
         return Err(DirectionError::TooMany { what: "points", found: n as u64, limit: MAX_POINTS });
@@ -184,7 +186,8 @@ fn columns(
     let names: Vec<&str> = all.iter().map(|c| c.0.as_str()).collect();
     let at = [0, 1, 2].map(|axis| coordinate(&names, axis));
     let (Some(x), Some(y)) = (at[0], at[1]) else {
-        return Err(invalid("the table", format!("no columns x and y among {}", names.join(", "))));
+        let names = names.iter().map(|n| (*n).to_owned()).collect();
+        return Err(invalid("the table", DirectionProblem::NoPosition(names)));
     };
     let others: Vec<usize> = (0..all.len()).filter(|i| !at.contains(&Some(*i))).collect();
     let values = &all[others[chosen(&others.iter().map(|&i| names[i]).collect::<Vec<_>>(), array)?]].1;
@@ -192,7 +195,7 @@ fn columns(
     let sample = |i: usize| {
         let p = DVec3::new(all[x].1[i], all[y].1[i], at[2].map_or(0.0, |z| all[z].1[i])) * unit.mm();
         if !p.is_finite() {
-            return Err(invalid(format!("sample {}", i + 1), "the position is no number"));
+            return Err(invalid(format!("sample {}", i + 1), DirectionProblem::Position));
         }
         let density = checked(values[i], || format!("sample {}", i + 1))?;
         Ok(Sample { place_mm: p, axis: DVec3::X, strength: 1.0, spacing_mm: density })

@@ -4,7 +4,10 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
 
 use super::cloud::{Sample, of_points};
-use super::model::{AngleUnit, DirectionError, DirectionOptions, DirectionSummary, MAX_POINTS, invalid};
+use super::model::{
+    AngleUnit, DirectionError, DirectionOptions, DirectionProblem, DirectionSummary, MAX_POINTS,
+    MissingDirections, invalid, missing,
+};
 use super::samples::DirectionSamples;
 use crate::position::checked;
 
@@ -167,7 +170,7 @@ pub(super) fn axis_of_angle(angle: f64, unit: AngleUnit) -> DVec3 {
 /// Strengths above 1 are shares of the largest one.
 pub(super) fn strength_scale(strengths: &[f64], place: &str) -> Result<f64, DirectionError> {
     if let Some(row) = strengths.iter().position(|s| *s < 0.0) {
-        return Err(invalid(place, format!("the strength of sample {} is negative", row + 1)));
+        return Err(invalid(place, DirectionProblem::NegativeStrength(row + 1)));
     }
     let max = strengths.iter().filter(|s| s.is_finite()).fold(1.0f64, |m, s| m.max(*s));
     Ok(1.0 / max)
@@ -182,8 +185,8 @@ pub(super) fn from_columns(
 ) -> Result<DirectionSamples, DirectionError> {
     let n = columns.first().map_or(0, |c| c.1.len());
     if let Some((name, other)) = columns.iter().find(|c| c.1.len() != n) {
-        let first = &columns[0].0;
-        return Err(invalid(place, format!("{first} has {n} rows and {name} has {}", other.len())));
+        let (first, name) = (columns[0].0.clone(), name.clone());
+        return Err(invalid(place, DirectionProblem::Rows { first, rows: n, name, found: other.len() }));
     }
     if n > MAX_POINTS {
         return Err(DirectionError::TooMany { what: "points", found: n as u64, limit: MAX_POINTS });
@@ -192,9 +195,9 @@ pub(super) fn from_columns(
     let values = |i: usize| &columns[i].1;
     let named = |names: &[&str]| bases.iter().position(|b| names.contains(&b.as_str()));
     let coordinate = |axis| bases.iter().position(|b| is_coordinate(b, axis));
-    let all_names = || columns.iter().map(|c| c.0.as_str()).collect::<Vec<_>>().join(", ");
+    let all_names = || columns.iter().map(|c| c.0.clone()).collect();
     let (Some(x), Some(y)) = (coordinate(0), coordinate(1)) else {
-        return Err(DirectionError::Missing(format!("no columns x and y among {}", all_names())));
+        return Err(missing(MissingDirections::Position(all_names())));
     };
     let z = coordinate(2);
     let mut warnings = Vec::new();
@@ -211,7 +214,8 @@ pub(super) fn from_columns(
     };
     let place_of = |i: usize| {
         let p = [values(x)[i], values(y)[i], z.map_or(0.0, |z| values(z)[i])].map(|v| v * unit.mm());
-        checked(p, || format!("{place}, sample {}", i + 1)).map_err(|e| invalid(place, e.to_string()))
+        checked(p, || format!("{place}, sample {}", i + 1))
+            .map_err(|e| invalid(place, DirectionProblem::Coordinate(e)))
     };
 
     // Directions.
@@ -229,8 +233,7 @@ pub(super) fn from_columns(
     if found.len() + usize::from(angle.is_some()) > 1 {
         let mut names: Vec<String> = found.iter().map(|v| v.name.clone()).collect();
         names.extend(angle.map(|i| columns[i].0.clone()));
-        let problem = format!("several directions ({}); name one with guide.field.array", names.join("; "));
-        return Err(invalid(place, problem));
+        return Err(invalid(place, DirectionProblem::Several(names)));
     }
     let (directions, axis_of): (String, Box<dyn Fn(usize) -> DVec3 + '_>) = match (found.first(), angle) {
         (Some(vector), _) => {
@@ -244,10 +247,7 @@ pub(super) fn from_columns(
             warnings.extend(reading.warning);
             (reading.text, Box::new(move |i| axis_of_angle(values(a)[i], reading.unit)))
         }
-        (None, None) => {
-            let what = "neither an angle (angle_deg, theta_rad) nor a vector (vx, vy)";
-            return Err(DirectionError::Missing(format!("{what} among {}", all_names())));
-        }
+        (None, None) => return Err(missing(MissingDirections::Direction(all_names()))),
     };
 
     // Strength and spacing.
@@ -264,12 +264,12 @@ pub(super) fn from_columns(
         }
         let spacing_mm = spacing.map_or(1.0, |s| spacing_mm * values(s)[i]);
         if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
-            return Err(invalid(place, format!("the spacing of sample {} is not above 0", i + 1)));
+            return Err(invalid(place, DirectionProblem::SampleSpacing(i + 1)));
         }
         samples.push(Sample { place_mm: place_of(i)?, axis, strength, spacing_mm });
     }
     if n == 0 {
-        return Err(DirectionError::Missing("the table has no rows".into()));
+        return Err(missing(MissingDirections::Rows));
     }
     if samples.is_empty() {
         return Err(DirectionError::NoDirection(n));
