@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::combination_error::Combination;
 use crate::profiles::profiles_of;
 use crate::value::ValueError;
 
@@ -76,7 +77,7 @@ pub enum JobError {
     SetArgument { argument: String },
     /// Settings that are each valid but do not fit together.
     #[error("{location}: {problem}")]
-    Combination { location: Location, problem: String },
+    Combination { location: Location, problem: Box<Combination> },
 }
 
 impl JobError {

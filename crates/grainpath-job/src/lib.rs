@@ -28,6 +28,7 @@
 //! ```
 
 pub mod choices;
+mod combination_error;
 mod combinations;
 pub mod edit;
 mod error;
@@ -45,6 +46,9 @@ mod source;
 mod value;
 mod wall_count;
 
+pub use combination_error::{
+    Combination, GradedProblem, LayerShiftProblem, LinesProblem, StaggerProblem, WallsProblem,
+};
 pub use error::{JobError, Location};
 pub use fill_density::{FillDensity, GradedDensity, LEAST_GRADED};
 pub use layer_angles::{AngleRange, LayerAngles};

@@ -26,6 +26,7 @@
 use grainpath_core::Density;
 
 use crate::choices::Pattern;
+use crate::combination_error::Combination;
 use crate::layer_angles::LayerAngles;
 use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::Settings;
@@ -112,7 +113,7 @@ impl Settings {
     ///
     /// # Errors
     /// If the settings of the job and the region do not fit together, or if the job allows no regions.
-    pub fn with_region(&self, region: JobRegion) -> Result<Self, String> {
+    pub fn with_region(&self, region: JobRegion) -> Result<Self, Combination> {
         // A valid setting of the part may need something that a region lacks, and some jobs allow no regions.
         let mut all = self.clone();
         all.regions.push(region);

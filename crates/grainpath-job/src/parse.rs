@@ -62,7 +62,8 @@ pub fn parse_job(
         settings.fibre_material = fibre_material(&mut settings, &job, load)?;
     }
     // Combinations are checked last, when every source of settings has been applied.
-    let wrong = |problem| JobError::Combination { location: Location::file(name), problem };
+    let wrong =
+        |problem| JobError::Combination { location: Location::file(name), problem: Box::new(problem) };
     combinations::check(&settings).map_err(wrong)?;
     Ok(settings)
 }
