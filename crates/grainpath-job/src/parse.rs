@@ -8,10 +8,10 @@ use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
 use super::profiles::{KINDS, profile, profiles_of};
 use super::regions::JobRegion;
-use super::renamed::{new_key, new_word};
+use super::renamed::{Inside, new_key, new_word, path_in_file, with_new_keys};
 use super::settings::{MaterialSection, Settings};
 use super::source::Source;
-use super::value::{Check, Problem, Step, read};
+use super::value::{Check, Problem, Step, path_text, read};
 
 /// Version of the job file format that this version of grainpath writes in examples and the studio, and the newest that
 /// it reads.
@@ -165,11 +165,14 @@ fn profile_text(
 fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError> {
     for (section, rows) in job.table.iter().filter(|(key, _)| *key != "format") {
         if section == "region" {
-            settings.regions = read::<Vec<JobRegion>>(rows, Check::Any).map_err(|error| JobError::Value {
-                location: job.location(&[section], &error.path),
-                key: section.clone(),
-                error: Box::new(error),
-            })?;
+            let location = |steps: &[Step]| job.location(&[section], steps);
+            let (rows, renamed) = rename_inside(settings, section, rows, &location)?;
+            settings.regions =
+                read::<Vec<JobRegion>>(&rows, Check::Any).map_err(|error| JobError::Value {
+                    location: location(&path_in_file(&error.path, &renamed)),
+                    key: section.clone(),
+                    error: Box::new(error),
+                })?;
             continue;
         }
         if !Settings::SECTIONS.contains(&section.as_str()) {
@@ -233,34 +236,62 @@ fn apply(
         ("guide", "field") => ("guide.field", "path"),
         other => other,
     };
-    let mut renamed = |old: String, new: String| {
-        let place = location(&[]);
-        let text = format!("{old} is now called {new}");
-        let mut warning = Warning::new(WarningId::JobRenamed, text).in_file(place.file);
-        if let Some(line) = place.line {
-            warning = warning.in_line(line);
-        }
-        settings.warnings.push(warning);
-    };
     let key = match new_key(section, key) {
         Some(new) => {
-            renamed(format!("{section}.{key}"), format!("{section}.{new}"));
+            let (old, new_name) = (format!("{section}.{key}"), format!("{section}.{new}"));
+            settings.warnings.push(renamed_warning(&old, &new_name, location(&[])));
             new
         }
         None => key,
     };
     let word = value.as_str().and_then(|word| new_word(section, key, word));
     if let Some(new) = word {
-        renamed(format!("{section}.{key} = {value}"), format!("{new:?}"));
+        let (old, new) = (format!("{section}.{key} = {value}"), format!("{new:?}"));
+        settings.warnings.push(renamed_warning(&old, &new, location(&[])));
     }
-    let new_value = word.map(Value::from);
-    match settings.set(section, key, new_value.as_ref().unwrap_or(value)) {
+    let name = format!("{section}.{key}");
+    let (new_value, renamed) = match word {
+        Some(word) => (Value::from(word), Vec::new()),
+        None => rename_inside(settings, &name, value, location)?,
+    };
+    match settings.set(section, key, &new_value) {
         Some(Ok(())) => Ok(()),
         Some(Err(error)) => {
-            let location = location(&error.path);
-            Err(JobError::Value { location, key: format!("{section}.{key}"), error: Box::new(error) })
+            let location = location(&path_in_file(&error.path, &renamed));
+            Err(JobError::Value { location, key: name, error: Box::new(error) })
         }
         None => Err(unknown_key(section, key, location(&[]))),
+    }
+}
+
+/// A value with the new names of keys in its tables, each with a warning, and the keys that had old names. `name` is the
+/// name of the value in messages.
+fn rename_inside(
+    settings: &mut Settings,
+    name: &str,
+    value: &Value,
+    location: &dyn Fn(&[Step]) -> Location,
+) -> Result<(Value, Vec<Inside>), JobError> {
+    let full = |path: &[Step]| format!("{name}{}", path_text(path));
+    let mut renamed = Vec::new();
+    // If the table contains both names, it is not clear which value is meant.
+    let both = |key: Inside| JobError::BothNames {
+        location: location(&key.old),
+        old: full(&key.old),
+        new: full(&key.new),
+    };
+    let value = with_new_keys(name, value, &Inside::default(), &mut renamed).map_err(both)?;
+    let warning = |key: &Inside| renamed_warning(&full(&key.old), &full(&key.new), location(&key.old));
+    settings.warnings.extend(renamed.iter().map(warning));
+    Ok((value, renamed))
+}
+
+fn renamed_warning(old: &str, new: &str, place: Location) -> Warning {
+    let text = format!("{old} is now called {new}");
+    let warning = Warning::new(WarningId::JobRenamed, text).in_file(place.file);
+    match place.line {
+        Some(line) => warning.in_line(line),
+        None => warning,
     }
 }
 
@@ -518,6 +549,76 @@ mod tests {
             both,
             "job.toml:2: guide.memory_mib has the new name of guide.memory_mb; remove guide.memory_mb"
         );
+    }
+
+    /// The old names are those of `renamed::tests::ROWS`.
+    #[test]
+    fn a_renamed_key_inside_a_table_is_read_with_the_same_warning() {
+        let ball = "{ ball = { centre_mm = [0, 0, 0], radius_mm = 1 } }";
+        let job = format!(
+            "guide.kind = \"stress\"
+[[guide.load]]
+where = {ball}
+pull_n = [0, 0, 1]
+[[guide.case]]
+importance = 2
+[[guide.case.load]]
+on = {{ facets = [1] }}
+pull_n = [0, 1, 0]
+[fill]
+density = {{ least = 0.1, max = 1, by = \"stress\" }}
+[[region]]
+on = {{ layers = [[1, 2]] }}
+[[region]]
+where = {{ layers = [[3, 4]] }}
+fill = {{ share = 0.6 }}
+"
+        );
+        let s = parse(&job, &[]).expect("old names are read");
+        assert_eq!(s.guide.load[0].push, crate::loads::Push::Force(grainpath_core::DVec3::Z));
+        assert!(matches!(&s.guide.load[0].on, Some(crate::loads::Place::Shape(_))));
+        assert_eq!((s.guide.case[0].weight, s.guide.case[0].loads.len()), (2.0, 1));
+        assert_eq!(s.fill.density.graded().map(|g| g.min), Some(0.1));
+        assert_eq!(s.regions[1].density, Some(Density::Sparse(0.6)));
+        let mut found: Vec<String> = s.warnings.iter().map(ToString::to_string).collect();
+        found.sort_by_key(|w| w.split([' ', ':']).nth(2).and_then(|line| line.parse::<usize>().ok()));
+        let expect = [
+            "job.toml, line 3: guide.load[1].where is now called guide.load[1].on",
+            "job.toml, line 3: guide.load[1].where.ball is now called guide.load[1].on.sphere",
+            "job.toml, line 4: guide.load[1].pull_n is now called guide.load[1].force_n",
+            "job.toml, line 6: guide.case[1].importance is now called guide.case[1].weight",
+            "job.toml, line 9: guide.case[1].load[1].pull_n is now called guide.case[1].load[1].force_n",
+            "job.toml, line 11: fill.density.least is now called fill.density.min",
+            "job.toml, line 15: region[2].where is now called region[2].on",
+            "job.toml, line 16: region[2].fill.share is now called region[2].fill.density",
+        ];
+        assert_eq!(found.len(), expect.len(), "{found:#?}");
+        for (found, expect) in found.iter().zip(expect) {
+            assert!(found.starts_with(expect), "{found}\nshould begin with\n{expect}");
+        }
+        let set = "fill.density={ least = 0.1, max = 1, by = \"stress\" }";
+        let s = parse("guide.kind = \"stress\"\n", &[set]).expect("old names are read");
+        assert_eq!((s.fill.density.graded().map(|g| g.min), s.warnings.len()), (Some(0.1), 1));
+    }
+
+    #[test]
+    fn wrong_values_of_renamed_keys_inside_tables_name_the_line_in_the_file() {
+        for (text, expect) in [
+            (
+                "[[guide.load]]\non = { facets = [1] }\npull_n = [0, \"1\", 1]\n",
+                "job.toml:3: guide.load[1].force_n[2] should be a number, is \"1\"",
+            ),
+            (
+                "[[region]]\non = { layers = [[1, 2]] }\n[region.fill]\n\nshare = 2\n",
+                "job.toml:5: region[1].fill.density should be from 0 to 1, is 2",
+            ),
+            (
+                "[[guide.load]]\non = { facets = [1] }\n[[guide.load]]\nforce_n = [0, 0, 1]\npull_n = [0, 0, 1]\n",
+                "job.toml:5: guide.load[2].force_n has the new name of guide.load[2].pull_n; remove guide.load[2].pull_n",
+            ),
+        ] {
+            assert_eq!(parse(text, &[]).expect_err(text), expect);
+        }
     }
 
     #[test]

@@ -1,5 +1,9 @@
 //! Keys and words that were renamed. Files with the old names are still read.
 
+use toml::{Table, Value};
+
+use super::value::Step;
+
 /// A key or a word with a new name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Renamed {
@@ -7,6 +11,15 @@ pub enum Renamed {
     Key {
         /// The section of the key, for example `shape.ct`.
         section: &'static str,
+        /// The name in old files.
+        old: &'static str,
+        /// The name from now on.
+        new: &'static str,
+    },
+    /// A key of a table inside the value of a setting, or of a region.
+    InTable {
+        /// The path of the table without the numbers of entries, for example `guide.load.on` or `region.fill`.
+        table: &'static str,
         /// The name in old files.
         old: &'static str,
         /// The name from now on.
@@ -40,39 +53,148 @@ pub const RENAMED: &[Renamed] = &[
     Renamed::Key { section: "guide", old: "memory_mb", new: "memory_mib" },
 ];
 
+/// All rows. Tests add their own, since a kind of row may have no entry yet.
+fn rows() -> impl Iterator<Item = &'static Renamed> {
+    #[cfg(test)]
+    let all = RENAMED.iter().chain(tests::ROWS);
+    #[cfg(not(test))]
+    let all = RENAMED.iter();
+    all
+}
+
 /// The new name of a key; `None` for a key that was not renamed.
 pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
-    RENAMED.iter().find_map(|r| match r {
+    rows().find_map(|r| match r {
         Renamed::Key { section: s, old, new } if (*s, *old) == (section, key) => Some(*new),
-        Renamed::Key { .. } | Renamed::Word { .. } => None,
+        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
+    })
+}
+
+/// The new name of a key inside the value of a setting; `None` for a key that was not renamed.
+fn new_key_in_table(table: &str, key: &str) -> Option<&'static str> {
+    rows().find_map(|r| match r {
+        Renamed::InTable { table: t, old, new } if (*t, *old) == (table, key) => Some(*new),
+        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
     })
 }
 
 /// The new form of a word; `None` for a word that was not renamed.
 pub(super) fn new_word(section: &str, key: &str, word: &str) -> Option<&'static str> {
-    RENAMED.iter().find_map(|r| match r {
+    rows().find_map(|r| match r {
         Renamed::Word { section: s, key: k, old, new } if (*s, *k, *old) == (section, key, word) => {
             Some(*new)
         }
-        Renamed::Key { .. } | Renamed::Word { .. } => None,
+        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
     })
+}
+
+/// A place inside the value of a setting: its path in the file, and its path with the new names of keys.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Inside {
+    /// The path in the file, for lines of messages.
+    pub(super) old: Vec<Step>,
+    /// The path after renaming.
+    pub(super) new: Vec<Step>,
+}
+
+impl Inside {
+    fn then(&self, old: Step, new: Step) -> Self {
+        let longer = |path: &[Step], step| path.iter().cloned().chain([step]).collect();
+        Self { old: longer(&self.old, old), new: longer(&self.new, new) }
+    }
+}
+
+/// The path in the file of a place whose path after renaming is `new`.
+pub(super) fn path_in_file(new: &[Step], renamed: &[Inside]) -> Vec<Step> {
+    // Outer tables come first in the list, so the last match has the most of the path.
+    let found = renamed.iter().rev().find_map(|r| Some((&r.old, new.strip_prefix(r.new.as_slice())?)));
+    found.map_or_else(|| new.to_vec(), |(old, rest)| [old.as_slice(), rest].concat())
+}
+
+/// A value with the new names of the keys in its tables. `table` is the path of the value without numbers of entries. Each
+/// key that had its old name is added to `renamed`.
+///
+/// # Errors
+/// A key that its table has under both names.
+pub(super) fn with_new_keys(
+    table: &str,
+    value: &Value,
+    at: &Inside,
+    renamed: &mut Vec<Inside>,
+) -> Result<Value, Inside> {
+    match value {
+        Value::Array(items) => {
+            let entry = |(i, item)| {
+                let at = at.then(Step::Index(i), Step::Index(i));
+                with_new_keys(table, item, &at, renamed)
+            };
+            items.iter().enumerate().map(entry).collect::<Result<Vec<_>, _>>().map(Value::Array)
+        }
+        Value::Table(rows) => {
+            let mut new_rows = Table::new();
+            for (key, inner) in rows {
+                let new = new_key_in_table(table, key);
+                let new_key = new.unwrap_or(key);
+                let at = at.then(Step::Key(key.clone()), Step::Key(new_key.to_owned()));
+                if new.is_some() {
+                    if rows.contains_key(new_key) {
+                        return Err(at);
+                    }
+                    renamed.push(at.clone());
+                }
+                let inner = with_new_keys(&format!("{table}.{new_key}"), inner, &at, renamed)?;
+                new_rows.insert(new_key.to_owned(), inner);
+            }
+            Ok(Value::Table(new_rows))
+        }
+        Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {
+            Ok(value.clone())
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Settings;
+    use crate::{Settings, json_schema};
+
+    /// Renamed keys inside tables, of which there are none so far.
+    pub(super) const ROWS: &[Renamed] = &[
+        Renamed::InTable { table: "guide.load", old: "pull_n", new: "force_n" },
+        Renamed::InTable { table: "guide.load", old: "where", new: "on" },
+        Renamed::InTable { table: "guide.load.on", old: "ball", new: "sphere" },
+        Renamed::InTable { table: "guide.case", old: "importance", new: "weight" },
+        Renamed::InTable { table: "guide.case.load", old: "pull_n", new: "force_n" },
+        Renamed::InTable { table: "fill.density", old: "least", new: "min" },
+        Renamed::InTable { table: "region", old: "where", new: "on" },
+        Renamed::InTable { table: "region.fill", old: "share", new: "density" },
+    ];
+
+    /// The keys of a table inside a value, from the schema.
+    fn keys_of(table: &str) -> serde_json::Value {
+        let inner = |schema: serde_json::Value, key: &str| {
+            let schema = schema.get("items").unwrap_or(&schema);
+            schema["properties"][key].clone()
+        };
+        let schema = table.split('.').fold(json_schema(), inner);
+        schema.get("items").unwrap_or(&schema)["properties"].clone()
+    }
 
     /// A row would be dead if its old name were still a setting, and wrong if its new one were none.
     #[test]
     fn old_names_are_gone_and_new_names_exist() {
         let params = Settings::params();
         let find = |section: &str, key: &str| params.iter().find(|p| p.section == section && p.key == key);
-        for renamed in RENAMED {
+        for renamed in rows() {
             match renamed {
                 Renamed::Key { section, old, new } => {
                     assert!(find(section, old).is_none(), "{section}.{old}");
                     assert!(find(section, new).is_some(), "{section}.{new}");
+                }
+                Renamed::InTable { table, old, new } => {
+                    let keys = keys_of(table);
+                    assert!(keys.get(old).is_none(), "{table}.{old}");
+                    assert!(keys.get(new).is_some(), "{table}.{new}");
                 }
                 Renamed::Word { section, key, old, new } => {
                     let words = find(section, key).map(|p| p.words).unwrap_or_default();

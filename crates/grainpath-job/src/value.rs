@@ -143,15 +143,18 @@ impl From<Problem> for ValueError {
 
 impl fmt::Display for ValueError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for step in &self.path {
-            match step {
-                // Messages count entries from 1.
-                Step::Index(i) => write!(f, "[{}]", i + 1)?,
-                Step::Key(key) => write!(f, ".{key}")?,
-            }
-        }
-        write!(f, " {}", self.problem)
+        write!(f, "{} {}", path_text(&self.path), self.problem)
     }
+}
+
+/// A path as messages write it, after the name of its setting.
+pub(crate) fn path_text(path: &[Step]) -> String {
+    let text = |step: &Step| match step {
+        // Messages count entries from 1.
+        Step::Index(i) => format!("[{}]", i + 1),
+        Step::Key(key) => format!(".{key}"),
+    };
+    path.iter().map(text).collect()
 }
 
 impl std::error::Error for ValueError {}
