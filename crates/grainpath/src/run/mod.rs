@@ -136,6 +136,39 @@ pub fn plan_job(
 /// Solves the loads of a job whose shape is a mesh, without computing directions and paths. The result has
 /// the areas of fixtures and loads, the reactions and the stress.
 ///
+/// ```
+/// use grainpath::run::check_loads;
+/// # use grainpath::Inputs;
+/// # let diagnostics = grainpath_core::Diagnostics::default();
+/// // A box of 20 x 10 x 2 mm, held at its left end and pulled to the right with 100 N.
+/// let job = r#"
+///     [[guide.fixture]]
+///     on = { plane = { point_mm = [0, 0, 0], normal = [1, 0, 0] } }
+///     fix = "xyz"
+///     [[guide.load]]
+///     on = { plane = { point_mm = [20, 0, 0], normal = [1, 0, 0] } }
+///     force_n = [100, 0, 0]
+/// "#;
+/// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+/// # let inputs = Inputs {
+/// #     mesh: grainpath_parts::file_of_a_box(),
+/// #     path: "box.stl".into(),
+/// #     stress: None,
+/// #     deck: None,
+/// #     directions: None,
+/// #     densities: None,
+/// #     photos: Vec::new(),
+/// #     texture: None,
+/// #     regions: Default::default(),
+/// #     known: None,
+/// # };
+/// let solved = check_loads(&settings, inputs, &diagnostics).unwrap().summary;
+/// let held_n = solved.balance[0].reactions[0].force_n;
+/// assert!((held_n.x + 100.0).abs() < 0.01, "the fixture holds the part: {held_n}");
+/// // 100 N on 10 x 2 mm are 5 MPa, and more at the corners that are held.
+/// assert!(solved.max_von_mises_mpa > 5.0);
+/// ```
+///
 /// # Errors
 /// As [`plan_job`], and for a job without loads.
 pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Guide, Error> {
@@ -198,6 +231,27 @@ pub fn plan_photo(
 /// lowest point on the plate. `texture` is the scan of `guide.volume`, and `directions` are those of
 /// `guide.field`.
 ///
+/// ```
+/// use grainpath::plan_scan;
+/// use grainpath_core::{Diagnostics, slices::SampleType};
+/// use grainpath_io::volume::{Files, RawHeader, open_volume};
+/// // A scan of a block of 16 x 8 x 4 mm. Its voxels measure 0.5 mm; they are 200 in the block and 0 in the air.
+/// let mut voxels = vec![0_u8; 40 * 24 * 12];
+/// for (x, y, z) in (4..36).flat_map(|x| (4..20).flat_map(move |y| (2..10).map(move |z| (x, y, z)))) {
+///     voxels[(z * 24 + y) * 40 + x] = 200;
+/// }
+/// let files = Files::single("block.raw", move |_| Ok(Box::new(std::io::Cursor::new(voxels.clone()))));
+/// let header = RawHeader { size: [40, 24, 12], sample: SampleType::U8, big_endian: false, offset_bytes: 0 };
+/// let mut scan = open_volume(files, Some(&header)).unwrap();
+///
+/// let job = "[shape.ct]\npath = \"block.raw\"\npixel_mm = 0.5\nslice_mm = 0.5\n";
+/// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+/// let diagnostics = Diagnostics::default();
+/// let planned = plan_scan(&settings, &mut *scan, "block.raw", None, None, &[], None, &diagnostics).unwrap();
+/// assert_eq!(planned.plan.layers.len(), 20);
+/// assert!((planned.stack.layers()[10].region().area_mm2() - 16.0 * 8.0).abs() < 1.0);
+/// ```
+///
 /// # Errors
 /// As [`plan_job`], and for files that cannot be read and scans that give no layers.
 pub fn plan_scan(
@@ -222,6 +276,36 @@ pub fn plan_scan(
 
 /// Plans the layers of a scan that was sliced in parts. `filled` holds the paths of all layers from [`fill_window`], if
 /// they were computed before. Other arguments are those of [`plan_scan`].
+///
+/// ```
+/// use grainpath::plan_parted_scan;
+/// use grainpath::run::{config, fill_window};
+/// use grainpath_imaging::scan::slice_scan;
+/// # use grainpath_core::{Diagnostics, slices::SampleType};
+/// # use grainpath_io::volume::{Files, RawHeader, open_volume};
+/// # let mut voxels = vec![0_u8; 40 * 24 * 12];
+/// # for (x, y, z) in (4..36).flat_map(|x| (4..20).flat_map(move |y| (2..10).map(move |z| (x, y, z)))) {
+/// #     voxels[(z * 24 + y) * 40 + x] = 200;
+/// # }
+/// # let files = Files::single("block.raw", move |_| Ok(Box::new(std::io::Cursor::new(voxels.clone()))));
+/// # let header = RawHeader { size: [40, 24, 12], sample: SampleType::U8, big_endian: false, offset_bytes: 0 };
+/// # let mut source = open_volume(files, Some(&header)).unwrap();
+/// # let job = "[shape.ct]\npath = \"block.raw\"\npixel_mm = 0.5\nslice_mm = 0.5\n";
+/// # let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+/// # let diagnostics = Diagnostics::default();
+/// // A scan of a block that gives 20 layers.
+/// let scan = slice_scan(&mut *source, &config::scan(&settings), &diagnostics).unwrap();
+/// // Each half of the layers could be filled by a machine of its own.
+/// let steps = config::steps(&settings);
+/// let mut filled = fill_window(&steps, &scan.stack, 0..10, &diagnostics).unwrap();
+/// filled.extend(fill_window(&steps, &scan.stack, 10..20, &diagnostics).unwrap());
+/// let plan = |filled| {
+///     let scan = scan.clone();
+///     plan_parted_scan(&settings, scan, filled, "block.raw", None, None, &[], &diagnostics).unwrap().plan
+/// };
+/// // The plan is that of a scan that is filled as a whole.
+/// assert!(plan(Some(filled)) == plan(None));
+/// ```
 ///
 /// # Errors
 /// As [`plan_scan`], and if `filled` has another number of layers than the scan.

@@ -313,18 +313,132 @@ impl<'a> Steps<'a> {
     }
 
     /// Guides infill by stress or by grain. Where both are given, stress prevails.
+    ///
+    /// ```
+    /// use grainpath::{Inputs, plan_job};
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let diagnostics = Diagnostics::default();
+    /// // The guide of a box of 20 x 10 x 2 mm that is pulled along x.
+    /// let job = r#"
+    ///     fill.pattern = "streamlines"
+    ///     guide.kind = "stress"
+    ///     [[guide.fixture]]
+    ///     on = { plane = { point_mm = [0, 0, 0], normal = [1, 0, 0] } }
+    ///     fix = "xyz"
+    ///     [[guide.load]]
+    ///     on = { plane = { point_mm = [20, 0, 0], normal = [1, 0, 0] } }
+    ///     force_n = [100, 0, 0]
+    /// "#;
+    /// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+    /// # let inputs = Inputs {
+    /// #     mesh: grainpath_parts::file_of_a_box(),
+    /// #     path: "box.stl".into(),
+    /// #     stress: None,
+    /// #     deck: None,
+    /// #     directions: None,
+    /// #     densities: None,
+    /// #     photos: Vec::new(),
+    /// #     texture: None,
+    /// #     regions: Default::default(),
+    /// #     known: None,
+    /// # };
+    /// let planned = plan_job(&settings, inputs, &diagnostics).unwrap();
+    /// // The same guide serves further plans of the part, here with denser infill.
+    /// let steps = config::steps(&settings);
+    /// let steps = Steps::new(&steps, &planned.stack).with_guide(planned.guide.as_ref(), None);
+    /// let mut walls = steps.walls(5..6, &diagnostics).unwrap();
+    /// let skins = steps.skins(5..6, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(5..6, walls, skins, Density::new(0.5), &diagnostics).unwrap();
+    /// // The beads lie along the tension.
+    /// let (mut along_x_mm, mut length_mm) = (0.0, 0.0);
+    /// for bead in &filled.layers[0].islands[0].fills {
+    ///     along_x_mm += (0..bead.n_segments()).map(|i| (bead.segment(i).1 - bead.segment(i).0).x.abs()).sum::<f64>();
+    ///     length_mm += bead.length_mm();
+    /// }
+    /// assert!(length_mm > 0.0 && along_x_mm > 0.95 * length_mm, "{along_x_mm} of {length_mm} mm");
+    /// ```
     #[must_use]
     pub fn with_guide(self, guide: Option<&'a Guide>, grain: Option<&'a GrainGuide>) -> Self {
         Self { guide, grain, ..self }
     }
 
     /// Guides infill by the user's own directions, where no other guide is given.
+    ///
+    /// ```
+    /// use grainpath::guide::given_field::{FieldGuide, FieldSettings};
+    /// use grainpath_io::directions::{DirectionOptions, parse_directions};
+    /// use grainpath_job::choices::Pattern;
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec3, Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (mut settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
+    /// # let place = FieldSettings {
+    /// #     frame: grainpath_job::choices::FieldFrame::Part,
+    /// #     cell_mm: None,
+    /// #     origin_mm: None,
+    /// #     scale: 1.0,
+    /// #     rotate_rad: [0.0; 3],
+    /// #     lowered_mm: 0.0,
+    /// #     plate_from_part_mm: DVec3::ZERO,
+    /// # };
+    /// // A table that asks for 30 degrees everywhere; `place` says that it has the coordinates of the part.
+    /// let table = b"x,y,angle_deg\n0,0,30\n20,0,30\n0,10,30\n20,10,30\n";
+    /// let samples = parse_directions(&[("axes.csv", table)], &DirectionOptions::default()).unwrap();
+    /// let field = FieldGuide::new(samples, &place, &stack, &diagnostics).unwrap();
+    /// settings.infill.pattern = Pattern::Streamlines;
+    /// let steps = Steps::new(&settings, &stack).with_field(Some(&field));
+    /// let mut walls = steps.walls(5..6, &diagnostics).unwrap();
+    /// let skins = steps.skins(5..6, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(5..6, walls, skins, Density::new(0.2), &diagnostics).unwrap();
+    /// let fills = &filled.layers[0].islands[0].fills;
+    /// let slope = |bead: &grainpath_core::Toolpath| (bead.end().y - bead.start().y) / (bead.end().x - bead.start().x);
+    /// assert!(!fills.is_empty() && fills.iter().all(|bead| (slope(bead) - 1.0 / 3f64.sqrt()).abs() < 0.01));
+    /// ```
     #[must_use]
     pub fn with_field(self, field: Option<&'a FieldGuide>) -> Self {
         Self { field, ..self }
     }
 
     /// Lays sparse infill at the graded density `graded`, which differs from place to place.
+    ///
+    /// ```
+    /// use grainpath::guide::given_field::FieldSettings;
+    /// use grainpath::guide::graded_density::{DensitySettings, GradedDensity};
+    /// use grainpath_io::directions::parse_densities;
+    /// use grainpath_job::choices::{DensityBy, Pattern};
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{DVec3, Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (mut settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
+    /// # let place = FieldSettings {
+    /// #     frame: grainpath_job::choices::FieldFrame::Part,
+    /// #     cell_mm: None,
+    /// #     origin_mm: None,
+    /// #     scale: 1.0,
+    /// #     rotate_rad: [0.0; 3],
+    /// #     lowered_mm: 0.0,
+    /// #     plate_from_part_mm: DVec3::ZERO,
+    /// # };
+    /// // A table whose density rises from 0.1 at the left end of the box to 0.7 at its right end.
+    /// let table = "x_mm,y_mm,density\n0,0,0.1\n20,0,0.7\n0,10,0.1\n20,10,0.7\n";
+    /// let samples = parse_densities(table.as_bytes(), "densities.csv", None).unwrap();
+    /// let wanted = DensitySettings { range: [0.1, 0.7], by: DensityBy::File, spacing_mm: 0.4, card: None, place };
+    /// let graded = GradedDensity::new(&wanted, &stack, None, Some(samples)).unwrap();
+    /// (settings.infill.pattern, settings.infill.graded) = (Pattern::Rectilinear, true);
+    /// let steps = Steps::new(&settings, &stack).with_density(Some(&graded));
+    /// let mut walls = steps.walls(5..6, &diagnostics).unwrap();
+    /// let skins = steps.skins(5..6, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(5..6, walls, skins, Density::new(graded.mean), &diagnostics).unwrap();
+    /// // More length of beads lies in the right half.
+    /// let mut length_mm = [0.0; 2];
+    /// for bead in &filled.layers[0].islands[0].fills {
+    ///     for (a, b, _) in (0..bead.n_segments()).map(|i| bead.segment(i)) {
+    ///         length_mm[usize::from(a.x + b.x > 20.0)] += a.distance(b);
+    ///     }
+    /// }
+    /// assert!(length_mm[0] > 0.0 && length_mm[1] > 1.5 * length_mm[0], "{length_mm:?}");
+    /// ```
     #[must_use]
     pub fn with_density(self, graded: Option<&'a GradedDensity>) -> Self {
         Self { graded, ..self }
@@ -354,12 +468,66 @@ impl<'a> Steps<'a> {
     }
 
     /// Lays infill with continuous fibre.
+    ///
+    /// ```
+    /// use grainpath::fibre::{FibreSettings, FibreStart, FibreTurns};
+    /// use grainpath_core::Role;
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{Density, Diagnostics};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let (settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
+    /// // Rings of fibre along the outline, in every other layer between four layers at the bottom and four at the top.
+    /// let fibre = FibreSettings {
+    ///     layers: Vec::new(),
+    ///     matrix_layers: [4, 4],
+    ///     n_layers: 12,
+    ///     every: 2,
+    ///     boxes: Vec::new(),
+    ///     rings: 1,
+    ///     bead_width_mm: 0.5,
+    ///     min_radius_mm: 1.0,
+    ///     turns: FibreTurns::Round,
+    ///     min_length_mm: 20.0,
+    ///     start: FibreStart::Nearest,
+    /// };
+    /// let steps = Steps::new(&settings, &stack).with_fibre(Some(&fibre));
+    /// let mut walls = steps.walls(0..12, &diagnostics).unwrap();
+    /// let skins = steps.skins(0..12, &mut walls, &diagnostics).unwrap();
+    /// let filled = steps.infill(0..12, walls, skins, Density::new(0.2), &diagnostics).unwrap();
+    /// let has_fibre = |i: usize| filled.layers[i].islands[0].fills.iter().any(|bead| bead.role == Role::Fibre);
+    /// assert_eq!((0..12).filter(|i| has_fibre(*i)).collect::<Vec<_>>(), [4, 6]);
+    /// ```
     #[must_use]
     pub fn with_fibre(self, fibre: Option<&'a FibreSettings>) -> Self {
         Self { fibre, ..self }
     }
 
     /// Gives regions their own walls, skins and infill. Call it after the guides are set, since regions use them too.
+    ///
+    /// ```
+    /// use grainpath::region::{RegionAreas, RegionPart};
+    /// # use grainpath::run::{Steps, config};
+    /// # use grainpath_core::{Diagnostics, TriMesh};
+    /// # let stack = grainpath_parts::layers_of_a_box(12);
+    /// # let diagnostics = Diagnostics::default();
+    /// // The first three of twelve layers have four walls, the others two.
+    /// let job = "[[region]]\non = { layers = [[1, 3]] }\nprocess = { walls = 4 }\n";
+    /// let settings = grainpath_job::parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap();
+    /// # let part = RegionPart {
+    /// #     stack: &stack,
+    /// #     mesh: &TriMesh::default(),
+    /// #     standing: config::standing(&settings, 0.0),
+    /// #     unit_mm: 1.0,
+    /// #     unit_of_file: true,
+    /// #     slicing: config::placing(&settings).slicing,
+    /// # };
+    /// let areas = RegionAreas::new(&settings.regions, &Default::default(), &part, &diagnostics).unwrap();
+    /// let steps = config::steps(&settings);
+    /// let steps = Steps::new(&steps, &stack).with_regions(Some(&areas));
+    /// let walls = steps.walls(0..12, &diagnostics).unwrap();
+    /// let n_walls = |i: usize| walls[i].islands[0].walls.len();
+    /// assert_eq!((n_walls(2), n_walls(3)), (4, 2));
+    /// ```
     #[must_use]
     pub fn with_regions(self, areas: Option<&'a RegionAreas>) -> Self {
         if areas.is_none() {
