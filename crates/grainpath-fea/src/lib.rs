@@ -13,3 +13,7 @@ pub mod resultant;
 pub mod solid;
 pub mod sparse;
 pub mod strength;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

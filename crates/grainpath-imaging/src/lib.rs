@@ -14,3 +14,7 @@ pub mod scan;
 pub mod smooth;
 pub mod structure_tensor;
 pub mod threshold;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

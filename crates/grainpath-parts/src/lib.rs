@@ -24,3 +24,7 @@ pub fn file_of_a_box() -> grainpath_io::MeshFile {
     let outline = grainpath_io::Outline { region, warnings: Vec::new() };
     grainpath::shape::extruded(outline, 2.0).expect("a plain rectangle")
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -11,3 +11,7 @@ pub mod layer;
 pub mod page;
 pub mod strength;
 pub mod support;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;
