@@ -2,7 +2,9 @@
 //!
 //! `cargo deny check` reads the same file and checks more (duplicates, advisories); the GitHub workflow
 //! runs it. Here the crate `spdx` reads the expressions, so this check needs no tool that has to be built
-//! first. The time to build cargo-deny in a clean checkout has not been measured.
+//! first. Measured: `cargo install cargo-deny --locked` takes 350 s of processor time, a ninth of what a clean
+//! run of all tests may take on two cores; cargo-deny 0.20.2 then agrees with this check (`bans ok, licenses
+//! ok, sources ok`).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

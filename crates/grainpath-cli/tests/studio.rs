@@ -342,8 +342,10 @@ fn angles_off_the_load_are_those_of_the_report() {
         let (records, angles) = (bytes(""), bytes("/angles"));
         assert_eq!(records.len(), 8 * angles.len());
         let classes = index["classes"].as_array().expect("names");
+        // Byte 6 of a record holds the class in its lower seven bits; the eighth is `SEAM` of the studio's `records.rs`.
+        const CLASS: u8 = 127;
         let is_fill = |r: &[u8]| {
-            ["Solid infill", "Top solid infill"].iter().any(|n| classes[usize::from(r[6] & 127)] == *n)
+            ["Solid infill", "Top solid infill"].iter().any(|n| classes[usize::from(r[6] & CLASS)] == *n)
         };
         let at = |r: &[u8]| [0, 2].map(|k| f64::from(u16::from_le_bytes([r[k], r[k + 1]])));
         let rows: Vec<&[u8]> = records.chunks(8).collect();
@@ -595,7 +597,10 @@ fn the_studio_answers_with_its_token_and_ends_within_a_second() {
     let (status, _) =
         studio.ask("POST", "/v1/jobs", &object!({ "kind": "plan", "text": text }).to_string(), &studio.token);
     assert_eq!(status, 202);
+    // The mesh is read, mended and cut first, which takes seconds here and may take a minute on a busy machine.
+    let until = Instant::now() + Duration::from_secs(120);
     while studio.get("/v1/jobs/1")["stage"] != "fill" {
+        assert!(Instant::now() < until, "the job never began to fill");
         std::thread::sleep(Duration::from_millis(5));
     }
     let asked = Instant::now();

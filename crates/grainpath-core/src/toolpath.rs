@@ -240,6 +240,54 @@ impl Toolpath {
         if self.closed { self.points[0] } else { self.points[self.points.len() - 1] }
     }
 
+    /// The same path as an open one: a closed one then ends where it begins.
+    pub fn opened(mut self) -> Self {
+        if self.closed {
+            self.closed = false;
+            self.points.extend(self.points.first().copied());
+            if let BeadWidth::PerVertex(widths_mm) = &mut self.width {
+                widths_mm.extend(widths_mm.first().copied());
+            }
+        }
+        self
+    }
+
+    /// The part of an open path between two lengths along it, mm. Widths at its ends are interpolated. Points
+    /// that lie on each other become one.
+    ///
+    /// ```
+    /// use grainpath_core::{DVec2, Role, Toolpath};
+    ///
+    /// let path = Toolpath::new(vec![DVec2::ZERO, DVec2::new(10.0, 0.0)], 0.4, Role::SparseFill, false);
+    /// assert_eq!(path.part(2.0, 5.0).points, [DVec2::new(2.0, 0.0), DVec2::new(5.0, 0.0)]);
+    /// ```
+    pub fn part(&self, from_mm: f64, to_mm: f64) -> Self {
+        // Points nearer than a nanometre are one: the end of a segment and the start of the next.
+        const SAME_MM2: f64 = 1e-18;
+        let (mut points, mut widths) = (Vec::new(), Vec::new());
+        let mut done = 0.0;
+        for i in 0..self.n_segments() {
+            let (a, b, _) = self.segment(i);
+            let l = a.distance(b);
+            let (low, high) = ((from_mm - done).max(0.0), (to_mm - done).min(l));
+            if low <= high && l > 0.0 {
+                for t in [low / l, high / l] {
+                    let p = a.lerp(b, t);
+                    if points.last().is_none_or(|q: &DVec2| q.distance_squared(p) > SAME_MM2) {
+                        points.push(p);
+                        widths.push(self.width_at(i) * (1.0 - t) + self.width_at(i + 1) * t);
+                    }
+                }
+            }
+            done += l;
+        }
+        let width = match &self.width {
+            BeadWidth::Constant(width_mm) => BeadWidth::Constant(*width_mm),
+            BeadWidth::PerVertex(_) => BeadWidth::PerVertex(widths),
+        };
+        Self { points, width, ..self.clone() }
+    }
+
     /// Reverses the path. A closed path keeps its start.
     pub fn reverse(&mut self) {
         self.points.reverse();

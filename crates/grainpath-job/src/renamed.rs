@@ -124,6 +124,8 @@ pub(super) fn with_new_keys(
 ) -> Result<Value, Inside> {
     match value {
         Value::Array(items) => {
+            // The entries of a list are tables of one kind, so rows name them without numbers; messages and lines of
+            // the file need the numbers.
             let entry = |(i, item)| {
                 let at = at.then(Step::Index(i), Step::Index(i));
                 with_new_keys(table, item, &at, renamed)
@@ -137,6 +139,7 @@ pub(super) fn with_new_keys(
                 let new_key = new.unwrap_or(key);
                 let at = at.then(Step::Key(key.clone()), Step::Key(new_key.to_owned()));
                 if new.is_some() {
+                    // Taking either of the two values would lose the other without a word.
                     if rows.contains_key(new_key) {
                         return Err(at);
                     }

@@ -124,6 +124,8 @@ impl SideBySide {
                 if last <= 0.0 {
                     break;
                 }
+                // The volume grows almost in proportion to the density, so the ratio nearly meets it. It is kept only
+                // if it does: where few lines fit, one more or less can take the volume to the other side.
                 density = Density::new(density.fraction() * wanted_mm3 / last);
                 let beads = laid(density);
                 last = volume(&beads);

@@ -24,8 +24,6 @@ use std::collections::BTreeSet;
 use grainpath_core::segment::{closest_share, distance_squared_mm2};
 use grainpath_core::{BeadWidth, DVec2, Toolpath};
 
-use crate::order::{opened, part};
-
 /// Length of a ramp, in distances between rings. Source: derived. The area of the wedge beside the first
 /// ramp is half this number times the square of a bead's width: one square. On a shorter ramp the bead
 /// turns by more than 27 degrees.
@@ -59,7 +57,7 @@ struct Nearest {
 
 impl ClosedBead {
     fn new(path: Toolpath) -> Self {
-        let path = opened(path);
+        let path = path.opened();
         Self { length_mm: path.length_mm(), path }
     }
 
@@ -96,8 +94,8 @@ impl ClosedBead {
 
     /// The whole ring as a path that starts and ends at a place, in the direction of `ahead`.
     fn from(&self, place: &Nearest, ahead: DVec2) -> Toolpath {
-        let mut path = part(&self.path, place.along_mm, self.length_mm);
-        append(&mut path, part(&self.path, 0.0, place.along_mm));
+        let mut path = self.path.part(place.along_mm, self.length_mm);
+        append(&mut path, self.path.part(0.0, place.along_mm));
         if ahead.dot(place.ahead) < 0.0 {
             path.reverse();
         }
@@ -133,7 +131,7 @@ pub(crate) fn join_rings(paths: &mut Vec<Toolpath>, step_mm: f64) {
         let mut spiral: Option<Toolpath> = None;
         while let Some((next, ramp, rest)) = ramp_to_next(&rings, &left, &ring, step_mm) {
             left.remove(&next);
-            let body = part(&ring, 0.0, ring.length_mm() - ramp.length_mm);
+            let body = ring.part(0.0, ring.length_mm() - ramp.length_mm);
             let mut so_far = match spiral.take() {
                 Some(mut so_far) => {
                     append(&mut so_far, body);
@@ -188,14 +186,14 @@ fn ramp_to_next(
         .collect();
     near.sort_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm));
     // The last piece of the ring itself, which the ramp replaces.
-    let own = part(ring, length_mm - ramp_mm, length_mm);
+    let own = ring.part(length_mm - ramp_mm, length_mm);
     let ahead = own.points.last().zip(own.points.iter().rev().nth(1)).map(|(b, a)| *b - *a)?;
     near.into_iter().find_map(|(next, place)| {
         let mut points = Vec::with_capacity(RAMP_POINTS);
         let mut widths = Vec::with_capacity(RAMP_POINTS);
         for k in 1..=RAMP_POINTS {
             let t = k as f64 / RAMP_POINTS as f64;
-            let along = part(&own, 0.0, t * ramp_mm);
+            let along = own.part(0.0, t * ramp_mm);
             let (p, w) = (along.end(), along.width_at(along.points.len() - 1));
             let q = rings[next].nearest(p);
             // The neighbour must lie along the whole ramp.

@@ -46,7 +46,7 @@ pub(super) fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: 
             .max_by(|&i, &j| length(&rest[i]).total_cmp(&length(&rest[j])).then(j.cmp(&i)))
             .unwrap_or(0);
         let root = rest.remove(longest);
-        let mut chain = Chain { closed: root.closed, pieces: vec![opened(root)] };
+        let mut chain = Chain { closed: root.closed, pieces: vec![root.opened()] };
         chain.take_in(&mut rest, reach_mm);
         chains.push(Some(chain));
     }
@@ -80,45 +80,6 @@ fn push(path: &mut Toolpath, p: DVec2) {
     }
 }
 
-/// Turns a closed path into an open one that ends where it begins.
-pub(crate) fn opened(mut path: Toolpath) -> Toolpath {
-    if path.closed {
-        path.closed = false;
-        let first = path.points[0];
-        path.points.push(first);
-        if let BeadWidth::PerVertex(w) = &mut path.width {
-            w.push(w[0]);
-        }
-    }
-    path
-}
-
-/// The part of an open path between two lengths along it.
-pub(crate) fn part(path: &Toolpath, from_mm: f64, to_mm: f64) -> Toolpath {
-    let (mut points, mut widths) = (Vec::new(), Vec::new());
-    let mut done = 0.0;
-    for i in 0..path.n_segments() {
-        let (a, b, _) = path.segment(i);
-        let l = a.distance(b);
-        let (low, high) = ((from_mm - done).max(0.0), (to_mm - done).min(l));
-        if low <= high && l > 0.0 {
-            for t in [low / l, high / l] {
-                let p = a.lerp(b, t);
-                if points.last().is_none_or(|q: &DVec2| q.distance_squared(p) > 1e-18) {
-                    points.push(p);
-                    widths.push(path.width_at(i) * (1.0 - t) + path.width_at(i + 1) * t);
-                }
-            }
-        }
-        done += l;
-    }
-    let width = match &path.width {
-        BeadWidth::Constant(w) => BeadWidth::Constant(*w),
-        BeadWidth::PerVertex(_) => BeadWidth::PerVertex(widths),
-    };
-    Toolpath { points, width, ..path.clone() }
-}
-
 /// Points along an open path, at most `step_mm` apart.
 fn places(path: &Toolpath, piece: usize, step_mm: f64) -> Vec<Place> {
     let mut out = Vec::new();
@@ -148,6 +109,8 @@ struct Places {
 
 impl Places {
     fn new(pieces: &[Toolpath], reach_mm: f64) -> Self {
+        // Four places to a reach: the gap found is longer than the least one by an eighth of the reach at most, on
+        // either path.
         let of = |(k, piece)| places(piece, k, 0.25 * reach_mm);
         let all: Vec<Place> = pieces.iter().enumerate().flat_map(of).collect();
         let bounds = Bounds2::around_points(all.iter().map(|place| place.at));
@@ -167,7 +130,7 @@ impl Chain {
             let found = (0..rest.len()).filter_map(|i| Some((i, self.join(&own, &rest[i], reach_mm)?)));
             let nearest = found.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
             let Some((i, (gap_mm, here, there_mm))) = nearest else { return };
-            self.graft(here, opened(rest.remove(i)), there_mm, gap_mm);
+            self.graft(here, rest.remove(i).opened(), there_mm, gap_mm);
         }
     }
 
@@ -177,7 +140,7 @@ impl Chain {
         if !path.closed {
             return None;
         }
-        let open = opened(path.clone());
+        let open = path.clone().opened();
         let length = open.length_mm();
         let lengths: Vec<f64> = self.pieces.iter().map(Toolpath::length_mm).collect();
         let mut best: Option<(f64, Place, f64)> = None;
@@ -204,11 +167,11 @@ impl Chain {
     fn graft(&mut self, here: Place, path: Toolpath, there_mm: f64, gap_mm: f64) {
         let piece = self.pieces.remove(here.piece);
         let (whole, around) = (piece.length_mm(), path.length_mm());
-        let before = part(&piece, 0.0, here.along_mm - 0.5 * gap_mm);
-        let after = part(&piece, here.along_mm + 0.5 * gap_mm, whole);
+        let before = piece.part(0.0, here.along_mm - 0.5 * gap_mm);
+        let after = piece.part(here.along_mm + 0.5 * gap_mm, whole);
         // The loop without the removed piece.
-        let mut taken = part(&path, there_mm + 0.5 * gap_mm, around);
-        let rest = part(&path, 0.0, there_mm - 0.5 * gap_mm);
+        let mut taken = path.part(there_mm + 0.5 * gap_mm, around);
+        let rest = path.part(0.0, there_mm - 0.5 * gap_mm);
         taken.points.extend(rest.points.iter().skip(1));
         if let (BeadWidth::PerVertex(w), BeadWidth::PerVertex(v)) = (&mut taken.width, &rest.width) {
             w.extend(v.iter().skip(1));
@@ -278,7 +241,7 @@ impl Chain {
         } else if place.along_mm > whole - 1e-6 {
             (Some(piece.clone()), None)
         } else {
-            (Some(part(piece, 0.0, place.along_mm)), Some(part(piece, place.along_mm, whole)))
+            (Some(piece.part(0.0, place.along_mm)), Some(piece.part(place.along_mm, whole)))
         };
         let after = self.pieces.split_off(place.piece + 1);
         self.pieces.pop();

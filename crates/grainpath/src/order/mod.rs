@@ -22,7 +22,6 @@ use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, 
 use rayon::prelude::*;
 
 use crate::wall::Wall;
-pub(crate) use chain::{opened, part};
 pub use comb::CombSettings;
 pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;

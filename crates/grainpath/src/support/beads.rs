@@ -113,7 +113,8 @@ fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
     let far = p.outer.iter().copied().max_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))?;
     let along = (far - middle).normalize_or(DVec2::X);
     let reach = |d: DVec2| p.outer.iter().map(|q| (*q - middle).dot(d)).fold(0.0, f64::max);
-    // A bead of width w and length e with round ends has the area w e - (1 - pi / 4) w^2.
+    // A bead of width w and length e with round ends has the area w e - (1 - pi / 4) w^2. Of the two widths with the
+    // area of the piece the smaller one is meant; a piece rounder than a disc has none, and the clamp below decides.
     let extent = reach(along) + reach(-along);
     let missing = 1.0 - 0.25 * std::f64::consts::PI;
     let rest = (extent * extent - 4.0 * missing * p.area_mm2()).max(0.0).sqrt();

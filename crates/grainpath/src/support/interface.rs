@@ -1,10 +1,11 @@
 //! Interface below flat overhangs: single beads from contact to contact, so that no bead of the part runs far over air.
 //!
-//! A contact holds a point only. Contacts are L/2 apart (L is `max_unsupported_mm`), so a bead of the part may touch none:
-//! the skin under a table can run between two rows of contacts from one edge to the other. So where the beads of a layer
-//! lie beyond those of the layer below (the overhang leans by more than `flat_rad`), interface beads are laid along the
-//! rows of contacts, in x and in y. They are 0.6 L apart, so a bead of the part meets one of them every 0.6 L, or every
-//! 0.85 L where it runs at 45 degrees to both. This method is our own; the paper on trees (`Shen2016`) has points only.
+//! A contact holds a point only, so a bead of the part may touch none: the skin under a table can run between two rows of
+//! contacts from one edge to the other. So where the beads of a layer lie beyond those of the layer below (the overhang
+//! leans by more than `flat_rad`), interface beads are laid along the rows of contacts, in x and in y. Contacts and rows
+//! are 0.6 L apart there (L is `max_unsupported_mm`), and L/2 elsewhere. A bead of the part meets an interface bead every
+//! 0.6 L, or every 0.85 L where it runs at 45 degrees to both. This method is our own; the paper on trees (`Shen2016`) has
+//! points only.
 //!
 //! 1. [`lines`] finds rows of samples of the overhang: rows along the grid on which contacts are placed, and rows along
 //!    the rim, where beads of the part turn back. Samples that are neighbours on the surface are joined to lines that

@@ -25,9 +25,15 @@ const SAMPLES: usize = 4000;
 /// of wedges, engraved marks.
 const THIN_SHARE: f64 = 0.02;
 /// Walls that hold less than this share of the volume are sheets without thickness. Source:
-/// derived: two percent of the surface hold so little volume only if they are ten thousand times
-/// thinner than the mean of the part.
+/// derived: two percent of the surface hold so little volume only if they are 20 000 times thinner than
+/// the mean of the part, twice its volume over its surface.
 const SHEET_SHARE: f64 = 1e-6;
+/// A facet faces back if the cosine between the two normals is below this. Source: derived: the sides of a
+/// wall are within 45 degrees of parallel, those of a sharper wedge meet.
+const FACES_BACK_COS: f64 = -0.7;
+/// The same for the thickness at one point, where a single ray decides. Source: derived: within 25 degrees
+/// of parallel the ray is at most a tenth longer than the wall is thick.
+const PARALLEL_COS: f64 = -0.9;
 
 /// Walls found by rays: thickness and middle point, thinnest first.
 pub(super) struct MeasuredWalls {
@@ -122,7 +128,7 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> MeasuredWalls {
         let hit = bvh.first_hit(p - normal * skin, -normal, (0.0, f64::INFINITY))?;
         let faces_back = area_normal(&mesh.triangles[hit.triangle as usize]).normalize_or_zero().dot(normal);
         let wall = (hit.t + skin, p - normal * (0.5 * hit.t));
-        (hit.leaves && faces_back < -0.7).then_some(wall)
+        (hit.leaves && faces_back < FACES_BACK_COS).then_some(wall)
     };
     let mut found: Vec<(f64, DVec3)> = picks.par_iter().filter_map(through).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -138,7 +144,7 @@ pub(super) fn least_at(mesh: &TriMesh, bvh: &Bvh, p: DVec3, facet: u32) -> Optio
     let across = |along: DVec3, leaves: bool| {
         let hit = bvh.first_hit(p + along * skin, along, (0.0, f64::INFINITY))?;
         // The sides of a wedge have no thickness; those of a wall are nearly parallel.
-        let is_wall = hit.leaves == leaves && normal(mesh, hit.triangle).dot(out) < -0.9;
+        let is_wall = hit.leaves == leaves && normal(mesh, hit.triangle).dot(out) < PARALLEL_COS;
         is_wall.then_some(hit.t + skin)
     };
     [across(-out, true), across(out, false)].into_iter().flatten().reduce(f64::min)

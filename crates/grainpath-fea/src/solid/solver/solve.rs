@@ -23,7 +23,7 @@ use super::direct::Direct;
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use super::solution::{Method, Solution, SolveInfo, SolveSettings};
-use super::system::System;
+use super::system::{System, finite_size};
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;
@@ -81,17 +81,6 @@ pub fn solve(
         .map(|load| Ok(iterate(&operator, &mut multigrid, load, None, settings)?.solution))
         .collect::<Result<_, SolidError>>()?;
     Ok((solutions, info))
-}
-
-/// Size of the forces at nodes that can move: those of a load and of prescribed displacements.
-///
-/// # Errors
-/// [`SolidError::LoadNotFinite`], also for forces whose squares overflow.
-pub(super) fn finite_size(load: &[DVec3], forces: &[DVec3]) -> Result<f64, SolidError> {
-    let size = dot(forces, forces).sqrt();
-    // Forces on supports are not in the size, but they go into the reactions.
-    let is_finite = size.is_finite() && load.iter().all(|f| f.is_finite());
-    if is_finite { Ok(size) } else { Err(SolidError::LoadNotFinite) }
 }
 
 /// A solution, its residual at each node (zero along supports), and the size of the load that the

@@ -230,7 +230,7 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
     let is_strip = |node: u32| cos(off_lines_rad(phase, node as usize)) < 0.0;
     let line = |(line, closed): (Vec<u32>, bool)| {
         // The first pair of points on different edges of a triangle shows on which side the strip
-        // lies.
+        // lies. A line whose points are all on one edge encloses no area, so it is no strip.
         let w = line.windows(2).find(|w| edge_of(w[0]) != edge_of(w[1]))?;
         let e = edge_of(w[0]);
         let end = mesh.edges[e].ends[0];
