@@ -4,18 +4,19 @@
 //! Least-squares fits and coarse levels of solvers lead to such systems. Some are rank deficient: samples
 //! on one line, for example, do not determine a plane. The factor leaves out each unknown whose column
 //! depends on the columns before it, and the solution is zero there. An unknown is left out if
-//! elimination reduces its diagonal entry to at most `RANK_TOLERANCE` times the entry.
+//! elimination reduces its diagonal entry to `RANK_TOLERANCE` times its original value or less.
 //!
 //! Storage: row-major, `n * n`, of which the lower triangle is read. Cost: n³ / 6 multiplications
-//! for the factor and n² for a solution. Degenerate: an all-zero matrix gives the zero solution;
-//! entries that are not finite give results that are not finite. In a matrix that is
-//! not positive definite, each row with a negative remainder is treated as rank deficient.
+//! for the factor and n² for a solution. Degenerate: an all-zero matrix gives the zero solution. In a
+//! matrix that is not positive definite, elimination may make a diagonal entry negative; that unknown is left
+//! out too. Entries that are not finite raise no error. An unknown with such an entry on its diagonal is left
+//! out, so the caller has to check for them.
 
 /// An unknown is kept if elimination leaves more than this share of its diagonal entry.
 ///
-/// Source: error bound. The remainder is the squared sine of the angle between a column and those
-/// before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002`
-/// in docs/references.bib), which is 2e-15 for ten unknowns. A remainder of 1e-9 therefore
+/// Source: error bound. For normal equations this share, the remainder, is the squared sine of the angle
+/// between a column and those before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem
+/// 10.3, `higham2002` in docs/references.bib), which is 2e-15 for ten unknowns. A remainder of 1e-9 therefore
 /// still has a relative error of only 2e-6.
 pub(crate) const RANK_TOLERANCE: f64 = 1e-9;
 
@@ -31,8 +32,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Replaces the lower triangle of `a` (`n * n`, row-major) by its Cholesky factor; the upper triangle is not
-/// changed.
+/// Replaces the lower triangle of `a` (`n * n`, row-major) by its Cholesky factor. The upper triangle is
+/// neither read nor changed.
 ///
 /// An unknown that is left out gets a zero on the diagonal of its row.
 ///
@@ -58,8 +59,8 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
     }
 }
 
-/// Solves for one right side with the factor of [`cholesky_in_place`]; `x` holds the right side
-/// before and the solution after.
+/// Solves for one right side with the factor of [`cholesky_in_place`]. On entry `x` holds the right side,
+/// on return the solution.
 ///
 /// # Panics
 /// When `factor` is shorter than `n * n` with `n = x.len()`.
@@ -130,7 +131,7 @@ mod tests {
             for r in &rows {
                 let wanted: f64 = r.iter().zip(&truth).map(|(a, t)| a * t).sum();
                 let found: f64 = (0..4).map(|k| r[k] * x[k][0]).sum();
-                // What is left out has a sine of at most the root of the tolerance.
+                // A column that is left out lies within an angle of sqrt(RANK_TOLERANCE) = 3e-5 of those before it.
                 prop_assert!((found - wanted).abs() < 1e-3, "{} {}", found, wanted);
             }
         }

@@ -27,8 +27,8 @@ enum KindWord {
     Height,
 }
 
-/// Kind and place of a dimension. Heights are above the part's lowest point; positions are in the
-/// shape's own coordinates.
+/// Kind and place of a dimension. Heights `z_mm` are above the bed, on which the part's lowest point stands
+/// unless the part is lifted. Positions are in the shape's own coordinates, mm.
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
     /// Diameter of a round outline.
@@ -37,7 +37,7 @@ enum Kind {
     Bore { centre: DVec2, z_mm: f64 },
     /// Thickness along a straight line between two points outside the part.
     Width { from: DVec2, to: DVec2, z_mm: f64 },
-    /// Height of the whole part.
+    /// Height of the top layer above the bed.
     Height,
 }
 
@@ -52,14 +52,14 @@ pub struct Dimension {
 /// A dimension measured on the printed beads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
-    /// Its name.
+    /// Name of the dimension in the file.
     pub name: String,
     /// True value, mm.
     pub true_mm: f64,
-    /// Measured value, mm; left out if no wall was found.
+    /// Measured value, mm; left out if no wall (for a height, no layer) was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub printed_mm: Option<f64>,
-    /// Relative error in %: printed over true value, minus 1.
+    /// Relative error, %: 100 times (printed over true value, minus 1). Left out with `printed_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_percent: Option<f64>,
 }
@@ -67,7 +67,7 @@ pub struct Measured {
 /// All dimensions of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dimensions {
-    /// Mean of the absolute errors, %.
+    /// Mean of the absolute errors, %, over the dimensions that were found; 0 if none was found.
     pub mean_error_percent: f64,
     /// Each dimension, in the order of the file.
     pub each: Vec<Measured>,
@@ -157,9 +157,9 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
         .collect()
 }
 
-/// Finds the position of the shape's origin on the plate in a program of any slicer. The centre of the
-/// bounding box of the outer walls is taken as the part's centre; the file of true dimensions states the
-/// centre in the shape's coordinates (`middle_mm`).
+/// Finds the position of the shape's origin on the plate, mm, in a program of any slicer. The centre of the
+/// bounding box of the outer walls is taken as the part's centre. The file of true dimensions states the same
+/// centre in the shape's coordinates (`middle_mm`), and the difference of the two is the position.
 ///
 /// # Errors
 /// [`DimensionError`] where the file does not state `middle_mm`, or the program has no outer walls.
@@ -178,7 +178,7 @@ pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, Dime
 }
 
 /// Measures dimensions on the beads of a program; `shift` is the position of the shape's origin on
-/// the plate.
+/// the plate, mm.
 pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dimensions {
     // Layers are in ascending order, so the first one whose top lies above the height contains that height.
     let at = |z: f64| program.layers.iter().find(|l| z < l.z_mm + 1e-6);
@@ -215,9 +215,10 @@ fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
 
 /// Diameter of the round wall about `centre` whose diameter is near `true_mm`. It is the mean, weighted
 /// by length, over the outer edges (`side` 1) or the inner edges (`side` -1) of the beads, which lie half
-/// a width from the centrelines.
+/// a width from the centrelines. `None` if less than a sixth of the circle is found.
 fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option<f64> {
-    // A larger tolerance would include neighbouring walls.
+    // Largest difference between a bead's radius and the true one, mm. Source: chosen; a larger one would include
+    // neighbouring walls.
     let reach = (0.1 * true_mm).min(0.6);
     let (mut sum, mut length) = (0.0, 0.0);
     for b in outer(layer) {
@@ -225,19 +226,20 @@ fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option
         let half = 0.5 * side * b.width_mm(layer.height_mm);
         let r = |p: DVec2| p.distance(centre) + half;
         let along = (q - p).normalize_or_zero().dot((0.5 * (p + q) - centre).normalize_or_zero()).abs();
-        // Beads that are not nearly tangential are straight walls that do not belong to the circle.
+        // Only beads within 17 degrees of the tangent (sine 0.3) count. The others are straight walls near the
+        // circle.
         if (r(p) - 0.5 * true_mm).abs() < reach && (r(q) - 0.5 * true_mm).abs() < reach && along < 0.3 {
             let l = p.distance(q);
-            // Simpson's rule is used because the middle of a chord lies nearer to the centre than its ends.
+            // The middle of a chord lies nearer to the centre than its ends. Simpson's rule gives the mean radius.
             sum += l * (r(p) + 4.0 * r(0.5 * (p + q)) + r(q)) / 6.0;
             length += l;
         }
     }
-    // If less than a sixth of the circle is found, the stated centre or diameter is wrong.
+    // Half a diameter is a sixth of the circle. If less is found, the stated centre or diameter is wrong.
     (length > 0.5 * true_mm).then(|| 2.0 * sum / length)
 }
 
-/// Thickness between the first and the last outer wall that cross the line.
+/// Thickness along the line, mm: from the outer edge of the first outer wall that crosses it to that of the last.
 fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
     let way = (to - from).normalize_or_zero();
     let mut ends: Option<(f64, f64)> = None;
@@ -249,7 +251,8 @@ fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
         }
         let at = way.dot(p.lerp(q, u / (u - v)) - from);
         if (0.0..=from.distance(to)).contains(&at) {
-            // A bead that crosses the line at an angle is wider along the line.
+            // A bead that crosses the line at an angle is wider along the line: by 1 over the sine of that angle,
+            // here at most 5, so that beads almost along the line do not count as endless.
             let slant = cross(way, (q - p).normalize_or_zero()).abs().max(0.2);
             let half = 0.5 * b.width_mm(layer.height_mm) / slant;
             let (low, high) = (at - half, at + half);

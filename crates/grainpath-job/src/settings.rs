@@ -44,7 +44,7 @@ macro_rules! sections {
             }
 
             impl $section {
-                /// Sets one key; `None` where there is no such key.
+                /// Sets one key. `None` if there is no such key.
                 pub(super) fn set(&mut self, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
                     match key {
                         $( stringify!($key) => Some(read::<$type>(value, $check).map(|v| self.$key = v)), )*
@@ -81,7 +81,7 @@ sections! {
     ShapeSection "shape" {
         mesh: String = String::new(), "", Any, "Mesh to print: an STL, OBJ, PLY, OFF or 3MF file.";
         outline: String = String::new(), "", Any, "Drawing of a flat part, printed instead of a mesh: an SVG or ASCII DXF file.";
-        // 0 means that no thickness is given; `combinations` refuses it where one is needed.
+        // 0 means that no thickness is given. The module `combinations` refuses it where a thickness is needed.
         thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of a part that is printed from an outline.";
         outline_rule: OutlineRule = OutlineRule::File, "", Any, "What counts as material in a drawing.";
         unit: FileUnit = FileUnit(None), "", Any, "Unit of the mesh or drawing.";
@@ -91,7 +91,7 @@ sections! {
         repair: Repair = Repair::Auto, "", Any, "What happens to defects of the mesh.";
         // Wide enough for the cracks of meshes whose faces do not quite meet, and far below the gap
         // between two walls.
-        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "In sections with more than 200 open contours, a contour whose ends are at most this far apart is closed on itself. All other gaps are closed from the nearest ends on, whatever their width, and their number and width are told.";
+        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "In sections with more than 200 open contours, a contour whose ends are at most this far apart is closed on itself. All other gaps are closed whatever their width, the nearest ends first, and their number and width are reported.";
     }
     /// A board to print from one or more photographs of it.
     PhotoSection "shape.photo" {
@@ -145,11 +145,12 @@ sections! {
         acceleration_mm_s2: f64 = 1500.0, "mm/s2", Range(1.0, 100000.0), "Acceleration while printing.";
         travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travel moves.";
         retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of moves of the extruder alone.";
-        // Firmware limits the speed at corners by one of three models; the other two, where set, replace jerk.
+        // Firmware limits the speed at corners by one of three models: jerk, or one of the next two, which replace it
+        // where they are set.
         jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Speed change allowed at corners without slowing down, for x, y, z and the extruder.";
         square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's square_corner_velocity: speed at a right angle. Replaces jerk where it is set.";
         junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation. Replaces jerk where it is set.";
-        // Relative E needs no resets and survives moved lines; some old firmware wants absolute E.
+        // Relative E needs no resets, and lines of G-code can be moved. Some old firmware needs absolute E.
         relative_e: bool = true, "", Any, "true: E words are distances (M83); false: positions (M82).";
         retract_mm: f64 = 0.8, "mm", Range(0.0, 20.0), "Length of filament that is retracted before a travel move that leaves the part.";
         retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "Speed of retraction.";
@@ -261,8 +262,8 @@ sections! {
         smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.25 for the pattern `continuous` along the stress without fibre, otherwise 0.5.";
         tangent: bool = true, "", Any, "Align directions with free borders of the part: one principal stress is always parallel to a free border.";
         frame: LoadFrame = LoadFrame::Placed, "", Any, "Coordinates in which fixtures and loads are given.";
-        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, face with side, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
-        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole), torque_nmm (about the axis of the place), or preload_n with a second place `to` (a bolt that clamps what lies between); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
+        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, face with side, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes, `fix` = \"xyz\" or some of these letters, or \"normal\"; and perhaps a prescribed displacement_mm.";
+        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm, a force that acts at that point), pressure_mpa, moment_nmm, bearing_n (a pin in a hole), torque_nmm (about the axis of the place), or preload_n with a second place `to` (a bolt that clamps what lies between); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
         case_mix: CaseMix = CaseMix::Reserve, "", Any, "How layers serve several load cases, for patterns that follow the guide.";
         deck: String = String::new(), "", Any, "Abaqus or CalculiX deck (INP) whose supports and loads act on the part, in the coordinates of the part's file. Each static step becomes a case, beside those of the job.";
@@ -332,11 +333,11 @@ sections! {
         angles_deg: LayerAngles = LayerAngles::all(vec![45.0, -45.0]), "deg", Range(-3600.0, 3600.0), "Raster angles, used in turn from layer to layer; or lists for ranges of layers, counted from 1, as `{ layers = { \"1-10\" = [0], \"11-\" = [45, -45] } }`. `aligned` and patterns that cross within a layer use the first angle of a list only.";
         skin_angles_deg: Option<LayerAngles> = None, "deg", Range(-3600.0, 3600.0), "Raster angles of top and bottom skins over sparse infill, written as angles_deg; skins are then straight lines whatever infill follows. Unset: as angles_deg, or the guide.";
         lines: usize = 1, "", Range(1.0, 8.0), "Number of beads that lie side by side in each line of sparse infill. Lines are that many times as far apart, so that the density stays.";
-        mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the infill density that gives this mass is found to within 0.5 %, and a warning tells if none does. It replaces `density`. 0 or \"none\" unsets it.";
+        mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part. The infill density is chosen so that the mass is right to within 0.5 %; a warning says if no density gives it. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; with fibre, `continuous` always has constant width.";
         ends: BeadEnds = BeadEnds::Joined, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
         layer_shift: LayerShift = LayerShift::None, "", Any, "Which ends of the beads of dense `stripes` and `continuous` lie in different places from layer to layer.";
-        spiral: bool = false, "", Any, "Open closed rings of infill into each other, so that rings around one another are laid as one spiral.";
+        spiral: bool = false, "", Any, "Join closed rings of infill that lie inside one another, so that they are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width. The width is that of two beads.";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far infill reaches into the innermost wall, as a fraction of the bead spacing.";
@@ -356,7 +357,7 @@ sections! {
         base_height_mm: f64 = 1.0, "mm", Range(0.0, 100.0), "Height over which a trunk widens to its foot.";
         z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Vertical gap between support and part, rounded up to whole layers. A larger gap makes support easier to remove and the surface rougher.";
         xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Horizontal gap between branches and the part's walls.";
-        interface_lines: bool = true, "", Any, "Lay single interface beads from contact to contact below flat and nearly flat overhangs, so that beads of the part run over air for at most max_unsupported_mm. Contacts there stand 0.6 max_unsupported_mm apart.";
+        interface_lines: bool = true, "", Any, "Lay single interface beads from contact to contact below flat and nearly flat overhangs, so that beads of the part run over air for at most max_unsupported_mm. Contacts there stand 0.6 times max_unsupported_mm apart.";
         interface_layers: usize = 0, "", Range(0.0, 100.0), "Number of dense layers below each contact. They make the surface smoother and the support harder to remove.";
         interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of the dense layers below a contact.";
         load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "Load of one contact on its branch, safety factor included. Branches are thick enough not to buckle under it (Euler).";
@@ -364,7 +365,7 @@ sections! {
         side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm. A warning states how many tips still move by more.";
         max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Largest length over diameter of a branch.";
         brace: bool = true, "", Any, "Brace slender trunks against a neighbour with struts.";
-        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks with a larger length over diameter than this are braced, with struts this number of diameters apart.";
+        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks whose length over diameter is larger than this are braced. Their struts are this many diameters apart.";
         max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "Largest horizontal distance over which two branches are merged.";
         margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may reach beyond the part in plan view to get around it.";
         from_plate_only: bool = false, "", Any, "Start support on the bed only, never on the part. Overhangs that cannot be reached are reported.";
@@ -468,9 +469,9 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Length over which directions are smoothed, mm. For one continuous path along the stress the default is
-    /// shorter, because the path cannot end where directions diverge. With fibre the default is the usual length
-    /// again, because fibre must not turn sharply.
+    /// Length over which directions are smoothed, mm. The default is 0.5. For one continuous path along the stress it
+    /// is 0.25, because that path cannot end where directions diverge. With fibre it is 0.5 again, because fibre must
+    /// not turn sharply. Measured: `cargo xtask bench continuous` compares the two lengths (docs/continuous.md).
     pub fn smoothing_mm(&self) -> f64 {
         let one_path = self.guide.kind == GuideKind::Stress
             && self.fill.pattern == Pattern::Continuous
@@ -508,13 +509,13 @@ impl Settings {
             fill.angles_deg = angles.clone();
         }
         fill.lines = region.lines.unwrap_or(fill.lines);
-        // Dense infill has neither several beads in a line nor separate skins. The job's settings
-        // for these are dropped; a region's own number of lines is kept.
+        // Dense infill has one bead in a line and no separate skins, so the job's settings for these are
+        // dropped. A region's own number of lines is kept.
         if fill.density.is_dense() && fill.mass_g.is_none() {
             fill.lines = region.lines.unwrap_or(1);
             fill.skin_angles_deg = None;
         }
-        // Places of the region that cannot be shifted are laid alike, whatever the job says.
+        // If the region's pattern or density allows no shift from layer to layer, the job's shift is dropped.
         if !fill.pattern.takes_layer_shift() || !fill.density.is_dense() {
             fill.layer_shift = LayerShift::None;
         }
@@ -546,7 +547,7 @@ impl Settings {
         "output",
     ];
 
-    /// Sets one key; `None` where there is no such section or key.
+    /// Sets one key. `None` if there is no such section or key.
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
         match section {
             "shape" => self.shape.set(key, value),
@@ -590,7 +591,7 @@ impl Settings {
         all.into_iter().flatten().collect()
     }
 
-    /// All keys with their present and their default values.
+    /// The keys of the sections in use, with their present and their default values; then a row for each region.
     pub fn rows(&self) -> Vec<Row> {
         let all = [
             self.shape.rows(),

@@ -1,14 +1,15 @@
-//! MetaImage: MHD with its voxels in a file beside it, or MHA with both in one file.
+//! MetaImage: MHD is a header with its voxels in a file beside it; MHA holds both in one file.
 //!
 //! Source: Kitware, *MetaIO documentation*, and ITK's reader where the two differ. The header has one
 //! `Key = value` in each line and ends with `ElementDataFile`. `TransformMatrix` lists the direction of
 //! one axis after another, and `Offset` is the position of the first voxel. Without a matrix
-//! `AnatomicalOrientation` gives the axes, with a warning, because MetaIO and ITK read its letters in
+//! `AnatomicalOrientation` gives the axes. It comes with a warning, because MetaIO and ITK read its letters in
 //! opposite senses. Compressed data are zlib.
 //!
-//! The frame is LPS as in ITK, lengths in mm unless `DistanceUnits` says otherwise. A `HeaderSize` of -1
-//! takes the voxels from the end of the file. The cost is a slice at a time in memory. Several channels,
-//! and data in several files, are refused.
+//! Axes are LPS (x to the left, y to the back, z to the head) as in ITK. Lengths are in mm unless
+//! `DistanceUnits` says otherwise. Cost: one slice at a time is held in memory. Several channels, data in
+//! several files, and a `HeaderSize` of -1 (voxels at the end of the file) are refused. The voxels are taken to
+//! be binary; `BinaryData` is not read.
 
 use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
@@ -20,8 +21,8 @@ use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, sp
 
 const FORMAT: &str = "MetaImage";
 
-// Limit on the header, bytes. ElementDataFile ends the header and comes long before.
-// Source: chosen; files of real programs stay far below it.
+// Limit on the header, bytes: ElementDataFile, its last line, has to come within it.
+// Source: chosen; headers of real programs are far shorter.
 const MAX_HEADER: u64 = 1 << 16;
 
 pub(super) fn is(head: &[u8]) -> bool {
@@ -36,7 +37,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let head = files.head(name, MAX_HEADER)?;
     let mut fields: Vec<(String, String)> = Vec::new();
     let mut at = 0;
-    // ElementDataFile is the last field. In an MHA the voxels follow its line.
+    // ElementDataFile is the last field. In an MHA the voxels follow its line, from byte `at`.
     while let Some(end) = head[at..]
         .iter()
         .position(|c| *c == b'\n')
@@ -106,7 +107,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         }
         f => (files.sibling(name, f)?, skip.max(0) as u64),
     };
-    // -1 means that the voxels are the last bytes of the file.
+    // -1 would mean that the voxels are the last bytes of the file. It is refused.
     if skip < 0 {
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
@@ -119,8 +120,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels that the header states, in LPS as in ITK. `TransformMatrix` lists the direction of one axis after
-/// another and wins over `AnatomicalOrientation`.
+/// Position of the voxels that the header states, in LPS as in ITK; `None` if it states no directions.
+/// `TransformMatrix` lists the direction of one axis after another and overrules `AnatomicalOrientation`.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&str) -> Option<&'a str>,
@@ -133,7 +134,7 @@ fn placement_of<'a>(
     };
     let numbers = |text: &str| text.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
     let matrix = get("transformmatrix").or(get("orientation")).or(get("rotation"));
-    // `???` is written where the orientation is not known.
+    // Programs write `???` if they do not know the orientation.
     let letters = get("anatomicalorientation").filter(|text| !text.contains('?'));
     let directions = match (matrix, letters) {
         (Some(text), _) => {

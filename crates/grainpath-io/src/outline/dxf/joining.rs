@@ -6,9 +6,10 @@ use grainpath_core::{Bounds2, DVec2};
 
 use crate::outline::drawing::{Line, SAME_MM};
 
-/// Ends of lines and arcs that are nearer than this are joined, mm. A smaller value leaves contours open
-/// where coordinates are rounded; a larger one would close gaps that were drawn on purpose, such as slots
-/// of a laser cut.
+/// Largest gap between the ends of lines and arcs that are joined, mm. The search is by cells: ends up to half
+/// this distance apart are always joined, ends up to 1.4 times this distance only where they fall into
+/// neighbouring cells. Source: chosen. A smaller value leaves contours open where coordinates are rounded; a
+/// larger one would close gaps that were drawn on purpose, such as slots of a laser cut.
 pub(super) const JOINED_MM: f64 = 0.01;
 
 /// The first and the last point of a line.
@@ -31,22 +32,22 @@ pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
 /// Joins open lines at ends that meet. Lines that return to their beginning are closed.
 pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
     let cell = |p: DVec2| {
-        // Cells of half the joining distance: two points in the same cell are always within the distance,
-        // and a match in a neighbouring cell is at most 1.4 times the distance away.
+        // The side of a cell is half the joining distance. Two points in the same cell are at most 0.7 times the
+        // distance apart, two points in neighbouring cells at most 1.4 times.
         let q = (p / (0.5 * JOINED_MM)).floor();
         (q.x as i64, q.y as i64)
     };
     // Ends by cell, in reverse order, so that `pop` takes the first line first. An entry is twice the
-    // line's index, plus one for its last point. A map, because cells of 5 um over a drawing of metres are
-    // too many for the grids of `grainpath_core::buckets`, and because used ends are removed.
+    // line's index, plus one for its last point. This is a map, because cells of 5 um over a drawing of metres
+    // are too many for the grids of `grainpath_core::buckets`, and because used ends are removed.
     let mut at: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
     for (i, line) in lines.iter().enumerate().rev() {
         for (side, p) in ends(line).into_iter().enumerate() {
             at.entry(cell(p)).or_default().push(2 * i + side);
         }
     }
-    // Finds an end in the cell of `p` or else in one of the eight around it. Used ends are removed as
-    // they are met, so each is looked at once however many lines meet in a point.
+    // Finds an end in the cell of `p`, or else in one of the eight cells around it. Used ends are removed when
+    // they are met. So each is looked at once, even where many lines meet in a point.
     let mut take = |p: DVec2, used: &[bool]| {
         let (x, y) = cell(p);
         let beside = [0, -1, 1].into_iter().flat_map(|j| [0, -1, 1].map(|i| (i, j)));
@@ -67,8 +68,8 @@ pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
         }
         let mut points = lines[first].clone();
         let mut closed = false;
-        // First the line is extended from its last point; then it is reversed and extended from its
-        // first.
+        // The line is extended from its last point, reversed, and extended from its former first point.
+        // The second reversal restores its direction.
         for _ in 0..2 {
             while !closed {
                 let [start, end] = ends(&points);

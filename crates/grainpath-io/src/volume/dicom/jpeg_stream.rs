@@ -1,6 +1,7 @@
-//! The parts that JPEG and JPEG-LS share: segments behind markers, the header of the frame, bits between markers.
+//! The parts that JPEG and JPEG-LS share: segments after markers, the header of the frame, bits between markers.
 //!
-//! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after 0xff).
+//! Source: ITU-T T.81, annex B (markers, segments) and F.2.2.5 (bytes after 0xff); ITU-T T.87, annex C (bits after
+//! 0xff).
 //! Both formats are read forward only, each byte once.
 
 use super::unpacked::Fault;
@@ -27,7 +28,7 @@ pub(super) struct Segments<'a> {
 }
 
 impl<'a> Segments<'a> {
-    /// Starts behind the marker that begins a picture.
+    /// Starts after the marker that begins a picture.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Fault> {
         if bytes.get(..2) != Some(&[0xff, marker::START]) {
             return Err("they do not begin with a picture".into());
@@ -35,7 +36,7 @@ impl<'a> Segments<'a> {
         Ok(Self { bytes, at: 2 })
     }
 
-    /// The next marker, and what its segment holds.
+    /// The next marker, and the content of its segment without the two bytes of the length.
     pub(super) fn segment(&mut self) -> Result<(u8, &'a [u8]), Fault> {
         let missing = || Fault::from("they end before the picture");
         let rest = &self.bytes[self.at..];
@@ -60,7 +61,7 @@ impl<'a> Segments<'a> {
     }
 }
 
-/// The number of 16 bits at byte `at`.
+/// The 16-bit number at byte `at`, most significant byte first.
 pub(super) fn word(bytes: &[u8], at: usize) -> Option<u16> {
     let b = bytes.get(at..at + 2)?.try_into().ok()?;
     Some(u16::from_be_bytes(b))
@@ -69,12 +70,13 @@ pub(super) fn word(bytes: &[u8], at: usize) -> Option<u16> {
 /// The header of a picture of one component.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Header {
+    /// Bits of a pixel.
     pub(super) bits: u32,
-    /// Number of the table of quantisation.
+    /// Number of the quantisation table.
     pub(super) table: u8,
 }
 
-/// Reads the header (T.81, B.2.2) of a picture that must have `size`, columns first.
+/// Reads the header (T.81, B.2.2) of a picture. It must state `size`, in pixels, columns first.
 pub(super) fn header(content: &[u8], size: [usize; 2]) -> Result<Header, Fault> {
     let &[bits, _, _, _, _, n_components, ref components @ ..] = content else {
         return Err("a header cut short".into());
@@ -95,16 +97,18 @@ pub(super) fn header(content: &[u8], size: [usize; 2]) -> Result<Header, Fault> 
     Ok(Header { bits: u32::from(bits), table })
 }
 
-/// Bits of a scan, the highest of a byte first. `STUFFED_BIT` says how a data byte 0xff is told from a marker: by a bit 0 at
-/// the head of the next byte (JPEG-LS), or by a byte 0 behind it (JPEG).
+/// Bits of a scan, the highest of a byte first. `STUFFED_BIT` says how a data byte 0xff is told from a marker. If it is
+/// true (JPEG-LS), the next byte begins with an extra bit 0; otherwise (JPEG) an extra byte 0 follows.
 pub(super) struct Bits<'a, const STUFFED_BIT: bool> {
     bytes: &'a [u8],
     at: usize,
     /// Bits that are not yet taken; the next one is the highest bit.
     window: u64,
+    /// Number of bits in the window.
     n_bits: u32,
-    /// Number of zero bits in the window that were added past the end of the stream.
+    /// Number of zero bits that were put into the window after the last bit of the stream, taken or not.
     n_padding: u32,
+    /// Whether the byte before was 0xff, so that this one begins with the extra bit.
     after_ff: bool,
 }
 
@@ -156,7 +160,8 @@ impl<'a, const STUFFED_BIT: bool> Bits<'a, STUFFED_BIT> {
         value
     }
 
-    /// Takes zeros up to and including the next 1. Returns their number, or `None` if there are more than `most` (below 56).
+    /// Takes the zeros before the next 1, and the 1. Returns the number of zeros, or `None` if there are more than
+    /// `most`, which must be below 56.
     pub(super) fn zeros(&mut self, most: u32) -> Option<u32> {
         self.fill();
         let n = self.window.leading_zeros();
@@ -167,12 +172,12 @@ impl<'a, const STUFFED_BIT: bool> Bits<'a, STUFFED_BIT> {
         Some(n)
     }
 
-    /// Whether more bits were taken than the stream holds.
+    /// Whether more bits were taken than the stream holds: some of the padding is then gone from the window.
     pub(super) fn ended(&self) -> bool {
         self.n_bits < self.n_padding
     }
 
-    /// Continues behind the restart marker with this number.
+    /// Continues after the restart marker with this number, counted modulo 8.
     pub(super) fn restart(&mut self, number: usize) -> Result<(), Fault> {
         self.fill();
         let rest = &self.bytes[self.at..];

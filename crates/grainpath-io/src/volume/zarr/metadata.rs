@@ -8,35 +8,40 @@ use serde_json::Value;
 use super::codec::{Packing, Pipeline, Shards, ToBytes};
 use crate::volume::{MAX_PIXELS, MAX_SLICES, VolumeError, VolumeProblem, error, unsupported};
 
-/// Limit on an unpacked chunk, bytes. Source: derived. It holds 1024^3 voxels of 8 bits, four times the largest slice.
+/// Limit on an unpacked chunk, bytes. Source: derived. It holds 1024^3 voxels of 8 bits, or four slices of the largest
+/// size ([`MAX_PIXELS`]) as 32-bit floats.
 pub(super) const MAX_CHUNK_BYTES: u64 = 1 << 30;
-/// Limit on the chunks within a shard, whose positions are read at once. Source: derived. Their index then has 16 MiB.
+/// Limit on the chunks within a shard. Source: derived. The shard's index is read at once; with 16 bytes for each chunk
+/// it takes at most 16 MiB.
 const MAX_IN_SHARD: u64 = 1 << 20;
-/// Limit on the axes. Source: OME-Zarr has five, t, c, z, y, x; plain arrays may have more before them.
+/// Limit on the number of axes. Source: OME-Zarr has five (t, c, z, y, x); three more are allowed before them for plain
+/// arrays.
 const MAX_AXES: usize = 8;
 /// The format's name in messages.
 pub(super) const ZARR: &str = "Zarr";
 
-/// An array: its grid of chunks, and how one is unpacked.
+/// An array: its grid of chunks, and how a chunk is unpacked.
 #[derive(Debug, Clone)]
 pub(super) struct Array {
     /// 2 or 3.
     pub version: u8,
     /// Voxels along each axis; the last three are z, y, x.
     pub shape: Vec<u64>,
-    /// Voxels of a file along each axis: a chunk, or a shard of chunks.
+    /// Voxels of one file along each axis. The file holds a chunk, or a shard of several chunks.
     pub chunk: Vec<u64>,
+    /// Stands between the numbers in the name of a chunk's file: `.` or `/`.
     pub separator: char,
-    /// Whether names of chunks begin with `c`.
+    /// Whether names of chunks' files begin with `c`.
     pub prefixed: bool,
     pub sample: SampleType,
-    /// The fill value: a voxel of a missing chunk, in the byte order of the other voxels.
+    /// The bytes of every voxel of a missing chunk, in the byte order of the other voxels.
     pub fill: Vec<u8>,
+    /// The codecs of a file.
     pub pipeline: Pipeline,
 }
 
 impl Array {
-    /// Size of the unit that is unpacked at a time: a chunk, in a shard or in its own file.
+    /// Voxels, along each axis, of the unit that is unpacked at a time: a chunk, whether in a shard or in its own file.
     pub(super) fn unit(&self) -> &[u64] {
         match &self.pipeline.to_bytes {
             ToBytes::Shards(shards) => &shards.chunk,
@@ -52,12 +57,12 @@ impl Array {
         }
     }
 
-    /// Byte order of the voxels.
+    /// Whether the most significant byte of a voxel comes first.
     pub(super) fn big_endian(&self) -> bool {
         matches!(self.unit_pipeline().to_bytes, ToBytes::Plain { big_endian: true })
     }
 
-    /// The name of a file of the grid within the array.
+    /// The name, within the array, of the file at this place in the grid.
     pub(super) fn key(&self, at: &[u64]) -> String {
         let mut out = String::new();
         if self.prefixed {
@@ -72,7 +77,7 @@ impl Array {
         out
     }
 
-    /// Text for messages that names how the voxels are packed.
+    /// Names of the packings, for messages.
     pub(super) fn codec(&self) -> String {
         let mut words: Vec<String> = Vec::new();
         if let ToBytes::Shards(_) = self.pipeline.to_bytes {
@@ -207,7 +212,8 @@ fn wrong_type(file: &str, found: &Value) -> VolumeError {
     field(file, "type", found, "integers of 8 to 32 bits and floats of 32 and 64 bits")
 }
 
-/// Reads the codecs of a chunk: at most one reordering of axes, then the conversion to bytes, then the packings.
+/// Reads a list of codecs: at most one reordering of axes, then the conversion to bytes, then the packings. `outer`
+/// says whether the conversion may be into shards; chunks within a shard are not sharded again.
 fn pipeline(file: &str, codecs: &Value, n_axes: usize, outer: bool) -> Result<Pipeline, VolumeError> {
     let (mut transposed, mut to_bytes, mut packed) = (None, None, Vec::new());
     for codec in codecs.as_array().map_or(&[][..], Vec::as_slice) {
@@ -313,7 +319,7 @@ fn fill(file: &str, sample: SampleType, big_endian: bool, value: &Value) -> Resu
             if sample == F32 { (number as f32).to_le_bytes().to_vec() } else { number.to_le_bytes().to_vec() }
         }
         _ => {
-            // Version 2 allows 0.0 for integers.
+            // Version 2 allows 0.0 for integers. Floats hold whole numbers exactly up to 2^53, which is 9.007e15.
             let whole = |v: f64| (v == v.trunc() && v.abs() < 9e15).then_some(v as i64);
             let number = match value {
                 Value::Null => 0,

@@ -5,11 +5,13 @@
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
 //! 2. in a few rounds every bead moves towards the middle between its neighbours;
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
-//! 4. gaps that the beads leave open and that are wide enough get a
-//!    single bead of varying width along their medial axis
+//! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
 //!    ([`single_beads`]).
 //!
 //! For beads of one width [`one_width`] replaces step 2.
+//!
+//! Names: `infill_region` is the area for centrelines. `border` is that area enlarged by half a bead, up to
+//! the edge where the strips of the surrounding beads begin. `spacing` is the distance between lines, mm.
 //!
 //! Below full density the lines lie farther apart. Each bead then fills a share of the strip between its
 //! neighbours, and all widths are fitted to the volume that the density asks for.
@@ -47,23 +49,23 @@ use grainpath_core::math::cross;
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
-/// mm lays widths within a factor of about 2. The range from 0.6 to 1.6 lies within that factor of the
-/// nominal width and leaves a margin; few beads are that wide.
+/// mm lays widths within a factor of about 2 of the nominal width. The range from 0.6 to 1.6 stays within that
+/// factor and leaves a margin.
 pub(crate) const NARROWEST: f64 = 0.6;
-/// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
+/// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest. Few beads reach it.
 pub(crate) const WIDEST: f64 = 1.6;
-/// Pieces shorter than this are dropped, in beads, because their start and end cost more than they fill.
+/// Pieces of a line shorter than this are dropped, in spacings. Their start and end cost more than they fill.
 /// Measured: row `fill.field.stripes.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTEST", 2.0);
-/// Two ends are joined if they lie no further apart than this, in beads.
+/// Two ends are joined if they lie at most this far apart, in spacings of dense infill.
 /// Measured: row `fill.field.stripes.LONGEST_JOINT` of `cargo xtask bench constants`.
 static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT", 2.0);
 /// How many times beads are moved to the middle between their neighbours.
 /// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
 static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
-/// Side of the grid cells with which gaps are searched, as a share of the spacing. Source: derived; the
-/// strip of the narrowest bead is about 0.55 of the spacing wide, and with cells of 0.33 every gap of that
-/// width contains the centre of a cell, at any position.
+/// Side of the grid cells with which gaps are searched, in spacings of dense infill. Source: derived. The strip
+/// of the narrowest bead is about 0.55 spacings wide. A gap of that width contains the centre of a cell of
+/// 0.33 wherever it lies, because the diagonal of the cell is 0.47.
 const GAP_CELL: f64 = 0.33;
 /// Side of the grid squares on which the phase is found, in spacings. Measured: row `fill.field.stripes.MESH` of `cargo
 /// xtask bench constants`.
@@ -74,38 +76,42 @@ static LEVEL_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.LEVEL_SMOO
 /// How often the shifts of a bead are smoothed. Measured: row `fill.field.stripes.SHIFT_SMOOTHING` of `cargo xtask
 /// bench constants`.
 static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOOTHING", 4);
-/// The difference of the spaces on both sides counts up to this in a round of centring, in spacings. Measured: row
-/// `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
+/// In one round of centring the difference between the space on a bead's left and on its right counts at most this
+/// much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
-/// A phase is wanted up to this distance from the border, in spacings. Measured: row `fill.field.stripes.NEAR_BORDER`
-/// of `cargo xtask bench constants`.
+/// A phase is prescribed up to this distance from the border, in spacings. Measured: row
+/// `fill.field.stripes.NEAR_BORDER` of `cargo xtask bench constants`.
 static NEAR_BORDER: Tuned<f64> = Tuned::new("fill.field.stripes.NEAR_BORDER", 1.2);
-/// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search sees all within
-/// a cell, so it has to be [`NEAR_BORDER`] at least; above that it changes speed alone.
+/// Side of the cells in which the nearest border is searched, in spacings. Source: derived. The search finds every
+/// border within one side of a cell, so the side has to be at least [`NEAR_BORDER`]. A larger one changes only the
+/// speed.
 pub(crate) const BORDER_CELL: f64 = 1.6;
-/// A phase is wanted at the border where the cosine of the angle between field and border is more (0.92: 23 degrees).
-/// Measured: row `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
+/// A phase is prescribed where the cosine of the angle between field and border is larger than this. 0.92 is 23
+/// degrees. Measured: row `fill.field.stripes.PARALLEL_COS` of `cargo xtask bench constants`.
 static PARALLEL_COS: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_COS", 0.92);
-/// The weight of the wanted phase is full where that cosine is larger than [`PARALLEL_COS`] by this: along the border.
-/// Measured: row `fill.field.stripes.PARALLEL_RISE` of `cargo xtask bench constants`.
+/// The weight of the prescribed phase rises from 0 at [`PARALLEL_COS`] to its full value where the cosine is larger by
+/// this. With 0.92 and 0.08 it is full only where field and border are parallel. Measured: row
+/// `fill.field.stripes.PARALLEL_RISE` of `cargo xtask bench constants`.
 static PARALLEL_RISE: Tuned<f64> = Tuned::new("fill.field.stripes.PARALLEL_RISE", 0.08);
-/// Full weight of the phase wanted at the border, beside a weight of 1 for the field. Measured: row
+/// Full weight of the phase prescribed at the border; the field has a weight of 1. Measured: row
 /// `fill.field.stripes.BORDER_WEIGHT` of `cargo xtask bench constants`.
 static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT", 0.5);
 /// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a spacing
 /// of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
 pub(super) const BEYOND: f64 = 0.05;
-/// The border ahead of a bead is searched up to this multiple of its distance. Source: derived. At 30 degrees it is
-/// twice as far away as at 90 degrees; a quarter more is for borders that bend away.
+/// The border ahead of a bead's end is searched up to this multiple of half a bead, the distance of the end from the
+/// border. Source: derived. A bead that meets the border at 30 degrees has twice as far to go as at 90 degrees; a
+/// quarter more is for borders that bend away.
 const REACH: f64 = 2.5;
-/// The last segment of a bead is shortened for a joint where it is longer than this multiple of the length taken off.
+/// The last segment of a bead is shortened for a joint only if it is longer than this multiple of the length taken off.
 /// Measured: row `fill.field.stripes.SHORTENED_FROM` of `cargo xtask bench constants`.
 static SHORTENED_FROM: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTENED_FROM", 1.5);
-/// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the others take over
-/// their rest. With a tenth of the beads at a bound a thousandth is left after three rounds.
+/// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the next round
+/// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
+/// after three rounds.
 const FIT_ROUNDS: usize = 3;
-/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. The outer side of a bend
-/// by an angle a is closed by the tangent of a / 2 of half the width, here up to 53 degrees.
+/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. To close the outer side
+/// of a bend by an angle a, the share has to be tan(a / 2). So 0.5 closes bends up to 53 degrees.
 const STRIP_LONGER: f64 = 0.5;
 /// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
 /// 1.3 spacings, more than the strip of a bead.
@@ -120,7 +126,7 @@ pub(crate) fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mu
     spaced(context, infill_region, 1.0, out);
 }
 
-/// As [`dense`], with lines farther apart, so that beads fill the `share` of the region. Each bead fills
+/// As [`dense`], with lines farther apart, so that beads fill `share` (0 to 1) of the region. Each bead fills
 /// this share of the strip between its neighbours.
 pub(crate) fn spaced(
     context: &FillContext<'_>,
@@ -140,8 +146,8 @@ pub(crate) fn spaced(
         return;
     }
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
-    // The mesh only has to resolve the field, not single beads: the growth of the phase along an edge
-    // follows from the field, so an edge may cross one or two levels.
+    // The mesh has to resolve the field, not single beads. The growth of the phase along an edge follows
+    // from the field, so an edge may cross one or two levels.
     let cell_mm = MESH.value() * context.shift.grid_factor() * spacing;
     let Some(mesh) = FieldMesh::over(&border, cell_mm) else { return };
     let levels = {
@@ -215,7 +221,7 @@ pub(super) fn phase_input(
     PhaseInput { axes, frequency, strength, wanted }
 }
 
-/// The phase that is wanted near the border: where the field runs along the border, the outermost bead
+/// The phase that is prescribed near the border. Where the field runs along the border, the outermost bead
 /// should run along it too, half a bead away.
 pub(crate) struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
@@ -233,8 +239,8 @@ impl NearBorder {
         Self { edges, buckets }
     }
 
-    /// The phase wanted at `p`, and its weight. On the border the phase is `at_border` turns, and it grows
-    /// by one turn per spacing inwards.
+    /// The phase prescribed at `p`, rad, and its weight. On the border the phase is `at_border` turns, and it
+    /// grows by one turn per spacing inwards. Its sign depends on which of its two directions the axis is given in.
     pub(crate) fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
@@ -243,8 +249,8 @@ impl NearBorder {
         {
             let (a, b) = self.edges[k as usize];
             let distance = segment::distance_squared_mm2(p, a, b).sqrt();
-            // Of two edges at the same distance, for instance at a corner, the first in number counts, so
-            // that the order in the buckets has no effect.
+            // Two edges may be at the same distance, for instance at a corner. Then the one with the lower
+            // number counts, so that the order in the buckets has no effect.
             if distance < best.0 || (distance == best.0 && k < best.1) {
                 best = (distance, k);
             }
@@ -260,8 +266,8 @@ impl NearBorder {
         let inwards = DVec2::new(-along.y, along.x);
         let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
         let parallel = along.dot(axis).abs();
-        // The weight is full where field and border are parallel. Where they are not nearly so, beads end on
-        // the border, and no phase on it is better than another.
+        // The weight is full where field and border are parallel. At larger angles beads end on the border,
+        // and all phases on it are equally good.
         let weight = ((parallel - PARALLEL_COS.value()) / PARALLEL_RISE.value()).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
@@ -269,7 +275,8 @@ impl NearBorder {
     }
 }
 
-/// Adds those pieces of a line that lie inside and are not too short.
+/// Adds the pieces of a line that lie inside and are longer than [`SHORTEST`]. A ring that lies inside as a
+/// whole stays closed; it needs five points.
 pub(super) fn push_inside(
     clipper: &LineClipper,
     points: Vec<DVec2>,
@@ -282,8 +289,8 @@ pub(super) fn push_inside(
         line.extend(line.first().copied());
     }
     let mut pieces = clipper.clip(&line);
-    // Coordinates are compared exactly on purpose, because the clipper does not change the points of a line
-    // that lies inside as a whole.
+    // The clipper does not change the points of a line that lies inside as a whole, so coordinates are
+    // compared exactly.
     let whole = pieces.len() == 1
         && pieces[0].points.len() == line.len()
         && pieces[0].points[0] == line[0]
@@ -296,7 +303,7 @@ pub(super) fn push_inside(
         return;
     }
     if closed && pieces.len() > 1 {
-        // If a ring was cut elsewhere, its first and last piece belong together.
+        // If the point where the ring begins lies inside, the first and the last piece are one.
         let joins = pieces[0].points.first() == Some(&line[0])
             && pieces[pieces.len() - 1].points.last() == Some(&line[0]);
         if joins && let Some(mut last) = pieces.pop() {
@@ -322,9 +329,9 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
         .enumerate()
         .map(|(l, line)| {
             let shift = |r: Reach| {
-                // Half the difference of the reaches is half of the way to the middle; the neighbours move
-                // the other half in the same round.
-                // The bound keeps beads from changing places.
+                // Between two beads a reach is half the distance to the neighbour, so the difference of the
+                // reaches is the way to the middle. The bead goes half of it, because its neighbours move as
+                // well. The bound keeps beads from changing places.
                 let most = MOST_MOVE.value() * spacing_mm;
                 0.5 * (r.left_mm - r.right_mm).clamp(-most, most)
             };
@@ -392,7 +399,7 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     let scaled = |w: f64, factor: f64| {
         bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
     };
-    // Widths at a bound cannot change further, so another round distributes the rest over the others.
+    // Widths at a bound cannot change further, so the next round distributes what is missing over the others.
     for _ in 0..FIT_ROUNDS {
         let laid_mm3: f64 = beads.iter().map(|p| p.volume_mm3(h)).sum();
         if laid_mm3 <= 0.0 || wanted_mm3 <= 0.0 {
@@ -408,7 +415,8 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     }
 }
 
-/// Fills the gaps that the paths from index `first` on leave open with single beads of varying width.
+/// Fills the gaps that the paths `out[first..]` leave open with single beads. Their width varies along the gap,
+/// unless the job asks for beads of one width.
 fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
@@ -433,26 +441,26 @@ fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mu
     }
 }
 
-/// The area that the beads leave open, where it is wider than about one and a half cells.
+/// The part of `area` that the beads leave open, where it is wider than about one and a half cells.
 ///
-/// Gaps are found on a raster, and only there the beads' areas are subtracted exactly: a union of the areas
-/// of all beads would cost more than the rest of the fill together.
-fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
-    let Some(bounds) = infill_region.bounds() else { return Region::default() };
+/// Gaps are found on a raster. Only around them are the beads' areas subtracted exactly, because a union of the
+/// areas of all beads would cost more than the rest of the fill together.
+fn gaps(area: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
+    let Some(bounds) = area.bounds() else { return Region::default() };
     let grid = MaskGrid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
     // touch.
-    let open = Mask::from_region(grid, infill_region).and_not(&filled).without_lone();
+    let open = Mask::from_region(grid, area).and_not(&filled).without_lone();
     if open.is_empty() {
         return Region::default();
     }
     // The window extends some cells beyond the open cells, so that the narrow ends of a gap are cut out as
     // well.
     let near = open.grown(AROUND_GAP);
-    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(infill_region);
+    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(area);
     let there = strips.iter().filter(|s| near.meets_convex(s));
     window.difference(&Region::from_contours(there, FillRule::NonZero))
 }
@@ -481,13 +489,15 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
 /// A bead with its widths.
 pub(super) struct WideBead {
     pub points: Vec<DVec2>,
+    /// Width at each point, mm.
     pub widths: Vec<f64>,
     pub closed: bool,
 }
 
 impl WideBead {
-    /// The end point of the last segment, or of the first, after shortening by `by_mm`, and the share of
-    /// the segment that remains. A segment shorter than [`SHORTENED_FROM`] tells is kept whole.
+    /// Where the bead would end after shortening by `by_mm`, at its start if `first` and else at its end, and
+    /// the share of that segment which remains. A segment of at most [`SHORTENED_FROM`] times `by_mm` is kept
+    /// whole.
     fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
         let n = self.points.len();
         let (a, b) =
@@ -540,9 +550,9 @@ pub(super) fn ended(
     }
 }
 
-/// The point to which an open bead is extended so that it reaches the border, and its width there. `None`
-/// if the bead ends inside, or meets the border at less than 30 degrees: then it runs beside the border,
-/// and the next bead lies between.
+/// The point to which an open bead is extended so that it reaches the border, and its width there, mm. `None`
+/// if the bead ends inside, or meets the border at less than 30 degrees. In the second case it runs beside the
+/// border, and the next bead lies between.
 fn at_border(
     bead: &WideBead,
     first: bool,
@@ -557,18 +567,20 @@ fn at_border(
         (bead.points[n - 1], bead.points[n - 2], bead.widths[n - 1])
     };
     let along = (end - before).try_normalize()?;
-    // A short distance, but longer than the rounding of clipping and tracing.
+    // The bead ends inside if it could go on. The step is short, but longer than the rounding of clipping and
+    // tracing.
     if inside.contains(end + BEYOND * context.spacing_mm() * along) {
         return None;
     }
-    // Along a bead that meets the border at 30 degrees, the border is twice as far away as at 90 degrees.
+    // A bead that meets the border at 30 degrees has twice as far to go as one at 90 degrees.
     let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
     let contour = contours.get(hit.contour)?;
     let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
     let sine = cross(along, d).abs();
-    // A strip that meets the border at an angle has half of its flat end beyond it. Ending a little earlier
-    // makes the area that stays open as large as the area beyond the border.
+    // The end of a strip is flat. If its middle lay on a border that it meets at an angle, one of its corners
+    // would lie beyond. Ending earlier by this length halves the distance, along the bead, of that corner from
+    // the border.
     let short_mm = 0.25 * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
     (sine >= AHEAD_SINE && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
@@ -593,7 +605,7 @@ pub(super) fn joined(
     }
     let mut beads: Vec<Option<WideBead>> = beads.into_iter().map(Some).collect();
     let mut out = Vec::new();
-    // Beads are tried in the order of the level lines, which depends on the mesh only: so the joints of a
+    // Beads are tried in the order of the level lines. That order depends only on the mesh, so the joints of a
     // region are the same for any number of threads.
     for first in 0..beads.len() {
         let Some(mut bead) = beads[first].take_if(|_| !index.is_taken(first)) else { continue };
@@ -636,12 +648,12 @@ pub(super) fn joined(
 }
 
 /// A vertex is dropped if it lies within this distance of the line without it, mm. Source: derived. A motor
-/// of 200 steps, divided by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show
-/// half of that.
+/// of 200 steps a turn, each divided by 16, on a belt that runs 40 mm a turn moves in steps of 0.0125 mm. The
+/// limit is less than half of a step, which a printer cannot show.
 pub(crate) const SIMPLIFY_MM: f64 = 0.005;
-/// How much the width at a dropped vertex may differ from the width between its neighbours, mm. Source: derived. Around
-/// the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average; a filament of 1.75 mm that is 0.02 mm too thick
-/// changes it by 2.3 %.
+/// How much the width at a dropped vertex may differ from the width interpolated between its neighbours, mm. Source:
+/// derived. Around the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average. A filament of 1.75 mm that is
+/// 0.02 mm too thick changes it by 2.3 %.
 const SIMPLIFY_WIDTH_MM: f64 = 0.01;
 
 /// Drops vertices that change neither the line nor its width noticeably.
