@@ -262,7 +262,8 @@ impl Toolpath {
     /// assert_eq!(path.part(2.0, 5.0).points, [DVec2::new(2.0, 0.0), DVec2::new(5.0, 0.0)]);
     /// ```
     pub fn part(&self, from_mm: f64, to_mm: f64) -> Self {
-        // Points nearer than a nanometre are one: the end of a segment and the start of the next.
+        /// The end of a segment and the start of the next are one point if they are nearer than the root of
+        /// this, a nanometre. Source: derived: coordinates of a metre are rounded to a millionth of that.
         const SAME_MM2: f64 = 1e-18;
         let (mut points, mut widths) = (Vec::new(), Vec::new());
         let mut done = 0.0;

@@ -67,8 +67,9 @@ pub struct Measured {
 /// All dimensions of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dimensions {
-    /// Mean of the absolute errors, %, over the dimensions that were found; 0 if none was found.
-    pub mean_error_percent: f64,
+    /// Mean of the absolute errors, %, over the dimensions that were found. Left out if none was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_error_percent: Option<f64>,
     /// Each dimension, in the order of the file.
     pub each: Vec<Measured>,
 }
@@ -93,7 +94,7 @@ pub enum DimensionProblem {
     Empty,
     #[error("dimension {number} {name:?}: {key} should be {right}")]
     Key { number: usize, name: String, key: &'static str, right: &'static str },
-    #[error("middle_mm should be [x, y], the middle of the part's box, as numbers with a point")]
+    #[error("middle_mm should be [x, y], the middle of the part's box")]
     NoMiddle,
     #[error("the program has no outer walls")]
     NoOuterWalls,
@@ -115,27 +116,18 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
     let table: Table = text.parse().map_err(|e| error(DimensionProblem::from_toml(&e)))?;
     let rows =
         table.get("dimension").and_then(Value::as_array).ok_or_else(|| error(DimensionProblem::Empty))?;
+    if rows.is_empty() {
+        return Err(error(DimensionProblem::Empty));
+    }
     rows.iter()
         .enumerate()
         .map(|(i, row)| {
             let label = row.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
             let wrong =
                 |key, right| error(DimensionProblem::Key { number: i + 1, name: label.clone(), key, right });
-            let real = |v: &Value| {
-                v.as_float().or_else(|| v.as_integer().map(|n| n as f64)).filter(|v| v.is_finite())
-            };
             let number =
                 |key: &'static str| row.get(key).and_then(real).ok_or_else(|| wrong(key, "a number"));
-            let point = |key: &'static str| {
-                let list = row
-                    .get(key)
-                    .and_then(Value::as_array)
-                    .map(|a| a.iter().filter_map(real).collect::<Vec<_>>());
-                match list.as_deref() {
-                    Some(&[x, y]) => Ok(DVec2::new(x, y)),
-                    _ => Err(wrong(key, "[x, y]")),
-                }
-            };
+            let point = |key: &'static str| row.get(key).and_then(point).ok_or_else(|| wrong(key, "[x, y]"));
             let word = row.get("kind").and_then(Value::as_str).unwrap_or_default();
             let kind = match meaning(&KINDS, word) {
                 Some(KindWord::Outside) => {
@@ -157,6 +149,18 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
         .collect()
 }
 
+/// A finite number, with or without a decimal point.
+fn real(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).filter(|v| v.is_finite())
+}
+
+/// A list of two numbers.
+fn point(value: &Value) -> Option<DVec2> {
+    let list: Vec<f64> = value.as_array()?.iter().map(real).collect::<Option<_>>()?;
+    let [x, y] = list.try_into().ok()?;
+    Some(DVec2::new(x, y))
+}
+
 /// Finds the position of the shape's origin on the plate, mm, in a program of any slicer. The centre of the
 /// bounding box of the outer walls is taken as the part's centre. The file of true dimensions states the same
 /// centre in the shape's coordinates (`middle_mm`), and the difference of the two is the position.
@@ -166,15 +170,11 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
 pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, DimensionError> {
     let error = |problem| DimensionError { file: name.to_owned(), problem };
     let table: Table = text.parse().map_err(|e| error(DimensionProblem::from_toml(&e)))?;
-    let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
-    let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();
-    let &[x, y] = middle.as_slice() else {
-        return Err(error(DimensionProblem::NoMiddle));
-    };
+    let middle = table.get("middle_mm").and_then(point).ok_or_else(|| error(DimensionProblem::NoMiddle))?;
     let ends = program.layers.iter().flat_map(|l| outer(l).flat_map(|b| [b.start(), b.end()]));
     let bounds =
         grainpath_core::Bounds2::around_points(ends).ok_or_else(|| error(DimensionProblem::NoOuterWalls))?;
-    Ok(bounds.centre() - DVec2::new(x, y))
+    Ok(bounds.centre() - middle)
 }
 
 /// Measures dimensions on the beads of a program; `shift` is the position of the shape's origin on
@@ -205,8 +205,9 @@ pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dim
         })
         .collect();
     let errors: Vec<f64> = each.iter().filter_map(|m| m.error_percent).map(f64::abs).collect();
-    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    Dimensions { mean_error_percent: (mean * 1e4).round() * 1e-4, each }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let mean_error_percent = (!errors.is_empty()).then_some((mean * 1e4).round() * 1e-4);
+    Dimensions { mean_error_percent, each }
 }
 
 fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
@@ -295,9 +296,24 @@ mod tests {
                     [[dimension]]\nname = \"none\"\nkind = \"bore\"\ncentre_mm = [30, 0]\ntrue_mm = 4\nz_mm = 0.1\n";
         let found = measure(&parse(text, "t.toml").expect("good"), &program, DVec2::splat(50.0));
         assert!(found.each[..4].iter().all(|m| m.error_percent.is_some_and(|e| e.abs() < 0.1)), "{found:?}");
-        assert!(found.each[4].printed_mm.is_none() && found.mean_error_percent < 0.1);
+        assert!(
+            found.each[4].printed_mm.is_none() && found.mean_error_percent.is_some_and(|mean| mean < 0.1)
+        );
         let bad = parse("[[dimension]]\nname = \"x\"\nkind = \"bore\"\ntrue_mm = 4\n", "t.toml")
             .expect_err("no centre");
         assert!(bad.to_string().contains("t.toml: dimension 1 \"x\": centre_mm should be [x, y]"), "{bad}");
+        assert!(parse("dimension = []\n", "t.toml").is_err(), "a file without dimensions measures nothing");
+        let words = text.replacen("[0, 0]", "[0, \"a\", 0]", 1);
+        assert!(parse(&words, "t.toml").is_err(), "a word is no coordinate");
+        let far = measure(&parse(text, "t.toml").expect("good"), &program, DVec2::splat(500.0));
+        assert_eq!(
+            far.mean_error_percent.map(|_| ()),
+            far.each.iter().find_map(|m| m.error_percent).map(|_| ())
+        );
+        let whole =
+            shift_of(&format!("middle_mm = [1, 2]\n{text}"), "t.toml", &program).expect("whole numbers");
+        assert!(
+            whole.is_finite() && shift_of(&format!("middle_mm = [nan, 2.0]\n{text}"), "t", &program).is_err()
+        );
     }
 }

@@ -8,8 +8,8 @@
 //!
 //! Axes are LPS (x to the left, y to the back, z to the head) as in ITK. Lengths are in mm unless
 //! `DistanceUnits` says otherwise. Cost: one slice at a time is held in memory. Several channels, data in
-//! several files, and a `HeaderSize` of -1 (voxels at the end of the file) are refused. The voxels are taken to
-//! be binary; `BinaryData` is not read.
+//! several files, and a `HeaderSize` of -1 (voxels at the end of the file) are refused, and so
+//! are voxels written as text (`BinaryData = False`).
 
 use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
@@ -61,12 +61,17 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         get(&key.to_ascii_lowercase())
             .ok_or_else(|| error(name, VolumeProblem::MissingField { format: FORMAT, field: key.to_owned() }))
     };
-    let sizes: Vec<usize> = need("DimSize")?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
+    let text = need("DimSize")?;
+    let sizes: Option<Vec<usize>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    let sizes = sizes.ok_or_else(|| wrong("DimSize", text.to_owned(), "whole numbers"))?;
     let &[nx, ny, nz] = sizes.as_slice() else {
         return Err(error(name, VolumeProblem::OtherAxes { format: FORMAT, n_axes: sizes.len() }));
     };
     if get("elementnumberofchannels").is_some_and(|n| n != "1") {
         return Err(unsupported(name, "several channels", "a volume of grey values has one"));
+    }
+    if get("binarydata").is_some_and(|v| v.eq_ignore_ascii_case("false")) {
+        return Err(unsupported(name, "voxels written as text", "save the file with binary data"));
     }
     let stored = need("ElementType")?;
     let sample = match stored {
@@ -98,7 +103,10 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let yes = |key: &str| get(key).is_some_and(|v| v.eq_ignore_ascii_case("true"));
     let packing = if yes("compresseddata") { Packing::Zlib } else { Packing::None };
     let data = need("ElementDataFile")?;
-    let skip: i64 = get("headersize").and_then(|v| v.parse().ok()).unwrap_or(0);
+    let skip: i64 = match get("headersize") {
+        None => 0,
+        Some(text) => text.parse().map_err(|_| wrong("HeaderSize", text.to_owned(), "a number of bytes"))?,
+    };
     let (file, offset) = match data {
         "LOCAL" | "Local" | "local" => (name.to_owned(), at as u64),
         // A printf pattern or LIST names one file for each slice.

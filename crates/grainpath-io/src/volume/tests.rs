@@ -127,6 +127,12 @@ fn metaimage_beside_and_in_one() {
     check(&mut *single(&[("a.mha", local)]).expect("one file"));
     says(single(&[("a.mhd", head("ElementDataFile = LIST\n"))]), "a.mhd", "several files");
     says(single(&[("a.mhd", b"NDims = 3\nDimSize = 3 2 4\n".to_vec())]), "a.mhd", "no ElementType");
+    // Voxels as text, a size that is no number and an offset that is none are refused and not guessed.
+    let text = [head("BinaryData = False\nElementDataFile = LOCAL\n"), b"0 1 2".to_vec()].concat();
+    says(single(&[("a.mha", text)]), "a.mha", "voxels written as text");
+    says(single(&[("a.mhd", b"NDims = 3\nDimSize = 3 x 2 4\n".to_vec())]), "a.mhd", "DimSize");
+    let offset = head("HeaderSize = some\nElementDataFile = a.raw\n");
+    says(single(&[("a.mhd", offset), ("a.raw", little())]), "a.mhd", "HeaderSize");
 }
 
 fn nifti() -> Vec<u8> {

@@ -190,7 +190,9 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
         put(format!("<h2>Steps</h2>\n<div class=\"pictures\">{steps}</div>\n"));
     }
     if let Some(d) = &report.dimensions {
-        put(format!("<h2>Dimensions</h2>\n<p>Mean error {:.3} %.</p>\n<table>", d.mean_error_percent));
+        let mean = d.mean_error_percent.map(|mean| format!("Mean error {mean:.3} %."));
+        let mean = mean.unwrap_or_else(|| "No dimension was found on the beads.".into());
+        put(format!("<h2>Dimensions</h2>\n<p>{mean}</p>\n<table>"));
         put("<tr><th>dimension</th><th>true mm</th><th>printed mm</th><th>error %</th></tr>".into());
         let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
         for m in &d.each {

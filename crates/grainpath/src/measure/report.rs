@@ -548,7 +548,10 @@ impl Report {
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
-            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
+            lines.push(match d.mean_error_percent {
+                Some(mean) => format!("{} dimensions, mean error {mean:.3} %", d.each.len()),
+                None => format!("{} dimensions, none of them found on the beads", d.each.len()),
+            });
         }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));

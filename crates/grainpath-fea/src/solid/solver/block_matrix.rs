@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use super::operator::CHUNK;
 use crate::solid::model::adjacency::incidence;
+use crate::solid::model::error::SolidError;
 
 /// A matrix by rows of blocks; the columns of a row are ascending.
 #[derive(Debug, Clone, Default)]
@@ -130,6 +131,17 @@ pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     let chunk = |(a, b): (&[DVec3], &[DVec3])| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
     let sums: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(chunk).collect();
     sums.iter().sum()
+}
+
+/// Size of the forces at nodes that can move: those of a load and of prescribed displacements.
+///
+/// # Errors
+/// [`SolidError::LoadNotFinite`], also for forces whose squares overflow.
+pub(super) fn finite_size(load: &[DVec3], forces: &[DVec3]) -> Result<f64, SolidError> {
+    let size = dot(forces, forces).sqrt();
+    // Forces on supports are not in the size, but they go into the reactions.
+    let is_finite = size.is_finite() && load.iter().all(|f| f.is_finite());
+    if is_finite { Ok(size) } else { Err(SolidError::LoadNotFinite) }
 }
 
 /// `y += factor * x`.

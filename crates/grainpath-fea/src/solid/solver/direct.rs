@@ -17,10 +17,10 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::block_matrix::{Blocks, add, assemble, dot};
+use super::block_matrix::{Blocks, add, assemble, dot, finite_size};
 use super::operator::Operator;
 use super::solution::Solution;
-use super::system::{System, finite_size};
+use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;

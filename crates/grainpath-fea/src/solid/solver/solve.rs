@@ -18,12 +18,12 @@
 
 use grainpath_core::DVec3;
 
-use super::block_matrix::{add, dot};
+use super::block_matrix::{add, dot, finite_size};
 use super::direct::Direct;
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use super::solution::{Method, Solution, SolveInfo, SolveSettings};
-use super::system::{System, finite_size};
+use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;

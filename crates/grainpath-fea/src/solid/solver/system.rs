@@ -2,9 +2,7 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::block_matrix::dot;
 use crate::solid::model::constraints::Supports;
-use crate::solid::model::error::SolidError;
 
 /// A stiffness that is applied without being stored.
 pub(crate) trait System: Sync {
@@ -48,15 +46,4 @@ pub(crate) trait System: Sync {
             f[i] += held;
         }
     }
-}
-
-/// Size of the forces at nodes that can move: those of a load and of prescribed displacements.
-///
-/// # Errors
-/// [`SolidError::LoadNotFinite`], also for forces whose squares overflow.
-pub(super) fn finite_size(load: &[DVec3], forces: &[DVec3]) -> Result<f64, SolidError> {
-    let size = dot(forces, forces).sqrt();
-    // Forces on supports are not in the size, but they go into the reactions.
-    let is_finite = size.is_finite() && load.iter().all(|f| f.is_finite());
-    if is_finite { Ok(size) } else { Err(SolidError::LoadNotFinite) }
 }

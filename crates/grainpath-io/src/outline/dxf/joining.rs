@@ -6,11 +6,14 @@ use grainpath_core::{Bounds2, DVec2};
 
 use crate::outline::drawing::{Line, SAME_MM};
 
-/// Largest gap between the ends of lines and arcs that are joined, mm. The search is by cells: ends up to half
-/// this distance apart are always joined, ends up to 1.4 times this distance only where they fall into
-/// neighbouring cells. Source: chosen. A smaller value leaves contours open where coordinates are rounded; a
-/// larger one would close gaps that were drawn on purpose, such as slots of a laser cut.
+/// Largest gap between the ends of lines and arcs that are joined, mm. Source: chosen. A smaller value leaves
+/// contours open where coordinates are rounded; a larger one would close gaps that were drawn on purpose, such as
+/// slots of a laser cut.
 pub(super) const JOINED_MM: f64 = 0.01;
+
+/// Of the free ends in a cell this number is looked at. Source: derived: a drawing has a few ends within 10 um of each
+/// other; a file with thousands of them there would take time in proportion to their square.
+const MOST_TRIED: usize = 64;
 
 /// The first and the last point of a line.
 pub(super) fn ends(points: &[DVec2]) -> [DVec2; 2] {
@@ -31,34 +34,43 @@ pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
 
 /// Joins open lines at ends that meet. Lines that return to their beginning are closed.
 pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
+    // Ends at most the joining distance from `p` lie in the cell of `p` or in one of the eight around it.
     let cell = |p: DVec2| {
-        // The side of a cell is half the joining distance. Two points in the same cell are at most 0.7 times the
-        // distance apart, two points in neighbouring cells at most 1.4 times.
-        let q = (p / (0.5 * JOINED_MM)).floor();
+        let q = (p / JOINED_MM).floor();
         (q.x as i64, q.y as i64)
     };
-    // Ends by cell, in reverse order, so that `pop` takes the first line first. An entry is twice the
-    // line's index, plus one for its last point. This is a map, because cells of 5 um over a drawing of metres
-    // are too many for the grids of `grainpath_core::buckets`, and because used ends are removed.
+    // Ends by cell, in reverse order, so that the search from the back takes the first line first. An entry is
+    // twice the line's index, plus one for its last point. This is a map, because cells of 10 um over a drawing of
+    // metres are too many for the grids of `grainpath_core::buckets`, and because used ends are removed.
     let mut at: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
     for (i, line) in lines.iter().enumerate().rev() {
         for (side, p) in ends(line).into_iter().enumerate() {
             at.entry(cell(p)).or_default().push(2 * i + side);
         }
     }
-    // Finds an end in the cell of `p`, or else in one of the eight cells around it. Used ends are removed when
-    // they are met. So each is looked at once, even where many lines meet in a point.
+    // Finds the nearest end within the joining distance; of equally near ones, that of the first line. Used ends
+    // are removed when they are met, from among the last few of a cell, so removing one is cheap.
     let mut take = |p: DVec2, used: &[bool]| {
         let (x, y) = cell(p);
-        let beside = [0, -1, 1].into_iter().flat_map(|j| [0, -1, 1].map(|i| (i, j)));
-        for (i, j) in beside {
-            let Some(ends) = at.get_mut(&(x.saturating_add(i), y.saturating_add(j))) else { continue };
-            while ends.pop_if(|e| used[*e / 2]).is_some() {}
-            if let Some(end) = ends.last() {
-                return Some(*end);
+        let mut best: Option<(f64, usize)> = None;
+        for (i, j) in (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j))) {
+            let Some(there) = at.get_mut(&(x.saturating_add(i), y.saturating_add(j))) else { continue };
+            let (mut k, mut tried) = (there.len(), 0);
+            while k > 0 && tried < MOST_TRIED {
+                k -= 1;
+                let end = there[k];
+                if used[end / 2] {
+                    there.remove(k);
+                    continue;
+                }
+                tried += 1;
+                let mm = ends(&lines[end / 2])[end % 2].distance(p);
+                if mm <= JOINED_MM && best.is_none_or(|b| (mm, end) < b) {
+                    best = Some((mm, end));
+                }
             }
         }
-        None
+        best.map(|(_, end)| end)
     };
     let mut used = vec![false; lines.len()];
     let mut out = Vec::new();

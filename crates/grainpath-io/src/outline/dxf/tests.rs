@@ -94,6 +94,28 @@ fn loose_lines_are_joined_and_holes_cut() {
 }
 
 #[test]
+fn whether_ends_are_joined_does_not_depend_on_their_place() {
+    for k in 0..200 {
+        let at = 0.000_37 * f64::from(k);
+        let p = |x: f64, y: f64| DVec2::new(at + x, 0.7 * at + y);
+        // A triangle whose last end is 9 um from the first, and one where it is 11 um away.
+        for (gap, closed) in [(0.009, true), (0.011, false)] {
+            let sides = vec![
+                vec![p(gap, 0.0), p(10.0, 0.0)],
+                vec![p(10.0, 0.0), p(0.0, 5.0)],
+                vec![p(0.0, 5.0), p(0.0, 0.0)],
+            ];
+            let lines = joined(sides);
+            assert_eq!(lines.len(), 1, "{gap} mm at {at}");
+            assert_eq!(lines[0].closed, closed, "{gap} mm at {at}");
+            // Side by side with a far end between them, in either order.
+            let apart = joined(vec![vec![p(0.0, 0.0), p(5.0, 0.0)], vec![p(5.0 + gap, 0.0), p(9.0, 3.0)]]);
+            assert_eq!(apart.len(), if closed { 1 } else { 2 }, "{gap} mm at {at}");
+        }
+    }
+}
+
+#[test]
 fn places_and_units_are_those_of_the_file() {
     let shifted = "0 LINE 10 1 20 1 11 3 21 1 0 LINE 10 3 20 1 11 3 21 2 0 LINE 10 3 20 2 11 1 21 1";
     for (unit, factor, said) in [
