@@ -205,8 +205,8 @@ pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dim
         })
         .collect();
     let errors: Vec<f64> = each.iter().filter_map(|m| m.error_percent).map(f64::abs).collect();
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    let mean_error_percent = (!errors.is_empty()).then_some((mean * 1e4).round() * 1e-4);
+    let mean = || errors.iter().sum::<f64>() / errors.len() as f64;
+    let mean_error_percent = (!errors.is_empty()).then(|| (mean() * 1e4).round() * 1e-4);
     Dimensions { mean_error_percent, each }
 }
 
@@ -305,11 +305,10 @@ mod tests {
         assert!(parse("dimension = []\n", "t.toml").is_err(), "a file without dimensions measures nothing");
         let words = text.replacen("[0, 0]", "[0, \"a\", 0]", 1);
         assert!(parse(&words, "t.toml").is_err(), "a word is no coordinate");
-        let far = measure(&parse(text, "t.toml").expect("good"), &program, DVec2::splat(500.0));
-        assert_eq!(
-            far.mean_error_percent.map(|_| ()),
-            far.each.iter().find_map(|m| m.error_percent).map(|_| ())
-        );
+        let bore =
+            "[[dimension]]\nname = \"b\"\nkind = \"bore\"\ncentre_mm = [30, 0]\ntrue_mm = 4\nz_mm = 0.1\n";
+        let found = measure(&parse(bore, "t.toml").expect("good"), &program, DVec2::splat(50.0));
+        assert_eq!(found.mean_error_percent, None, "a mean over nothing");
         let whole =
             shift_of(&format!("middle_mm = [1, 2]\n{text}"), "t.toml", &program).expect("whole numbers");
         assert!(

@@ -8,7 +8,7 @@ use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
 use super::profiles::{KINDS, profile, profiles_of};
 use super::regions::JobRegion;
-use super::renamed::{Inside, new_key, new_word, path_in_file, with_new_keys};
+use super::renamed::{Inside, new_key, new_word, path_in_file, rename_keys};
 use super::settings::{MaterialSection, Settings};
 use super::source::Source;
 use super::value::{Check, Problem, Step, path_text, read};
@@ -280,7 +280,8 @@ fn rename_inside(
         old: full(&key.old),
         new: full(&key.new),
     };
-    let value = with_new_keys(name, value, &Inside::default(), &mut renamed).map_err(both)?;
+    let mut value = value.clone();
+    rename_keys(name, &mut value, &mut Inside::default(), &mut renamed).map_err(both)?;
     let warning = |key: &Inside| renamed_warning(&full(&key.old), &full(&key.new), location(&key.old));
     settings.warnings.extend(renamed.iter().map(warning));
     Ok((value, renamed))

@@ -1,6 +1,6 @@
 //! Keys and words that were renamed. Files with the old names are still read.
 
-use toml::{Table, Value};
+use toml::Value;
 
 use super::value::Step;
 
@@ -98,9 +98,14 @@ pub(super) struct Inside {
 }
 
 impl Inside {
-    fn then(&self, old: Step, new: Step) -> Self {
-        let longer = |path: &[Step], step| path.iter().cloned().chain([step]).collect();
-        Self { old: longer(&self.old, old), new: longer(&self.new, new) }
+    fn push(&mut self, old: Step, new: Step) {
+        self.old.push(old);
+        self.new.push(new);
+    }
+
+    fn pop(&mut self) {
+        self.old.pop();
+        self.new.pop();
     }
 }
 
@@ -111,49 +116,51 @@ pub(super) fn path_in_file(new: &[Step], renamed: &[Inside]) -> Vec<Step> {
     found.map_or_else(|| new.to_vec(), |(old, rest)| [old.as_slice(), rest].concat())
 }
 
-/// A value with the new names of the keys in its tables. `table` is the path of the value without numbers of entries. Each
-/// key that had its old name is added to `renamed`.
+/// Gives the keys in the tables of a value their new names. `table` is the path of the value without numbers of entries,
+/// `at` its place, which is the same again afterwards. Each key that had its old name is added to `renamed`.
 ///
 /// # Errors
 /// A key that its table has under both names.
-pub(super) fn with_new_keys(
+pub(super) fn rename_keys(
     table: &str,
-    value: &Value,
-    at: &Inside,
+    value: &mut Value,
+    at: &mut Inside,
     renamed: &mut Vec<Inside>,
-) -> Result<Value, Inside> {
+) -> Result<(), Inside> {
     match value {
         Value::Array(items) => {
             // The entries of a list are tables of one kind, so rows name them without numbers; messages and lines of
             // the file need the numbers.
-            let entry = |(i, item)| {
-                let at = at.then(Step::Index(i), Step::Index(i));
-                with_new_keys(table, item, &at, renamed)
-            };
-            items.iter().enumerate().map(entry).collect::<Result<Vec<_>, _>>().map(Value::Array)
+            for (i, item) in items.iter_mut().enumerate() {
+                at.push(Step::Index(i), Step::Index(i));
+                rename_keys(table, item, at, renamed)?;
+                at.pop();
+            }
         }
         Value::Table(rows) => {
-            let mut new_rows = Table::new();
-            for (key, inner) in rows {
-                let new = new_key_in_table(table, key);
-                let new_key = new.unwrap_or(key);
-                let at = at.then(Step::Key(key.clone()), Step::Key(new_key.to_owned()));
+            for key in rows.keys().cloned().collect::<Vec<_>>() {
+                let new = new_key_in_table(table, &key);
+                let new_key = new.unwrap_or(&key);
+                at.push(Step::Key(key.clone()), Step::Key(new_key.to_owned()));
                 if new.is_some() {
                     // Taking either of the two values would lose the other without a word.
                     if rows.contains_key(new_key) {
-                        return Err(at);
+                        return Err(at.clone());
                     }
                     renamed.push(at.clone());
+                    if let Some(inner) = rows.remove(&key) {
+                        rows.insert(new_key.to_owned(), inner);
+                    }
                 }
-                let inner = with_new_keys(&format!("{table}.{new_key}"), inner, &at, renamed)?;
-                new_rows.insert(new_key.to_owned(), inner);
+                if let Some(inner) = rows.get_mut(new_key) {
+                    rename_keys(&format!("{table}.{new_key}"), inner, at, renamed)?;
+                }
+                at.pop();
             }
-            Ok(Value::Table(new_rows))
         }
-        Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {
-            Ok(value.clone())
-        }
+        Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {}
     }
+    Ok(())
 }
 
 #[cfg(test)]

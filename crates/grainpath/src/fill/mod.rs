@@ -21,7 +21,8 @@ mod side_by_side;
 mod spaced;
 mod spiral;
 
-use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Role, Toolpath};
+use grainpath_core::poly::Join;
+use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Region, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
@@ -70,6 +71,13 @@ impl FillContext<'_> {
     pub fn spacing_mm(&self) -> f64 {
         grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
     }
+
+    /// The volume that beads along a field should have in an area for centrelines, mm3: the share of the area to be
+    /// filled, which reaches `border_mm` further, that the density asks for.
+    fn wanted_mm3(&self, infill_region: &Polygon) -> f64 {
+        let filled = Region::from(infill_region.clone()).offset(self.border_mm, Join::Miter(2.0));
+        self.density.fraction() * filled.area_mm2() * self.height_mm
+    }
 }
 
 /// Fills one polygon of one layer with paths whose centrelines stay inside it.
@@ -101,10 +109,9 @@ pub fn infill(pattern: Pattern, continuous: &Continuous) -> &dyn Infill {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use grainpath_core::DVec2;
     use grainpath_core::failure_svg::FailurePicture;
     use grainpath_core::math::direction;
-    use grainpath_core::poly::Join;
-    use grainpath_core::{DVec2, Region};
     use grainpath_job::choices::Choice;
 
     pub(super) fn outlines() -> Vec<(&'static str, Region)> {

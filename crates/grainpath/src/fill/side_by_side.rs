@@ -41,8 +41,8 @@ pub struct SideBySide {
 /// has a length of pi widths; a shorter loop encloses no free area.
 const SHORTEST_LOOP: f64 = 3.0;
 
-/// How often lines along a field are laid again to come nearer to the density.
-const ROUNDS: usize = 2;
+/// How often lines along a field are laid, to come nearer to the density each time.
+const ROUNDS: usize = 3;
 
 impl Infill for SideBySide {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
@@ -107,34 +107,26 @@ impl SideBySide {
             self.loops(context, infill_region, &lines, &mut beads);
             beads
         };
-        let mut density = self.share(context);
-        let mut best = laid(density);
-        // A field that asks for distances decides the density.
+        // A field that asks for distances decides the density, so that there is nothing to correct.
         let asks = |field: &dyn DirectionField| {
             infill_region.outer.first().and_then(|p| field.spacing_mm(p.extend(context.z_mid_mm))).is_some()
         };
-        if !field.is_some_and(asks) {
-            let filled = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
-            let wanted_mm3 = context.density.fraction() * filled.area_mm2() * context.height_mm;
-            let volume = |beads: &[Toolpath]| -> f64 {
-                beads.iter().map(|bead| bead.volume_mm3(context.height_mm)).sum()
-            };
-            let mut last = volume(&best);
-            for _ in 0..ROUNDS {
-                if last <= 0.0 {
-                    break;
-                }
-                // The volume grows almost in proportion to the density, so the ratio nearly meets it. It is kept only
-                // if it does: where few lines fit, one more or less can take the volume to the other side.
-                density = Density::new(density.fraction() * wanted_mm3 / last);
-                let beads = laid(density);
-                last = volume(&beads);
-                if (last - wanted_mm3).abs() < (volume(&best) - wanted_mm3).abs() {
-                    best = beads;
-                }
+        let wanted_mm3 = (!field.is_some_and(asks)).then(|| context.wanted_mm3(infill_region));
+        let mut density = self.share(context);
+        let mut best = (f64::INFINITY, Vec::new());
+        for _ in 0..ROUNDS {
+            let beads = laid(density);
+            let volume_mm3: f64 = beads.iter().map(|bead| bead.volume_mm3(context.height_mm)).sum();
+            let off_mm3 = wanted_mm3.map_or(0.0, |wanted| (volume_mm3 - wanted).abs());
+            if off_mm3 < best.0 {
+                best = (off_mm3, beads);
             }
+            let Some(wanted_mm3) = wanted_mm3.filter(|_| volume_mm3 > 0.0) else { break };
+            // The volume grows almost in proportion to the density, so the ratio nearly meets it. The nearest
+            // volume is kept: where few lines fit, one more or less can take it to the other side.
+            density = Density::new(density.fraction() * wanted_mm3 / volume_mm3);
         }
-        out.extend(best);
+        out.extend(best.1);
     }
 
     /// The region, grown so far that the ends of lines that leave it lie outside and are cut off.

@@ -12,7 +12,7 @@
 //! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
 //! lines. The first seed is the middle of the region's bounding box.
 
-use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::axis_of;
@@ -70,9 +70,6 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
     }
     // If the field asks for distances, these decide the density, and the width is not corrected.
     if asked(bounds.centre()).is_none() {
-        let area_mm2 =
-            Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0)).area_mm2();
-        let wanted_mm3 = context.density.fraction() * area_mm2 * context.height_mm;
-        fit_volume(&mut out[first..], wanted_mm3, context);
+        fit_volume(&mut out[first..], context.wanted_mm3(infill_region), context);
     }
 }
