@@ -58,6 +58,9 @@ warning_ids! {
     JobRenamed = "job-renamed",
         "The job uses an old name of a setting or word; it was read under its new name.",
         "write the new name";
+    JobRemoved = "job-removed",
+        "The job sets a key that is no setting any more; it was left out.",
+        "delete the line";
     JobOverruled = "job-overruled",
         "An argument of the command line replaces another setting of the job.",
         "unset the setting that should not count, as in --set fill.mass_g=none";

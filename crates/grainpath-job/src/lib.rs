@@ -55,7 +55,7 @@ pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, default_profile, profile, profiles_of};
 pub use regions::JobRegion;
-pub use renamed::{RENAMED, Renamed};
+pub use renamed::{REMOVED, RENAMED, Removed, Renamed};
 pub use schema::{json_schema, markdown};
 pub use settings::{
     CtSection, FibreSection, FillSection, GuideSection, ImageSection, MaterialSection, OutputSection,

@@ -8,7 +8,7 @@ use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
 use super::profiles::{KINDS, profile, profiles_of};
 use super::regions::JobRegion;
-use super::renamed::{Inside, new_key, new_word, path_in_file, rename_keys};
+use super::renamed::{Inside, new_key, new_word, path_in_file, removed, rename_names};
 use super::settings::{MaterialSection, Settings};
 use super::source::Source;
 use super::value::{Check, Problem, Step, path_text, read};
@@ -222,7 +222,7 @@ fn apply_table(
     Ok(())
 }
 
-/// Sets one key. A renamed key is set under its new name, with a warning.
+/// Sets one key. A renamed key is set under its new name and a removed one is left out, each with a warning.
 fn apply(
     settings: &mut Settings,
     section: &str,
@@ -236,6 +236,11 @@ fn apply(
         ("guide", "field") => ("guide.field", "path"),
         other => other,
     };
+    if let Some(reason) = removed(section, key) {
+        let text = format!("{section}.{key} was removed and is left out: {reason}");
+        settings.warnings.push(in_job(Warning::new(WarningId::JobRemoved, text), location(&[])));
+        return Ok(());
+    }
     let key = match new_key(section, key) {
         Some(new) => {
             let (old, new_name) = (format!("{section}.{key}"), format!("{section}.{new}"));
@@ -264,8 +269,8 @@ fn apply(
     }
 }
 
-/// A value with the new names of keys in its tables, each with a warning, and the keys that had old names. `name` is the
-/// name of the value in messages.
+/// A value with the new names of keys and words in its tables, each with a warning, and what was renamed. `name` is the name
+/// of the value in messages.
 fn rename_inside(
     settings: &mut Settings,
     name: &str,
@@ -281,15 +286,25 @@ fn rename_inside(
         new: full(&key.new),
     };
     let mut value = value.clone();
-    rename_keys(name, &mut value, &mut Inside::default(), &mut renamed).map_err(both)?;
-    let warning = |key: &Inside| renamed_warning(&full(&key.old), &full(&key.new), location(&key.old));
+    rename_names(name, &mut value, &mut Inside::default(), &mut renamed).map_err(both)?;
+    let warning = |found: &Inside| match &found.word {
+        Some((old, new)) => {
+            let old = format!("{} = {old:?}", full(&found.new));
+            renamed_warning(&old, &format!("{new:?}"), location(&found.old))
+        }
+        None => renamed_warning(&full(&found.old), &full(&found.new), location(&found.old)),
+    };
     settings.warnings.extend(renamed.iter().map(warning));
     Ok((value, renamed))
 }
 
 fn renamed_warning(old: &str, new: &str, place: Location) -> Warning {
-    let text = format!("{old} is now called {new}");
-    let warning = Warning::new(WarningId::JobRenamed, text).in_file(place.file);
+    in_job(Warning::new(WarningId::JobRenamed, format!("{old} is now called {new}")), place)
+}
+
+/// A warning with its place in the job file.
+fn in_job(warning: Warning, place: Location) -> Warning {
+    let warning = warning.in_file(place.file);
     match place.line {
         Some(line) => warning.in_line(line),
         None => warning,
@@ -554,7 +569,7 @@ mod tests {
 
     /// The old names are those of `renamed::tests::ROWS`.
     #[test]
-    fn a_renamed_key_inside_a_table_is_read_with_the_same_warning() {
+    fn renamed_keys_and_words_inside_tables_are_read_with_the_same_warning() {
         let ball = "{ ball = { centre_mm = [0, 0, 0], radius_mm = 1 } }";
         let job = format!(
             "guide.kind = \"stress\"
@@ -573,6 +588,9 @@ on = {{ layers = [[1, 2]] }}
 [[region]]
 where = {{ layers = [[3, 4]] }}
 fill = {{ share = 0.6 }}
+[[region]]
+on = {{ layers = [[5, 6]] }}
+fill = {{ style = \"lines\" }}
 "
         );
         let s = parse(&job, &[]).expect("old names are read");
@@ -581,6 +599,7 @@ fill = {{ share = 0.6 }}
         assert_eq!((s.guide.case[0].weight, s.guide.case[0].loads.len()), (2.0, 1));
         assert_eq!(s.fill.density.graded().map(|g| g.min), Some(0.1));
         assert_eq!(s.regions[1].density, Some(Density::Sparse(0.6)));
+        assert_eq!(s.regions[2].pattern, Some(crate::choices::Pattern::Rectilinear));
         let mut found: Vec<String> = s.warnings.iter().map(ToString::to_string).collect();
         found.sort_by_key(|w| w.split([' ', ':']).nth(2).and_then(|line| line.parse::<usize>().ok()));
         let expect = [
@@ -592,6 +611,8 @@ fill = {{ share = 0.6 }}
             "job.toml, line 11: fill.density.least is now called fill.density.min",
             "job.toml, line 15: region[2].where is now called region[2].on",
             "job.toml, line 16: region[2].fill.share is now called region[2].fill.density",
+            "job.toml, line 19: region[3].fill.style is now called region[3].fill.pattern",
+            "job.toml, line 19: region[3].fill.pattern = \"lines\" is now called \"rectilinear\"",
         ];
         assert_eq!(found.len(), expect.len(), "{found:#?}");
         for (found, expect) in found.iter().zip(expect) {

@@ -1,4 +1,4 @@
-//! Keys and words that were renamed. Files with the old names are still read.
+//! Keys and words that were renamed, and keys that were removed. Files with the old names are still read.
 
 use toml::Value;
 
@@ -25,9 +25,9 @@ pub enum Renamed {
         /// The name from now on.
         new: &'static str,
     },
-    /// One of the words that a setting allows.
+    /// One of the words that a setting allows, or a key of a table inside the value of a setting.
     Word {
-        /// The section of the setting.
+        /// The section of the setting, or the path of the table without the numbers of entries (`region.fill`).
         section: &'static str,
         /// The setting.
         key: &'static str,
@@ -53,7 +53,40 @@ pub const RENAMED: &[Renamed] = &[
     Renamed::Key { section: "guide", old: "memory_mb", new: "memory_mib" },
 ];
 
-/// All rows. Tests add their own, since a kind of row may have no entry yet.
+/// A key that no longer is a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Removed {
+    /// The section of the key.
+    pub section: &'static str,
+    /// The key.
+    pub key: &'static str,
+    /// Why it is not needed any more, as half a sentence for the warning.
+    pub reason: &'static str,
+}
+
+const NO_STRUTS: &str = "branches are thick enough to stand alone, see support.side_load_n";
+
+/// All keys that were removed. They are left out with a warning, so that old job files stay readable.
+///
+/// ```
+/// use grainpath_job::parse_job;
+///
+/// let settings = parse_job("[support]\nbrace = false\n", "job.toml", &[], &|_| Err(String::new())).unwrap();
+/// assert!(settings.warnings[0].text.starts_with("support.brace was removed and is left out"));
+/// ```
+pub const REMOVED: &[Removed] = &[
+    // Struts between trunks. Trunks near enough for one join, and the others are stiff by their thickness: on eight meshes
+    // with 2 to 87 trees no strut was ever built.
+    Removed { section: "support", key: "brace", reason: NO_STRUTS },
+    Removed { section: "support", key: "brace_slenderness", reason: NO_STRUTS },
+];
+
+/// Why a key was removed; `None` for any other key.
+pub(super) fn removed(section: &str, key: &str) -> Option<&'static str> {
+    REMOVED.iter().find(|r| (r.section, r.key) == (section, key)).map(|r| r.reason)
+}
+
+/// All rows of [`RENAMED`]. Tests add their own, since a kind of row may have no entry yet.
 fn rows() -> impl Iterator<Item = &'static Renamed> {
     #[cfg(test)]
     let all = RENAMED.iter().chain(tests::ROWS);
@@ -95,6 +128,8 @@ pub(super) struct Inside {
     pub(super) old: Vec<Step>,
     /// The path after renaming.
     pub(super) new: Vec<Step>,
+    /// The old and the new word, if the word at this place was renamed and not the key.
+    pub(super) word: Option<(String, &'static str)>,
 }
 
 impl Inside {
@@ -116,12 +151,12 @@ pub(super) fn path_in_file(new: &[Step], renamed: &[Inside]) -> Vec<Step> {
     found.map_or_else(|| new.to_vec(), |(old, rest)| [old.as_slice(), rest].concat())
 }
 
-/// Gives the keys in the tables of a value their new names. `table` is the path of the value without numbers of entries,
-/// `at` its place, which is the same again afterwards. Each key that had its old name is added to `renamed`.
+/// Gives the keys and words in the tables of a value their new names. `table` is the path of the value without numbers of
+/// entries, `at` its place, which is the same again afterwards. Each key and word that was renamed is added to `renamed`.
 ///
 /// # Errors
 /// A key that its table has under both names.
-pub(super) fn rename_keys(
+pub(super) fn rename_names(
     table: &str,
     value: &mut Value,
     at: &mut Inside,
@@ -133,7 +168,7 @@ pub(super) fn rename_keys(
             // the file need the numbers.
             for (i, item) in items.iter_mut().enumerate() {
                 at.push(Step::Index(i), Step::Index(i));
-                rename_keys(table, item, at, renamed)?;
+                rename_names(table, item, at, renamed)?;
                 at.pop();
             }
         }
@@ -152,8 +187,14 @@ pub(super) fn rename_keys(
                         rows.insert(new_key.to_owned(), inner);
                     }
                 }
+                if let Some(Value::String(word)) = rows.get_mut(new_key)
+                    && let Some(new) = new_word(table, new_key, word)
+                {
+                    let old = std::mem::replace(word, new.to_owned());
+                    renamed.push(Inside { word: Some((old, new)), ..at.clone() });
+                }
                 if let Some(inner) = rows.get_mut(new_key) {
-                    rename_keys(&format!("{table}.{new_key}"), inner, at, renamed)?;
+                    rename_names(&format!("{table}.{new_key}"), inner, at, renamed)?;
                 }
                 at.pop();
             }
@@ -168,7 +209,7 @@ mod tests {
     use super::*;
     use crate::{Settings, json_schema};
 
-    /// Renamed keys inside tables, of which there are none so far.
+    /// Renamed keys and words inside tables, of which there are none so far.
     pub(super) const ROWS: &[Renamed] = &[
         Renamed::InTable { table: "guide.load", old: "pull_n", new: "force_n" },
         Renamed::InTable { table: "guide.load", old: "where", new: "on" },
@@ -178,6 +219,8 @@ mod tests {
         Renamed::InTable { table: "fill.density", old: "least", new: "min" },
         Renamed::InTable { table: "region", old: "where", new: "on" },
         Renamed::InTable { table: "region.fill", old: "share", new: "density" },
+        Renamed::InTable { table: "region.fill", old: "style", new: "pattern" },
+        Renamed::Word { section: "region.fill", key: "pattern", old: "lines", new: "rectilinear" },
     ];
 
     /// The keys of a table inside a value, from the schema.
@@ -188,6 +231,14 @@ mod tests {
         };
         let schema = table.split('.').fold(json_schema(), inner);
         schema.get("items").unwrap_or(&schema)["properties"].clone()
+    }
+
+    #[test]
+    fn removed_keys_are_no_settings() {
+        let params = Settings::params();
+        for Removed { section, key, .. } in REMOVED {
+            assert!(!params.iter().any(|p| (p.section, p.key) == (*section, *key)), "{section}.{key}");
+        }
     }
 
     /// A row would be dead if its old name were still a setting, and wrong if its new one were none.
@@ -207,9 +258,16 @@ mod tests {
                     assert!(keys.get(new).is_some(), "{table}.{new}");
                 }
                 Renamed::Word { section, key, old, new } => {
-                    let words = find(section, key).map(|p| p.words).unwrap_or_default();
-                    assert!(words.iter().all(|w| w.name != *old), "{section}.{key} = {old}");
-                    assert!(words.iter().any(|w| w.name == *new), "{section}.{key} = {new}");
+                    let is_setting = Settings::SECTIONS.contains(section);
+                    let words: Vec<String> = if is_setting {
+                        let words = find(section, key).map(|p| p.words).unwrap_or_default();
+                        words.iter().map(|w| w.name.to_owned()).collect()
+                    } else {
+                        let listed = keys_of(section)[key]["enum"].as_array().cloned().unwrap_or_default();
+                        listed.iter().filter_map(|w| w.as_str().map(str::to_owned)).collect()
+                    };
+                    assert!(words.iter().all(|w| w != old), "{section}.{key} = {old}");
+                    assert!(words.iter().any(|w| w == new), "{section}.{key} = {new}: {words:?}");
                 }
             }
         }

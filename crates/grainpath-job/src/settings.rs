@@ -364,8 +364,6 @@ sections! {
         stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the checks with load_per_contact_n and side_load_n.";
         side_load_n: f64 = 0.1, "N", Range(0.0, 100.0), "Drag of the nozzle on a branch while its tip is printed. Branches are thick enough that no tip moves by more than half a bead's width under it, up to base_radius_mm. A warning states how many tips still move by more.";
         max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Largest length over diameter of a branch.";
-        brace: bool = true, "", Any, "Brace slender trunks against a neighbour with struts.";
-        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks whose length over diameter is larger than this are braced. Their struts are this many diameters apart.";
         max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "Largest horizontal distance over which two branches are merged.";
         margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may reach beyond the part in plan view to get around it.";
         from_plate_only: bool = false, "", Any, "Start support on the bed only, never on the part. Overhangs that cannot be reached are reported.";

@@ -191,9 +191,6 @@ fn trees(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
         let colour = if a.post { [230, 160, 60] } else { [70, 190, 90] };
         line(&mut canvas, view.at(a.at), view.at(b.at), width, colour);
     }
-    for b in &support.forest.braces {
-        line(&mut canvas, view.at(b.high), view.at(b.low), 2.0 * b.radius_mm * view.scale, [90, 150, 200]);
-    }
     for n in &support.forest.nodes {
         match n.kind {
             Kind::Join => dot(&mut canvas, view.at(n.at), 1.8, [255, 255, 255]),

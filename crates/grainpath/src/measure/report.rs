@@ -357,7 +357,6 @@ pub struct SupportReport {
     /// Length of beads that were left out because nothing could be printed below them.
     pub left_out_mm: f64,
     pub regions: usize,
-    pub braces: usize,
     /// Largest angle between a branch and the vertical.
     pub steepest_deg: f64,
     /// Largest distance of an overhang from its contact.
@@ -386,7 +385,6 @@ impl SupportReport {
             floating_mm: round(support.cut.floating_mm),
             left_out_mm: round(support.cut.left_out_mm),
             regions: support.overhangs.regions,
-            braces: support.forest.braces.len(),
             steepest_deg: round(support.forest.steepest_rad().to_degrees()),
             farthest_mm: round(support.farthest_mm()),
             tip_moves_mm: round(support.bending.worst_mm),

@@ -289,7 +289,6 @@ pub fn support(
         side_load_n: u.side_load_n,
         stiffness_mpa: u.stiffness_mpa,
         max_slenderness: u.max_slenderness,
-        brace_slenderness: u.brace.then_some(u.brace_slenderness),
         max_reach_mm: u.max_reach_mm,
         margin_mm: u.margin_mm,
         from_plate_only: u.from_plate_only,

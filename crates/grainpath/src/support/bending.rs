@@ -18,8 +18,8 @@
 //!
 //! Where the part leaves no room for these radii, the nodes of the tree are first moved away from it (`support/spread.rs`).
 //!
-//! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: braces and
-//! joining branches are assumed not to stiffen a tree. Where a tip moves too far even with the thickest branches that
+//! Lengths are mm, forces N. Cost: about 30 sums over all branches of the trees whose tips move too far. Limits: joining
+//! branches are assumed not to stiffen a tree. Where a tip moves too far even with the thickest branches that
 //! `base_radius_mm` and the part allow, it may move up to twice as far as with those.
 
 use std::collections::BTreeMap;

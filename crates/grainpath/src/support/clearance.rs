@@ -43,9 +43,6 @@ static MAX_DEBT: Tuned<u16> = Tuned::new("support.clearance.MAX_DEBT", 40);
 /// Width of a cell in the units of debts. Source: derived. The diagonal is then 90.5 units, and the 91 used differs from it
 /// by half a percent. Half a debt of just under two cells fits into the six bits that are left of a byte.
 const CELL: u16 = 64;
-/// Steps of a way are equal where what they owe differs by less than this, in cells; then the shorter step is taken. A
-/// way that owes less stays where it is. Measured: row `support.clearance.TIE` of `cargo xtask bench constants`.
-static TIE: Tuned<f64> = Tuned::new("support.clearance.TIE", 0.02);
 /// Value in place of the debt for a cell that cannot be passed.
 const BLOCKED: u8 = u8::MAX;
 
@@ -248,7 +245,7 @@ impl Clearance {
                 let away = self.centre(px, py).distance(at);
                 let owed = debt + (away - reach).max(0.0) / self.grid.cell_mm();
                 let motion = if (ox, oy) == (0, 0) { 0.0 } else { away };
-                if owed < best.0 - TIE.value() || (owed < best.0 + TIE.value() && motion < best.1) {
+                if (owed, motion) < (best.0, best.1) {
                     best = (owed, motion, px, py);
                 }
             }
@@ -256,7 +253,7 @@ impl Clearance {
                 return Vec::new();
             }
             let target = self.centre(best.2, best.3);
-            if (best.2, best.3) != (x, y) || best.0 > TIE.value() {
+            if (best.2, best.3) != (x, y) || best.0 > 0.0 {
                 at += (target - at).clamp_length_max(reach);
             }
             if let Some((cx, cy)) = self.cell(at) {

@@ -224,19 +224,6 @@ fn discs(
             out[k].push(Disc { at: at.truncate(), radius_mm, trim, interface });
         }
     }
-    for b in &forest.braces {
-        let (first, end) = (
-            heights.middles.partition_point(|&m| m < b.low.z),
-            heights.middles.partition_point(|&m| m < b.high.z),
-        );
-        for k in first..end {
-            let z = heights.middles[k];
-            let at = b.low.lerp(b.high, (z - b.low.z) / (b.high.z - b.low.z));
-            let disc =
-                Disc { at: at.truncate(), radius_mm: b.radius_mm, trim: Trim::AtGap, interface: false };
-            out[k].push(disc);
-        }
-    }
     out
 }
 

@@ -96,8 +96,6 @@ pub struct SupportSettings {
     pub stiffness_mpa: f64,
     /// Largest ratio of a branch's length to its diameter.
     pub max_slenderness: f64,
-    /// Trunks with a larger ratio of length to diameter are tied to a neighbour; `None` for no bracing.
-    pub brace_slenderness: Option<f64>,
     /// The furthest a branch goes sideways to meet another.
     pub max_reach_mm: f64,
     /// How far branches may go beyond the part in plan.
@@ -255,7 +253,6 @@ pub fn plan(
     diagnostics.advance(1);
     let mut forest = tree::grow(&overhangs.contacts, &clearance, settings);
     bending::stiffen(&mut forest, &clearance, settings);
-    tree::brace(&mut forest, &clearance, settings);
     diagnostics.check()?;
     diagnostics.advance(1);
     let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);

@@ -47,9 +47,6 @@ static REACH_SHARE: Tuned<f64> = Tuned::new("support.overhang.REACH_SHARE", 0.49
 /// A contact counts for a piece in mid-air if it lies within this many layers of its underside. Source: derived.
 /// Contacts lie on facets that cut a layer anywhere in its height, and its neighbours above and below.
 const AROUND_LAYERS: f64 = 1.5;
-/// A piece in mid-air gets several contacts if it is at least this long, in spacings of contacts. Measured: row
-/// `support.overhang.MID_AIR_LONG` of `cargo xtask bench constants`.
-static MID_AIR_LONG: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_LONG", 0.8);
 /// Contacts of a piece in mid-air are at least this far apart, in spacings of contacts. Measured: row
 /// `support.overhang.MID_AIR_APART` of `cargo xtask bench constants`.
 static MID_AIR_APART: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_APART", 0.9);
@@ -577,9 +574,6 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
             out.contacts.push(mid_air_contact(p.extend(z), polygon.area_mm2()));
         }
         let Some(bounds) = polygon.bounds() else { continue };
-        if bounds.size().max_element() < MID_AIR_LONG.value() * d {
-            continue;
-        }
         let n = (bounds.size() / (MID_AIR_STEP.value() * d)).ceil();
         for j in 0..=n.y as i64 {
             for i in 0..=n.x as i64 {

@@ -8,7 +8,6 @@
 //! 2. The highest node is taken. Among its neighbours it joins the one that saves most branch length.
 //! 3. A node without such a neighbour goes straight down, or round the part where the part is in the way. It ends on
 //!    the plate, or on the part where the plate cannot be reached.
-//! 4. Trunks that are too slender are braced to a neighbour ([`brace`]).
 //!
 //! Nodes are taken in order of height, so all that a node carries is known when its turn comes, and no choice is ever
 //! undone. Lengths are in mm, angles in radians. Cost: about n log n for n contacts. Contacts with neither a way to the
@@ -76,24 +75,11 @@ impl Node {
     }
 }
 
-/// A strut between two trunks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Brace {
-    /// Its upper end.
-    pub high: DVec3,
-    /// Its lower end.
-    pub low: DVec3,
-    /// Its radius, mm.
-    pub radius_mm: f64,
-}
-
 /// All trees of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Forest {
     /// Every node. A node names the node below it, whose index may be higher or lower.
     pub nodes: Vec<Node>,
-    /// Struts between trunks.
-    pub braces: Vec<Brace>,
     /// Contacts that no branch could reach.
     pub unreached: Vec<u32>,
 }
@@ -109,13 +95,12 @@ impl Forest {
         self.nodes.iter().filter_map(|n| n.below.map(|b| (n, &self.nodes[b as usize])))
     }
 
-    /// The largest lean of any branch or brace from the vertical, radians.
+    /// The largest lean of any branch from the vertical, radians.
     pub fn steepest_rad(&self) -> f64 {
         let lean = |a: DVec3, b: DVec3| {
             grainpath_core::math::atan2((a - b).truncate().length(), (a.z - b.z).max(0.0))
         };
-        let of_branches = self.branches().filter(|(a, b)| a.at != b.at).map(|(a, b)| lean(a.at, b.at));
-        of_branches.chain(self.braces.iter().map(|b| lean(b.high, b.low))).fold(0.0, f64::max)
+        self.branches().filter(|(a, b)| a.at != b.at).map(|(a, b)| lean(a.at, b.at)).fold(0.0, f64::max)
     }
 }
 
@@ -224,25 +209,12 @@ static TIP_LENGTHS: Tuned<f64> = Tuned::new("support.tree.TIP_LENGTHS", 1.0);
 /// The floor of a post is searched from this far below its contact, mm. Source: derived. Two slabs of the
 /// [`Clearance`]: the slab of the contact and the one below it may hold the underside that the post is to carry.
 const POST_BELOW_MM: f64 = 0.8;
-/// On its way to a joint a branch keeps clear of the part by this share of its own radius, or by the radius of the
-/// thinnest branch. Measured: row `support.tree.MEET_SHARE` of `cargo xtask bench constants`.
-static MEET_SHARE: Tuned<f64> = Tuned::new("support.tree.MEET_SHARE", 0.5);
 /// The finest and the coarsest cell of the grid of nodes, mm. Source: chosen for speed. The best joint of a node is
 /// found in any grid; which ones are tried next where it has no room may depend on the cells.
 const CELL_MM: [f64; 2] = [2.0, 20.0];
 /// How far a landing reaches into the part, mm. Source: derived. It is more than twice the height of a slab of the
 /// [`Clearance`], to whose top a landing is taken; what lies in the part is cut away.
 const SINK_MM: f64 = 1.0;
-/// A brace rises by this share of the lower of its two trunks at most. Measured: row `support.tree.BRACE_RISE` of
-/// `cargo xtask bench constants`.
-static BRACE_RISE: Tuned<f64> = Tuned::new("support.tree.BRACE_RISE", 0.5);
-/// A trunk that is too slender is tied to the first of this number of its nearest neighbours that has room for a brace.
-/// Measured: row `support.tree.BRACE_TRIES` of `cargo xtask bench constants`.
-static BRACE_TRIES: Tuned<usize> = Tuned::new("support.tree.BRACE_TRIES", 2);
-/// The highest brace begins this far below the top of the lower trunk, mm. Measured: row `support.tree.BRACE_BELOW_MM`
-/// of `cargo xtask bench constants`.
-static BRACE_BELOW_MM: Tuned<f64> = Tuned::new("support.tree.BRACE_BELOW_MM", 1.0);
-
 struct Grower<'a> {
     s: &'a SupportSettings,
     clearance: &'a Clearance,
@@ -437,9 +409,9 @@ impl Grower<'_> {
 
     fn can_meet(&self, name: u32, m: &Meeting, plate: bool) -> bool {
         let (p, q) = (self.node(name), self.node(m.with));
-        let thin = self.s.branch_radius_mm;
+        // A thicker branch is made thinner where the part is near, as on a way around the part.
+        let keep = self.s.branch_radius_mm + self.s.xy_gap_mm;
         let clear = |a: &Node| {
-            let keep = thin.max(MEET_SHARE.value() * a.radius_mm) + self.s.xy_gap_mm;
             a.at.distance(m.at) < 1e-9
                 || self.clearance.is_clear(a.at, m.at, keep.min(self.clearance.distance_mm(a.at)))
         };
@@ -523,51 +495,6 @@ impl Grower<'_> {
             };
         }
     }
-}
-
-/// Ties trunks that are too slender to a neighbour.
-pub fn brace(forest: &mut Forest, clearance: &Clearance, settings: &SupportSettings) {
-    let Some(slender) = settings.brace_slenderness else { return };
-    let slope = slope(settings);
-    let trunks: Vec<(DVec2, f64, f64)> = forest
-        .branches()
-        .filter(|(a, b)| b.kind == Kind::Foot && (a.at - b.at).truncate().length() < 1e-9 && !a.post)
-        .map(|(a, b)| (a.at.truncate(), a.at.z, b.radius_mm))
-        .collect();
-    let radius = settings.branch_radius_mm;
-    let mut braces = Vec::new();
-    for (i, &(p, top, r)) in trunks.iter().enumerate() {
-        if top < slender * 2.0 * r {
-            continue;
-        }
-        let mut near: Vec<(f64, usize)> = trunks
-            .iter()
-            .enumerate()
-            .filter(|&(j, t)| j != i && t.0.distance(p) > 2.0 * r)
-            .map(|(j, t)| (t.0.distance(p), j))
-            .filter(|&(d, j)| {
-                d < settings.max_reach_mm && d / slope < BRACE_RISE.value() * top.min(trunks[j].1)
-            })
-            .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let step = slender * 2.0 * r;
-        for &(d, j) in near.iter().take(BRACE_TRIES.value()) {
-            let mut z = top.min(trunks[j].1 + d / slope) - BRACE_BELOW_MM.value();
-            let mut n = 0;
-            while z - d / slope > settings.base_height_mm {
-                let (high, low) = (p.extend(z), trunks[j].0.extend(z - d / slope));
-                if clearance.is_clear(high, low, radius + settings.xy_gap_mm) {
-                    braces.push(Brace { high, low, radius_mm: radius });
-                    n += 1;
-                }
-                z -= step;
-            }
-            if n > 0 {
-                break;
-            }
-        }
-    }
-    forest.braces = braces;
 }
 
 impl SupportSettings {

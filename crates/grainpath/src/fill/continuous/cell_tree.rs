@@ -173,21 +173,15 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     out
 }
 
-/// Factor on the least distances at which beads are joined last: 0.5, then 0.35, then 0.2 beads. Measured: row
-/// `fill.continuous.tree.REST_MIN` of `cargo xtask bench constants`.
-static REST_MIN: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_MIN", 1.0);
 /// Factor on the greatest distances at which beads are joined last: 1.6, then 2.3, then 3.2 beads. Measured: row
 /// `fill.continuous.tree.REST_MAX` of `cargo xtask bench constants`.
 static REST_MAX: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_MAX", 1.0);
 /// Factor on the distances between the places that are tried for the last joints: 4 beads, then 0.4 beads. Measured:
 /// row `fill.continuous.tree.REST_STEP` of `cargo xtask bench constants`.
 static REST_STEP: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_STEP", 1.0);
-/// Last joints keep this distance from other joints along a ring, in beads. Measured: row
-/// `fill.continuous.tree.REST_AROUND` of `cargo xtask bench constants`.
-static REST_AROUND: Tuned<f64> = Tuned::new("fill.continuous.tree.REST_AROUND", 0.1);
-/// Slanted joints reach this far, in beads. Measured: row `fill.continuous.tree.SLANTED_FAR` of `cargo xtask bench
+/// Short joints reach this far, in beads. Measured: row `fill.continuous.tree.SHORT_FAR` of `cargo xtask bench
 /// constants`.
-static SLANTED_FAR: Tuned<f64> = Tuned::new("fill.continuous.tree.SLANTED_FAR", 2.5);
+static SHORT_FAR: Tuned<f64> = Tuned::new("fill.continuous.tree.SHORT_FAR", 2.5);
 
 /// Finds joints for rings that are still apart. The search becomes closer and wider until all are joined or
 /// all ranges are tried. It does not start from the longest ring, which all others can see.
@@ -201,8 +195,8 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
         |found: Vec<Facing>, sets: &mut DisjointSets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
             for f in found {
                 let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.lowest(r));
-                // The ends of two joints keep apart, so that the connections do not touch.
-                let around_mm = f.half_mm + REST_AROUND.value() * spacing_mm;
+                // The ends of two joints lie a mark apart at least, so that the connections do not touch.
+                let around_mm = f.half_mm + MARK.value() * spacing_mm;
                 let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
                 if a != b && free() {
                     taken.take_both(&f, around_mm);
@@ -212,12 +206,10 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             }
         };
     // Long steps come first, because any place will do where long rings run side by side. Then follow
-    // closer steps and wider ranges, and at last slanted joints.
-    let near = [0.5, 1.6];
-    for (range, step) in
-        [(Some(near), 4.0), (Some(near), 0.4), (Some([0.35, 2.3]), 0.4), (Some([0.2, 3.2]), 0.4), (None, 0.4)]
+    // closer steps and wider ranges, and at last short joints.
+    for (most, step) in [(Some(1.6), 4.0), (Some(1.6), 0.4), (Some(2.3), 0.4), (Some(3.2), 0.4), (None, 0.4)]
     {
-        let range = range.map(|[least, most]| [least * REST_MIN.value(), most * REST_MAX.value()]);
+        let range = most.map(|most| [0.0, most * REST_MAX.value()]);
         let step = step * REST_STEP.value();
         for ring in (0..n).filter(|&r| r != longest) {
             let length = rings.length_mm(ring);
@@ -233,7 +225,7 @@ pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
                         .into_iter()
                         .filter_map(|side| rings.stretches(ring, at_mm, side, range, None))
                         .collect(),
-                    None => rings.slanted(ring, at_mm, SLANTED_FAR.value()),
+                    None => rings.short_joints(ring, at_mm, SHORT_FAR.value()),
                 };
                 look(found, &mut sets, &mut taken, &mut exchanges);
             }

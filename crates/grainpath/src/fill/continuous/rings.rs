@@ -144,25 +144,16 @@ static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
 /// A stretch is straight if the cosine of its turn within half a bead is at least this (0.8: 37 degrees). Measured: row
 /// `fill.continuous.rings.STRAIGHT` of `cargo xtask bench constants`.
 static STRAIGHT: Tuned<f64> = Tuned::new("fill.continuous.rings.STRAIGHT", 0.8);
-/// Each half of a facing stretch is longer than this share of half a bead. Measured: row
-/// `fill.continuous.rings.FACING_MIN` of `cargo xtask bench constants`.
-static FACING_MIN: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MIN", 0.3);
-/// Each half of a facing stretch is shorter than this multiple of half a bead. Measured: row
-/// `fill.continuous.rings.FACING_MAX` of `cargo xtask bench constants`.
-static FACING_MAX: Tuned<f64> = Tuned::new("fill.continuous.rings.FACING_MAX", 1.8);
-/// On one ring the middles of the two stretches lie at least this many halves of a bead apart. At 2 they touch.
-/// Measured: row `fill.continuous.rings.OWN_APART` of `cargo xtask bench constants`.
-static OWN_APART: Tuned<f64> = Tuned::new("fill.continuous.rings.OWN_APART", 2.2);
 /// Share of a connection that is left out at either end where it is tested. Source: derived. Of a connection of 0.4 mm
 /// that is 0.008 mm, eighty times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const LEFT_OUT: f64 = 0.02;
-/// Factor on the angles of the rays that search for slanted joints: 0, 0.5 and 1 radians to both sides. Measured: row
-/// `fill.continuous.rings.SLANTED_TURN` of `cargo xtask bench constants`.
-static SLANTED_TURN: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_TURN", 1.0);
-/// Factor on half the lengths of the stretches that slanted joints replace: 0.4, 0.2 and 0.08 of a bead. Measured: row
-/// `fill.continuous.rings.SLANTED_HALF` of `cargo xtask bench constants`.
-static SLANTED_HALF: Tuned<f64> = Tuned::new("fill.continuous.rings.SLANTED_HALF", 1.0);
-/// Rings shorter than this many half stretches get no slanted joint. Source: derived. A ring is a triangle at least:
+/// Factor on the angles of the rays that search for short joints: 0, 0.5 and 1 radians to both sides. Measured: row
+/// `fill.continuous.rings.SHORT_TURN` of `cargo xtask bench constants`.
+static SHORT_TURN: Tuned<f64> = Tuned::new("fill.continuous.rings.SHORT_TURN", 1.0);
+/// Factor on half the lengths of the stretches that short joints replace: 0.4, 0.2 and 0.08 of a bead. Measured: row
+/// `fill.continuous.rings.SHORT_HALF` of `cargo xtask bench constants`.
+static SHORT_HALF: Tuned<f64> = Tuned::new("fill.continuous.rings.SHORT_HALF", 1.0);
+/// Rings shorter than this many half stretches get no short joint. Source: derived. A ring is a triangle at least:
 /// where one of three stretches is replaced, two are left.
 const LEAST_RING: f64 = 6.0;
 /// For the last joints, only segments within this distance of a ring other than the longest are searched,
@@ -376,15 +367,15 @@ impl Rings {
             return None;
         }
         let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
-        // A facing stretch much shorter or longer than this one lies at a slant or has a bend.
-        let fits = |d: f64| d > FACING_MIN.value() * half && d < FACING_MAX.value() * half;
-        if !fits(d0) || !fits(d1) {
+        // Between two rays, the longest straight stretch is the one at the flattest angle. A longer one has a bend,
+        // which a joint would cut off.
+        if d0.max(d1) > half / AGAINST.value() {
             return None;
         }
         if middle.ring == ring {
             // On one ring the two stretches must not overlap.
-            let off = ahead(at_mm, middle.at_mm);
-            if off.min(length - off) < OWN_APART.value() * half {
+            let to_facing = ahead(at_mm, middle.at_mm);
+            if to_facing <= half + d0 || length - to_facing <= half + d1 {
                 return None;
             }
         }
@@ -410,13 +401,13 @@ impl Rings {
 
     /// Short stretches around a position and around a place of another ring that a ray at any angle
     /// hits, if the connections between their ends are free. They join rings that nowhere run side by
-    /// side.
-    pub(super) fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
+    /// side, as at the ends of a neck.
+    pub(super) fn short_joints(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
         let (p, way, segment) = self.point(ring, at_mm);
         let mut out = Vec::new();
-        for turn in [0.0, 0.5, -0.5, 1.0, -1.0].map(|rad| rad * SLANTED_TURN.value()) {
-            for side in [1.0, -1.0] {
-                let look = rotated(side * way.perp(), direction(turn));
+        for turn in [0.0, 0.5, -0.5, 1.0, -1.0].map(|rad| rad * SHORT_TURN.value()) {
+            for side in [Side::Left, Side::Right] {
+                let look = rotated(side.normal(way), direction(turn));
                 let skips = |r: usize, s: usize| r == ring && s == segment;
                 let hit = self.neighbours.hit(p, look, far * self.spacing_mm, skips);
                 let Some((hit, other)) = hit.and_then(|h| Some((h, h.line?))) else { continue };
@@ -425,7 +416,7 @@ impl Rings {
                 }
                 let start = self.lines[other].segment(hit.segment).0;
                 let facing_mm = self.arcs[other][hit.segment] + start.distance(p + hit.distance_mm * look);
-                for half in [0.4, 0.2, 0.08].map(|h| h * SLANTED_HALF.value() * self.spacing_mm) {
+                for half in [0.4, 0.2, 0.08].map(|h| h * SHORT_HALF.value() * self.spacing_mm) {
                     if [ring, other].into_iter().any(|r| self.length_mm(r) < LEAST_RING * half) {
                         continue;
                     }

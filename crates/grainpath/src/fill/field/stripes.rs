@@ -103,9 +103,6 @@ pub(super) const BEYOND: f64 = 0.05;
 /// border. Source: derived. A bead that meets the border at 30 degrees has twice as far to go as at 90 degrees; a
 /// quarter more is for borders that bend away.
 const REACH: f64 = 2.5;
-/// The last segment of a bead is shortened for a joint only if it is longer than this multiple of the length taken off.
-/// Measured: row `fill.field.stripes.SHORTENED_FROM` of `cargo xtask bench constants`.
-static SHORTENED_FROM: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTENED_FROM", 1.5);
 /// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the next round
 /// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
 /// after three rounds.
@@ -495,24 +492,33 @@ pub(super) struct WideBead {
 }
 
 impl WideBead {
-    /// Where the bead would end after shortening by `by_mm`, at its start if `first` and else at its end, and
-    /// the share of that segment which remains. A segment of at most [`SHORTENED_FROM`] times `by_mm` is kept
-    /// whole.
-    fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
+    /// Where the bead would end after losing `by_mm` along its line, at its start if `first` and else at its end: the
+    /// number of vertices that stay, the new end and the width there, mm. At least half of the bead stays.
+    fn shortened_end(&self, first: bool, by_mm: f64) -> (usize, DVec2, f64) {
         let n = self.points.len();
-        let (a, b) =
-            if first { (self.points[1], self.points[0]) } else { (self.points[n - 2], self.points[n - 1]) };
-        let length = a.distance(b);
-        let t = if length > SHORTENED_FROM.value() * by_mm { 1.0 - by_mm / length } else { 1.0 };
-        (a.lerp(b, t), t)
+        let vertex = |i: usize| if first { n - 1 - i } else { i };
+        let mut left_mm = by_mm.min(0.5 * polyline::length_mm(&self.points, false));
+        let mut kept = n - 1;
+        loop {
+            let (p, q) = (vertex(kept - 1), vertex(kept));
+            let length_mm = self.points[p].distance(self.points[q]);
+            if left_mm < length_mm || kept == 1 {
+                let t = if length_mm > 0.0 { 1.0 - left_mm / length_mm } else { 1.0 };
+                let width_mm = self.widths[p] + t * (self.widths[q] - self.widths[p]);
+                return (kept, self.points[p].lerp(self.points[q], t), width_mm);
+            }
+            left_mm -= length_mm;
+            kept -= 1;
+        }
     }
 
     /// Shortens the bead by `by_mm` at its end.
     fn shorten(&mut self, by_mm: f64) {
-        let n = self.points.len();
-        let (end, t) = self.rest(false, by_mm);
-        self.points[n - 1] = end;
-        self.widths[n - 1] = self.widths[n - 2] + t * (self.widths[n - 1] - self.widths[n - 2]);
+        let (kept, end, width_mm) = self.shortened_end(false, by_mm);
+        self.points.truncate(kept);
+        self.widths.truncate(kept);
+        self.points.push(end);
+        self.widths.push(width_mm);
     }
 
     fn reversed(mut self) -> Self {
@@ -616,8 +622,8 @@ pub(super) fn joined(
                 let at = bead.points[bead.points.len() - 1];
                 let Some((next, second)) = index.nearest(at) else { break };
                 let to = ends[next][usize::from(second)];
-                let other = beads[next].as_ref().map(|b| b.rest(!second, retreat_mm).0);
-                let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
+                let other = beads[next].as_ref().map(|b| b.shortened_end(!second, retreat_mm).1);
+                let joint = [bead.shortened_end(false, retreat_mm).1, other.unwrap_or(to)];
                 // The straight line between the ends and the joint half a bead inside are both tested,
                 // because another bead may cross either of them.
                 if at.distance(to) > LONGEST_JOINT.value() * spacing_mm
