@@ -209,7 +209,7 @@ const THIN_WALLS: &[Piece] = &[
 const TREES: &[Piece] = &[("hanging-ball", "", &[]), ("dental-tray", "", &[])];
 /// The same, and branches of a part that stand over its plate, so that supports pass close beside it.
 const TREES_BESIDE: &[Piece] = &[TREES[0], TREES[1], ("critical-angle-short", "", &[])];
-/// Wedges in mid-air, edge down: blades of 60 mm whose edge is 0.05 and 0.4 mm wide. Samples of the overhang, 0.6 mm apart,
+/// Wedges in mid-air, edge down: blades of 60 mm whose edge is 0.05 and 0.4 mm wide. Samples of the overhang, 1 mm apart,
 /// miss most of such an edge.
 const KEELS: &[Piece] = &[(KEEL, "0.05", &["support.lift_mm=20"]), (KEEL, "0.4", &["support.lift_mm=20"])];
 const KEEL: &str = "keel";

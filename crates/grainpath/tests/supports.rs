@@ -427,6 +427,38 @@ fn gaps_pads_and_tips_are_as_asked() {
     assert!(support.forest.steepest_rad().to_degrees() <= 40.0);
 }
 
+/// A wedge of 60 mm in mid-air, 20 mm up, with an edge of this width down and turned in plan. Its flanks lean by 30 degrees
+/// from the vertical and need no support.
+fn blade(edge_mm: f64, turn_deg: f64) -> TriMesh {
+    let mut mesh = boxes(&[[[-30.0, -0.5, 20.0], [30.0, 0.5, 24.0]]]);
+    for v in &mut mesh.vertices {
+        let width_mm = edge_mm + 2.0 * (v.z - 20.0) * 30f64.to_radians().tan();
+        let turned = DVec2::from_angle(turn_deg.to_radians()).rotate(DVec2::new(v.x, v.y * width_mm));
+        *v = turned.extend(v.z);
+    }
+    mesh
+}
+
+/// Samples of an overhang lie 1 mm apart on a grid, which misses most of a narrower edge.
+#[test]
+fn edges_narrower_than_the_grid_of_samples_are_held_along_their_length() {
+    for edge_mm in [0.01, 0.05, 0.2, 0.4, 1.0, 1.6] {
+        for turn_deg in [0.0, 10.0, 37.0, 45.0, 90.0] {
+            let (support, ..) = planned(&blade(edge_mm, turn_deg), |_| ());
+            let contacts = &support.overhangs.contacts;
+            let farthest_mm = (0..=120).map(|i| {
+                let p = DVec2::from_angle(turn_deg.to_radians()) * (f64::from(i) * 0.5 - 30.0);
+                contacts.iter().map(|c| c.at.distance(p.extend(20.0))).fold(f64::INFINITY, f64::min)
+            });
+            let farthest_mm = farthest_mm.fold(0.0, f64::max);
+            println!("{edge_mm} mm at {turn_deg}: {} contacts, {farthest_mm:.2} mm", contacts.len());
+            // Half of the longest stretch over air, and half a step of the grid for points between samples.
+            assert!(farthest_mm < 5.5, "{edge_mm} mm at {turn_deg} degrees: {farthest_mm} mm from a contact");
+            assert!(contacts.len() < 30, "{edge_mm} mm at {turn_deg} degrees: {} contacts", contacts.len());
+        }
+    }
+}
+
 #[test]
 fn baselines_stand_below_every_overhang() {
     for style in [Style::Columns, Style::Box] {

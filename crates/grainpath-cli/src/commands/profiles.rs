@@ -14,7 +14,7 @@ pub(crate) fn profiles(args: &Profiles) -> Result<(), Failure> {
         };
         let json = serde_json::json!({ "kind": p.kind, "name": p.name, "toml": p.text });
         // The text of the profile is printed unchanged with its comments, so that users can copy it to a file of
-        // one's own.
+        // their own.
         files::print(&if args.json { format!("{json}\n") } else { p.text.to_owned() });
         return Ok(());
     }

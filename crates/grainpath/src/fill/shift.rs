@@ -87,7 +87,7 @@ impl Shift {
         kept && splitmix64(name) as usize % TURNS == self.turn
     }
 
-    /// The same where the beads along the border are laid.
+    /// The same arrangement without a band along the border, for a region whose band is laid already.
     #[must_use]
     pub(crate) fn without_border(self) -> Self {
         Self { ends: self.ends.map(|_| Ends::Inner), ..self }

@@ -168,7 +168,7 @@ impl Continuous {
         let mut rings = Vec::new();
         for &(density, ref band) in bands {
             let context = FillContext { density, ..*context };
-            // Beads at the border of a band keep half of its spacing, so that the two bands share the room between them.
+            // Beads at the border of a band keep half of its spacing, so that the two bands share the space between them.
             for polygon in band.offset(-0.5 * spacing(density), Join::Miter(3.0)).polygons {
                 rings.extend(self.joined(&context, &polygon, spacing(density)));
             }

@@ -1,4 +1,4 @@
-//! Rooms of all shapes under fields of all kinds: one path, nothing crossed, nothing left open.
+//! Infill regions of all shapes under fields of all kinds: one path, nothing crossed, nothing left open.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

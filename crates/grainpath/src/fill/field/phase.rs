@@ -75,6 +75,7 @@ static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCAL
 pub(crate) fn diffusion_steps() -> [(f64, usize); 3] {
     [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
+
 /// The spacing may differ from the nominal one by this factor before beads end or begin. It lies well
 /// inside the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
 /// `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.

@@ -1,4 +1,4 @@
-//! Rooms of different shapes under fields of different kinds.
+//! Infill regions of different shapes under fields of different kinds.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
