@@ -22,7 +22,7 @@ import grainpath as gp
         ("fill__angles_deg", [0, 90], [0, 90]),
         ("fill__angles_deg", (0.0, 45.5), [0, 45.5]),
         ("fill__angles_deg", np.array([30.0, 60.0]), [30, 60]),
-        ("support__brace", False, False),
+        ("support__interface_lines", False, False),
         ("fill__mass_g", 5.5, 5.5),
     ],
 )
