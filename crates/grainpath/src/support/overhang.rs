@@ -44,16 +44,12 @@ static FEW_SAMPLES: Tuned<usize> = Tuned::new("support.overhang.FEW_SAMPLES", 40
 /// A sample becomes a contact where none is nearer than this share of L. Measured: row `support.overhang.REACH_SHARE`
 /// of `cargo xtask bench constants`.
 static REACH_SHARE: Tuned<f64> = Tuned::new("support.overhang.REACH_SHARE", 0.49);
+/// A region is narrow if its mean width is less than this many steps of the grid of samples. Source: derived. A strip wider
+/// than the diagonal of a cell, the square root of 2, holds a point of the grid wherever it lies.
+const NARROW: f64 = std::f64::consts::SQRT_2;
 /// A contact counts for a piece in mid-air if it lies within this many layers of its underside. Source: derived.
 /// Contacts lie on facets that cut a layer anywhere in its height, and its neighbours above and below.
 const AROUND_LAYERS: f64 = 1.5;
-/// Contacts of a piece in mid-air are at least this far apart, in spacings of contacts. Measured: row
-/// `support.overhang.MID_AIR_APART` of `cargo xtask bench constants`.
-static MID_AIR_APART: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_APART", 0.9);
-/// Places for more contacts of a piece in mid-air are tried this far apart, in spacings of contacts. Measured: row
-/// `support.overhang.MID_AIR_STEP` of `cargo xtask bench constants`.
-static MID_AIR_STEP: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_STEP", 0.5);
-
 /// A piece of a layer with nothing below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MidAir {
@@ -266,7 +262,7 @@ fn side(u: DVec2, v: DVec2, p: DVec2) -> f64 {
     if forwards { twice_area } else { -twice_area }
 }
 
-/// Samples of a region at every crossing of a grid in plan, or one on its largest facet where the grid misses it; `None`
+/// Samples of a region at every crossing of a grid in plan, and along its middle where it is narrower than the grid; `None`
 /// for a region too small to need support.
 fn sample_region(
     mesh: &TriMesh,
@@ -313,6 +309,14 @@ fn sample_region(
         }
     }
     painted.add_missed(facets, normals, pitch_mm, &mut samples);
+    let rim_mm = rim(mesh, facets).map(|(_, a, b)| a.truncate().distance(b.truncate())).sum::<f64>();
+    // A strip of width w and length l has the area w l and a rim of about 2 l.
+    if 2.0 * total < NARROW * pitch_mm * rim_mm {
+        let along_middle = along_middle(mesh, normals, facets, pitch_mm);
+        samples.extend(along_middle.filter(|(t, s)| held_at(*t, s.at)).map(|(_, sample)| sample));
+        let n = samples.len() as f64;
+        samples.iter_mut().for_each(|s| s.area_mm2 = total / n);
+    }
     if samples.is_empty() {
         let t = mesh.triangles[largest.1 as usize];
         let at = t.map(corner).into_iter().sum::<DVec3>() / 3.0;
@@ -326,6 +330,43 @@ fn sample_region(
     }
     samples.retain(|s| !settings.blocked(s.at) || Painted::covers(&painted.enforcers, s.at));
     Some(samples)
+}
+
+/// The edges of a group of facets that only one of them has, each with that facet, in the facet's direction.
+fn rim<'a>(mesh: &'a TriMesh, facets: &[u32]) -> impl Iterator<Item = (u32, DVec3, DVec3)> + 'a {
+    let mut uses: BTreeMap<[u32; 2], Vec<(u32, [u32; 2])>> = BTreeMap::new();
+    for &t in facets {
+        let [a, b, c] = mesh.triangles[t as usize];
+        for [u, v] in [[a, b], [b, c], [c, a]] {
+            uses.entry([u.min(v), u.max(v)]).or_default().push((t, [u, v]));
+        }
+    }
+    let corner = |i: u32| mesh.vertices[i as usize];
+    uses.into_values().filter(|edge| edge.len() == 1).map(move |edge| {
+        let (t, [u, v]) = edge[0];
+        (t, corner(u), corner(v))
+    })
+}
+
+/// Samples half-way from the rim of a narrow group of facets to the opposite corners of its facets, which is the middle of
+/// a strip, a grid step apart. Each comes with its facet; its area is left to the caller.
+fn along_middle<'a>(
+    mesh: &'a TriMesh,
+    normals: &'a [DVec3],
+    facets: &[u32],
+    pitch_mm: f64,
+) -> impl Iterator<Item = (u32, Sample)> + 'a {
+    rim(mesh, facets).flat_map(move |(t, a, b)| {
+        let corners = mesh.triangles[t as usize].map(|i| mesh.vertices[i as usize]);
+        let opposite = corners.into_iter().find(|c| *c != a && *c != b).unwrap_or(a);
+        // Half-way to a corner, distances are half of those along the rim.
+        let length_mm = 0.5 * a.truncate().distance(b.truncate());
+        let n = ((length_mm / pitch_mm).ceil() as usize).clamp(1, 100_000);
+        (0..n).map(move |i| {
+            let at = a.lerp(b, (i as f64 + 0.5) / n as f64).midpoint(opposite);
+            (t, Sample { at, normal: normals[t as usize], area_mm2: 0.0 })
+        })
+    })
 }
 
 /// Samples on keels: edges that lean beyond the critical angle, between two downward-facing facets that do not.
@@ -551,9 +592,8 @@ pub(crate) fn inner_point(polygon: &Polygon) -> DVec2 {
     })
 }
 
-/// Gives every piece that begins in mid-air a contact at its underside, and long pieces several.
+/// Gives every piece that begins in mid-air and has no contact at its underside one contact there.
 fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
-    let d = settings.spacing_mm();
     let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
     by_height.sort_by(|a, b| a.0.total_cmp(&b.0));
     for piece in &out.mid_air {
@@ -562,41 +602,19 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
         let polygon = &piece.polygon;
         let reach = settings.contact_radius_mm;
         let first = by_height.partition_point(|c| c.0 <= z - AROUND_LAYERS * h);
-        let mut points: Vec<DVec2> = by_height[first..]
-            .iter()
-            .take_while(|c| c.0 < z + AROUND_LAYERS * h)
-            .map(|c| c.1)
-            .filter(|&p| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach))
-            .collect();
-        if points.is_empty() {
-            let p = inner_point(polygon);
-            points.push(p);
-            out.contacts.push(mid_air_contact(p.extend(z), polygon.area_mm2()));
-        }
-        let Some(bounds) = polygon.bounds() else { continue };
-        let n = (bounds.size() / (MID_AIR_STEP.value() * d)).ceil();
-        for j in 0..=n.y as i64 {
-            for i in 0..=n.x as i64 {
-                let p = bounds.min + DVec2::new(i as f64, j as f64) * MID_AIR_STEP.value() * d;
-                let far = |points: &[DVec2]| points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d);
-                if far(&points) && polygon.contains(p) {
-                    points.push(p);
-                    out.contacts.push(mid_air_contact(p.extend(z), 0.0));
-                }
-            }
-        }
-        // Corners are tried as well, because a sliver may contain no point of the grid.
-        for &p in &polygon.outer {
-            if points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d) {
-                points.push(p);
-                out.contacts.push(mid_air_contact(p.extend(z), 0.0));
-            }
+        let mut near = by_height[first..].iter().take_while(|c| c.0 < z + AROUND_LAYERS * h);
+        let is_held =
+            near.any(|&(_, p)| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach));
+        if !is_held {
+            out.contacts.push(Contact {
+                at: inner_point(polygon).extend(z),
+                normal: -DVec3::Z,
+                area_mm2: polygon.area_mm2(),
+                reason: Reason::Lowest,
+                tip_mm: 0.0,
+            });
         }
     }
-}
-
-fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
-    Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest, tip_mm: 0.0 }
 }
 
 #[cfg(test)]
