@@ -50,6 +50,13 @@ const NARROW: f64 = std::f64::consts::SQRT_2;
 /// A contact counts for a piece in mid-air if it lies within this many layers of its underside. Source: derived.
 /// Contacts lie on facets that cut a layer anywhere in its height, and its neighbours above and below.
 const AROUND_LAYERS: f64 = 1.5;
+/// Contacts of a piece in mid-air are at least this far apart, in spacings of contacts. Measured: row
+/// `support.overhang.MID_AIR_APART` of `cargo xtask bench constants`.
+static MID_AIR_APART: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_APART", 0.9);
+/// Places for more contacts of a piece in mid-air are tried this far apart, in spacings of contacts. Measured: row
+/// `support.overhang.MID_AIR_STEP` of `cargo xtask bench constants`.
+static MID_AIR_STEP: Tuned<f64> = Tuned::new("support.overhang.MID_AIR_STEP", 0.5);
+
 /// A piece of a layer with nothing below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MidAir {
@@ -592,8 +599,9 @@ pub(crate) fn inner_point(polygon: &Polygon) -> DVec2 {
     })
 }
 
-/// Gives every piece that begins in mid-air and has no contact at its underside one contact there.
+/// Gives every piece that begins in mid-air a contact at its underside, and long pieces several.
 fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
+    let d = settings.spacing_mm();
     let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
     by_height.sort_by(|a, b| a.0.total_cmp(&b.0));
     for piece in &out.mid_air {
@@ -602,19 +610,41 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
         let polygon = &piece.polygon;
         let reach = settings.contact_radius_mm;
         let first = by_height.partition_point(|c| c.0 <= z - AROUND_LAYERS * h);
-        let mut near = by_height[first..].iter().take_while(|c| c.0 < z + AROUND_LAYERS * h);
-        let is_held =
-            near.any(|&(_, p)| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach));
-        if !is_held {
-            out.contacts.push(Contact {
-                at: inner_point(polygon).extend(z),
-                normal: -DVec3::Z,
-                area_mm2: polygon.area_mm2(),
-                reason: Reason::Lowest,
-                tip_mm: 0.0,
-            });
+        let mut points: Vec<DVec2> = by_height[first..]
+            .iter()
+            .take_while(|c| c.0 < z + AROUND_LAYERS * h)
+            .map(|c| c.1)
+            .filter(|&p| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach))
+            .collect();
+        if points.is_empty() {
+            let p = inner_point(polygon);
+            points.push(p);
+            out.contacts.push(mid_air_contact(p.extend(z), polygon.area_mm2()));
+        }
+        let Some(bounds) = polygon.bounds() else { continue };
+        let n = (bounds.size() / (MID_AIR_STEP.value() * d)).ceil();
+        for j in 0..=n.y as i64 {
+            for i in 0..=n.x as i64 {
+                let p = bounds.min + DVec2::new(i as f64, j as f64) * MID_AIR_STEP.value() * d;
+                let far = |points: &[DVec2]| points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d);
+                if far(&points) && polygon.contains(p) {
+                    points.push(p);
+                    out.contacts.push(mid_air_contact(p.extend(z), 0.0));
+                }
+            }
+        }
+        // Corners are tried as well, because a sliver may contain no point of the grid.
+        for &p in &polygon.outer {
+            if points.iter().all(|q| q.distance(p) > MID_AIR_APART.value() * d) {
+                points.push(p);
+                out.contacts.push(mid_air_contact(p.extend(z), 0.0));
+            }
         }
     }
+}
+
+fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
+    Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest, tip_mm: 0.0 }
 }
 
 #[cfg(test)]
