@@ -432,7 +432,7 @@ fn gaps_pads_and_tips_are_as_asked() {
 fn blade(edge_mm: f64, turn_deg: f64) -> TriMesh {
     let mut mesh = boxes(&[[[-30.0, -0.5, 20.0], [30.0, 0.5, 24.0]]]);
     for v in &mut mesh.vertices {
-        let width_mm = edge_mm + 2.0 * (v.z - 20.0) * 30f64.to_radians().tan();
+        let width_mm = edge_mm + 2.0 * (v.z - 20.0) * grainpath_core::math::tan(30f64.to_radians());
         let turned = DVec2::from_angle(turn_deg.to_radians()).rotate(DVec2::new(v.x, v.y * width_mm));
         *v = turned.extend(v.z);
     }
