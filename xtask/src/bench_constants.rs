@@ -36,7 +36,7 @@ enum Measure {
     Strength,
     /// Ends that stand on each other from layer to layer, and the quality of the fill.
     Ends,
-    /// The support of a specimen; `Piece` names the specimen, or a wedge with the width of its edge, and not a preset.
+    /// The support of a specimen; `Piece` names the specimen and not a preset.
     Support,
 }
 
@@ -137,25 +137,6 @@ fn write_outlines(folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Writes a wedge with its edge down, turned by 37 degrees in plan so that no side follows the grid of samples. Its
-/// flanks lean by 30 degrees from the vertical, so that they need no support.
-#[allow(clippy::disallowed_methods, reason = "written with four digits, for a bench alone")]
-fn write_keel(path: &Path, edge_mm: &str) -> Result<(), String> {
-    const HALF_LENGTH_MM: f64 = 30.0;
-    const HEIGHT_MM: f64 = 4.0;
-    let half_edge = 0.5 * edge_mm.parse::<f64>().map_err(|e| format!("{edge_mm}: {e}"))?;
-    let half_top = half_edge + HEIGHT_MM * 30f64.to_radians().tan();
-    let (sin, cos) = 37f64.to_radians().sin_cos();
-    let mut text = String::new();
-    for x in [-HALF_LENGTH_MM, HALF_LENGTH_MM] {
-        for (y, z) in [(-half_edge, 0.0), (half_edge, 0.0), (half_top, HEIGHT_MM), (-half_top, HEIGHT_MM)] {
-            writeln!(text, "v {:.4} {:.4} {z}", x * cos - y * sin, x * sin + y * cos).expect("text");
-        }
-    }
-    text += "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
-}
-
 /// Dense beads along the stress in the same parts.
 const STRIPES: &[Piece] = &[
     ("stress-lines", "tension", &["fill.pattern=stripes"]),
@@ -209,10 +190,8 @@ const THIN_WALLS: &[Piece] = &[
 const TREES: &[Piece] = &[("hanging-ball", "", &[]), ("dental-tray", "", &[])];
 /// The same, and branches of a part that stand over its plate, so that supports pass close beside it.
 const TREES_BESIDE: &[Piece] = &[TREES[0], TREES[1], ("critical-angle-short", "", &[])];
-/// Wedges in mid-air, edge down: blades of 60 mm whose edge is 0.05 and 0.4 mm wide. Samples of the overhang, 1 mm apart,
-/// miss most of such an edge.
-const KEELS: &[Piece] = &[(KEEL, "0.05", &["support.lift_mm=20"]), (KEEL, "0.4", &["support.lift_mm=20"])];
-const KEEL: &str = "keel";
+/// A ball far above the plate in thick layers: the first of them is a disc in mid-air that needs several contacts.
+const MID_AIR: &[Piece] = &[("hanging-ball", "", &["process.layer_height_mm=0.4"])];
 const TREES_BY_POISSON: &[Piece] =
     &[("hanging-ball", "", &["support.solid=poisson"]), ("dental-tray", "", &["support.solid=poisson"])];
 
@@ -341,8 +320,8 @@ const ROWS: &[Row] = &[
     support("support.overhang.KEEL_COS", &[0.7, 0.8, 0.9, 0.95, 0.99], TREES_BESIDE),
     support("support.overhang.FEW_SAMPLES", &[10.0, 20.0, 40.0, 80.0, 160.0], TREES_BESIDE),
     support("support.overhang.REACH_SHARE", &[0.4, 0.45, 0.49, 0.55, 0.6], TREES_BESIDE),
-    support("support.overhang.MID_AIR_APART", &[0.5, 0.7, 0.9, 1.0, 1.2], KEELS),
-    support("support.overhang.MID_AIR_STEP", &[0.1, 0.25, 0.5, 0.75, 1.0], KEELS),
+    support("support.overhang.MID_AIR_APART", &[0.5, 0.7, 0.9, 1.0, 1.2], MID_AIR),
+    support("support.overhang.MID_AIR_STEP", &[0.1, 0.25, 0.5, 0.75, 1.0], MID_AIR),
     support("support.SAMPLE_SHARE", &[0.02, 0.04, 0.06, 0.08, 0.1], TREES_BESIDE),
     // Surfaces of supports.
     support("support.poisson.MARGIN", &[2.0, 4.0, 6.0, 10.0, 16.0], TREES_BY_POISSON),
@@ -625,15 +604,8 @@ fn strength_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Resu
 fn support_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
     let mut columns: [Vec<String>; 7] = Default::default();
     for piece in row.pieces {
-        let mesh = if piece.0 == KEEL {
-            let mesh = folder.join(format!("{KEEL}-{}.obj", piece.1));
-            write_keel(&mesh, piece.1)?;
-            mesh
-        } else {
-            let mesh = folder.join(piece.0).with_extension("stl");
-            crate::output(Command::new(grainpath).args(["specimen", piece.0, "-o"]).arg(&mesh))?;
-            mesh
-        };
+        let mesh = folder.join(piece.0).with_extension("stl");
+        crate::output(Command::new(grainpath).args(["specimen", piece.0, "-o"]).arg(&mesh))?;
         let mut command = Command::new(grainpath);
         command.args(["support", "--json", "-o"]).arg(folder.join("support.stl")).arg(&mesh);
         for setting in piece.2 {

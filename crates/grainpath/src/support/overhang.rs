@@ -316,10 +316,11 @@ fn sample_region(
         }
     }
     painted.add_missed(facets, normals, pitch_mm, &mut samples);
-    let rim_mm = rim(mesh, facets).map(|(_, a, b)| a.truncate().distance(b.truncate())).sum::<f64>();
+    let rim = rim(mesh, facets);
+    let rim_mm: f64 = rim.iter().map(|(_, [a, b])| a.truncate().distance(b.truncate())).sum();
     // A strip of width w and length l has the area w l and a rim of about 2 l.
     if 2.0 * total < NARROW * pitch_mm * rim_mm {
-        let along_middle = along_middle(mesh, normals, facets, pitch_mm);
+        let along_middle = along_middle(mesh, normals, &rim, pitch_mm);
         samples.extend(along_middle.filter(|(t, s)| held_at(*t, s.at)).map(|(_, sample)| sample));
         let n = samples.len() as f64;
         samples.iter_mut().for_each(|s| s.area_mm2 = total / n);
@@ -339,31 +340,27 @@ fn sample_region(
     Some(samples)
 }
 
-/// The edges of a group of facets that only one of them has, each with that facet, in the facet's direction.
-fn rim<'a>(mesh: &'a TriMesh, facets: &[u32]) -> impl Iterator<Item = (u32, DVec3, DVec3)> + 'a {
-    let mut uses: BTreeMap<[u32; 2], Vec<(u32, [u32; 2])>> = BTreeMap::new();
-    for &t in facets {
+/// The edges of a group of facets that only one of them has, each with that facet.
+fn rim(mesh: &TriMesh, facets: &[u32]) -> Vec<(u32, [DVec3; 2])> {
+    let sides = |&t: &u32| {
         let [a, b, c] = mesh.triangles[t as usize];
-        for [u, v] in [[a, b], [b, c], [c, a]] {
-            uses.entry([u.min(v), u.max(v)]).or_default().push((t, [u, v]));
-        }
-    }
-    let corner = |i: u32| mesh.vertices[i as usize];
-    uses.into_values().filter(|edge| edge.len() == 1).map(move |edge| {
-        let (t, [u, v]) = edge[0];
-        (t, corner(u), corner(v))
-    })
+        [[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], t))
+    };
+    let mut sides: Vec<([u32; 2], u32)> = facets.iter().flat_map(sides).collect();
+    sides.sort_unstable();
+    let single = sides.chunk_by(|a, b| a.0 == b.0).filter(|uses| uses.len() == 1);
+    single.map(|uses| (uses[0].1, uses[0].0.map(|i| mesh.vertices[i as usize]))).collect()
 }
 
-/// Samples half-way from the rim of a narrow group of facets to the opposite corners of its facets, which is the middle of
-/// a strip, a grid step apart. Each comes with its facet; its area is left to the caller.
-fn along_middle<'a>(
-    mesh: &'a TriMesh,
-    normals: &'a [DVec3],
-    facets: &[u32],
+/// Samples half-way from the `rim` of a narrow group of facets to the opposite corners of its facets, which is the middle
+/// of a strip, a grid step apart. Each comes with its facet; its area is left to the caller.
+fn along_middle(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    rim: &[(u32, [DVec3; 2])],
     pitch_mm: f64,
-) -> impl Iterator<Item = (u32, Sample)> + 'a {
-    rim(mesh, facets).flat_map(move |(t, a, b)| {
+) -> impl Iterator<Item = (u32, Sample)> {
+    rim.iter().flat_map(move |&(t, [a, b])| {
         let corners = mesh.triangles[t as usize].map(|i| mesh.vertices[i as usize]);
         let opposite = corners.into_iter().find(|c| *c != a && *c != b).unwrap_or(a);
         // Half-way to a corner, distances are half of those along the rim.

@@ -215,6 +215,7 @@ const CELL_MM: [f64; 2] = [2.0, 20.0];
 /// How far a landing reaches into the part, mm. Source: derived. It is more than twice the height of a slab of the
 /// [`Clearance`], to whose top a landing is taken; what lies in the part is cut away.
 const SINK_MM: f64 = 1.0;
+
 struct Grower<'a> {
     s: &'a SupportSettings,
     clearance: &'a Clearance,
