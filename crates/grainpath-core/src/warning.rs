@@ -204,7 +204,7 @@ warning_ids! {
         "set guide.import_order, or name the array with guide.import_array";
     FeOrderUnused = "fe-order-unused",
         "The order of stress components that the job states does not apply to the array of the file.",
-        "unset guide.import_order: the file states the components itself, or has another number than six";
+        "unset guide.import_order: the file names its components, or has more or fewer than six";
     FeZeroStress = "fe-zero-stress",
         "The stress of a finite-element file is zero everywhere.",
         "export a step in which the part is loaded";

@@ -154,7 +154,7 @@ impl Replay {
         }
     }
 
-    /// Replays what waits for its end.
+    /// Replays the lines that are kept until their end has come.
     fn last_lines(&mut self) {
         let mut bytes = std::mem::take(&mut self.rest);
         self.lines(&bytes);

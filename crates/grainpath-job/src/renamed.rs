@@ -7,29 +7,21 @@ use super::value::Step;
 /// A key or a word with a new name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Renamed {
-    /// A key of a section.
+    /// A key of a section, or of a table inside it.
     Key {
-        /// The section of the key, for example `shape.ct`.
-        section: &'static str,
-        /// The name in old files.
-        old: &'static str,
-        /// The name from now on.
-        new: &'static str,
-    },
-    /// A key of a table inside the value of a setting, or of a region.
-    InTable {
-        /// The path of the table without the numbers of entries, for example `guide.load.on` or `region.fill`.
+        /// The section, for example `shape.ct`, or the path of the table without the numbers of entries, for example
+        /// `guide.load.on` or `region.fill`.
         table: &'static str,
         /// The name in old files.
         old: &'static str,
         /// The name from now on.
         new: &'static str,
     },
-    /// One of the words that a setting allows, or a key of a table inside the value of a setting.
+    /// A word that is the value of a setting, or of a key of a table inside a section.
     Word {
-        /// The section of the setting, or the path of the table without the numbers of entries (`region.fill`).
-        section: &'static str,
-        /// The setting.
+        /// The section or the path of the table, as above.
+        table: &'static str,
+        /// The setting or the key.
         key: &'static str,
         /// The word in old files.
         old: &'static str,
@@ -50,7 +42,7 @@ pub enum Renamed {
 /// ```
 pub const RENAMED: &[Renamed] = &[
     // The value always meant units of 1024 x 1024 bytes; only the name was wrong.
-    Renamed::Key { section: "guide", old: "memory_mb", new: "memory_mib" },
+    Renamed::Key { table: "guide", old: "memory_mb", new: "memory_mib" },
 ];
 
 /// A key that no longer is a setting.
@@ -95,29 +87,19 @@ fn rows() -> impl Iterator<Item = &'static Renamed> {
     all
 }
 
-/// The new name of a key; `None` for a key that was not renamed.
-pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
+/// The new name of a key of a section or table; `None` for a key that was not renamed.
+pub(super) fn new_key(table: &str, key: &str) -> Option<&'static str> {
     rows().find_map(|r| match r {
-        Renamed::Key { section: s, old, new } if (*s, *old) == (section, key) => Some(*new),
-        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
-    })
-}
-
-/// The new name of a key inside the value of a setting; `None` for a key that was not renamed.
-fn new_key_in_table(table: &str, key: &str) -> Option<&'static str> {
-    rows().find_map(|r| match r {
-        Renamed::InTable { table: t, old, new } if (*t, *old) == (table, key) => Some(*new),
-        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
+        Renamed::Key { table: t, old, new } if (*t, *old) == (table, key) => Some(*new),
+        Renamed::Key { .. } | Renamed::Word { .. } => None,
     })
 }
 
 /// The new form of a word; `None` for a word that was not renamed.
-pub(super) fn new_word(section: &str, key: &str, word: &str) -> Option<&'static str> {
+pub(super) fn new_word(table: &str, key: &str, word: &str) -> Option<&'static str> {
     rows().find_map(|r| match r {
-        Renamed::Word { section: s, key: k, old, new } if (*s, *k, *old) == (section, key, word) => {
-            Some(*new)
-        }
-        Renamed::Key { .. } | Renamed::InTable { .. } | Renamed::Word { .. } => None,
+        Renamed::Word { table: t, key: k, old, new } if (*t, *k, *old) == (table, key, word) => Some(*new),
+        Renamed::Key { .. } | Renamed::Word { .. } => None,
     })
 }
 
@@ -174,7 +156,7 @@ pub(super) fn rename_names(
         }
         Value::Table(rows) => {
             for key in rows.keys().cloned().collect::<Vec<_>>() {
-                let new = new_key_in_table(table, &key);
+                let new = new_key(table, &key);
                 let new_key = new.unwrap_or(&key);
                 at.push(Step::Key(key.clone()), Step::Key(new_key.to_owned()));
                 if new.is_some() {
@@ -211,16 +193,16 @@ mod tests {
 
     /// Renamed keys and words inside tables, of which there are none so far.
     pub(super) const ROWS: &[Renamed] = &[
-        Renamed::InTable { table: "guide.load", old: "pull_n", new: "force_n" },
-        Renamed::InTable { table: "guide.load", old: "where", new: "on" },
-        Renamed::InTable { table: "guide.load.on", old: "ball", new: "sphere" },
-        Renamed::InTable { table: "guide.case", old: "importance", new: "weight" },
-        Renamed::InTable { table: "guide.case.load", old: "pull_n", new: "force_n" },
-        Renamed::InTable { table: "fill.density", old: "least", new: "min" },
-        Renamed::InTable { table: "region", old: "where", new: "on" },
-        Renamed::InTable { table: "region.fill", old: "share", new: "density" },
-        Renamed::InTable { table: "region.fill", old: "style", new: "pattern" },
-        Renamed::Word { section: "region.fill", key: "pattern", old: "lines", new: "rectilinear" },
+        Renamed::Key { table: "guide.load", old: "pull_n", new: "force_n" },
+        Renamed::Key { table: "guide.load", old: "where", new: "on" },
+        Renamed::Key { table: "guide.load.on", old: "ball", new: "sphere" },
+        Renamed::Key { table: "guide.case", old: "importance", new: "weight" },
+        Renamed::Key { table: "guide.case.load", old: "pull_n", new: "force_n" },
+        Renamed::Key { table: "fill.density", old: "least", new: "min" },
+        Renamed::Key { table: "region", old: "where", new: "on" },
+        Renamed::Key { table: "region.fill", old: "share", new: "density" },
+        Renamed::Key { table: "region.fill", old: "style", new: "pattern" },
+        Renamed::Word { table: "region.fill", key: "pattern", old: "lines", new: "rectilinear" },
     ];
 
     /// The keys of a table inside a value, from the schema.
@@ -245,29 +227,29 @@ mod tests {
     #[test]
     fn old_names_are_gone_and_new_names_exist() {
         let params = Settings::params();
+        let is_section = |table: &str| Settings::SECTIONS.contains(&table);
         let find = |section: &str, key: &str| params.iter().find(|p| p.section == section && p.key == key);
         for renamed in rows() {
             match renamed {
-                Renamed::Key { section, old, new } => {
-                    assert!(find(section, old).is_none(), "{section}.{old}");
-                    assert!(find(section, new).is_some(), "{section}.{new}");
+                Renamed::Key { table, old, new } if is_section(table) => {
+                    assert!(find(table, old).is_none(), "{table}.{old}");
+                    assert!(find(table, new).is_some(), "{table}.{new}");
                 }
-                Renamed::InTable { table, old, new } => {
+                Renamed::Key { table, old, new } => {
                     let keys = keys_of(table);
                     assert!(keys.get(old).is_none(), "{table}.{old}");
                     assert!(keys.get(new).is_some(), "{table}.{new}");
                 }
-                Renamed::Word { section, key, old, new } => {
-                    let is_setting = Settings::SECTIONS.contains(section);
-                    let words: Vec<String> = if is_setting {
-                        let words = find(section, key).map(|p| p.words).unwrap_or_default();
+                Renamed::Word { table, key, old, new } => {
+                    let words: Vec<String> = if is_section(table) {
+                        let words = find(table, key).map(|p| p.words).unwrap_or_default();
                         words.iter().map(|w| w.name.to_owned()).collect()
                     } else {
-                        let listed = keys_of(section)[key]["enum"].as_array().cloned().unwrap_or_default();
+                        let listed = keys_of(table)[key]["enum"].as_array().cloned().unwrap_or_default();
                         listed.iter().filter_map(|w| w.as_str().map(str::to_owned)).collect()
                     };
-                    assert!(words.iter().all(|w| w != old), "{section}.{key} = {old}");
-                    assert!(words.iter().any(|w| w == new), "{section}.{key} = {new}: {words:?}");
+                    assert!(words.iter().all(|w| w != old), "{table}.{key} = {old}");
+                    assert!(words.iter().any(|w| w == new), "{table}.{key} = {new}: {words:?}");
                 }
             }
         }

@@ -118,7 +118,7 @@ impl EdgeUses {
 pub struct Shells(Vec<u32>);
 
 impl Shells {
-    /// Groups the triangles of a mesh.
+    /// Finds the shells of a mesh.
     pub fn find(mesh: &TriMesh, edges: &EdgeUses) -> Self {
         let mut shells = DisjointSets::new(mesh.triangles.len());
         for mut edge in edges.edges() {

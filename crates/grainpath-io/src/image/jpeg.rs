@@ -12,8 +12,7 @@ use super::{
 
 const FORMAT: ImageFormat = ImageFormat::Jpeg;
 /// Limit on the scans of a progressive image: each is a pass over all pixels. Source: `jpeg_simple_progression` of
-/// libjpeg writes ten for a colour picture; a file with
-/// thousands would take hours to decode.
+/// libjpeg writes ten for a colour picture; a file with thousands would take hours to decode.
 const MAX_SCANS: usize = 128;
 
 pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Image, ImageError> {

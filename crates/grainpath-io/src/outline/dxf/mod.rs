@@ -369,6 +369,7 @@ impl Dxf<'_> {
         Ok(())
     }
 
+    /// Largest distance of a curve from its polyline, in the drawing's unit.
     fn tolerance(&self) -> f64 {
         self.options.tolerance_mm / self.mm()
     }
