@@ -35,10 +35,12 @@ use rayon::prelude::*;
 use super::bricks::Bricks;
 use super::card::StrengthCard;
 use super::damage::{damaged_stiffness, remaining_shares};
-use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
+use super::load_stepping::{
+    FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
+};
 
 use super::wall_bending::{
-    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, highest_index, unresolved_bending,
+    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Orthotropic, Stiffness, rotated_about_z, strain_along};
@@ -331,11 +333,11 @@ impl LoadedSolid<'_> {
         element: usize,
         strain: [f64; 6],
         states: &[PlyState],
-    ) -> Vec<FailureIndices> {
+    ) -> impl Iterator<Item = FailureIndices> {
         let test = self.test;
         let cell = self.cells[element] as usize;
         let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
-        let each = |(k, p): (usize, usize)| {
+        let each = move |(k, p): (usize, usize)| {
             let own = strain_along(strain, test.bricks.plies[self.plies[p] as usize].angle_rad);
             let damage = states[p].damage();
             let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
@@ -355,7 +357,7 @@ impl LoadedSolid<'_> {
                 mode,
             }
         };
-        self.plies(element).enumerate().map(each).collect()
+        self.plies(element).enumerate().map(each)
     }
 
     /// The failure index of each element in its middle and on the faces of thin walls, see [`unresolved_bending`].
@@ -367,7 +369,7 @@ impl LoadedSolid<'_> {
             let cell = self.cells[element] as usize;
             let displacement = self.system.displacement();
             let middle = self.system.strain(displacement, cell).unwrap_or_default();
-            let index = |strain: [f64; 6]| highest_index(&self.indices_of_strain(element, strain, states));
+            let index = |strain: [f64; 6]| highest_index(self.indices_of_strain(element, strain, states));
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..3 {
@@ -448,10 +450,11 @@ impl LoadedPart for LoadedSolid<'_> {
         Ok(UnitSolution { force_times_displacement, changed })
     }
 
-    fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
+    fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>) {
+        out.clear();
         let cell = self.cells[element] as usize;
         let strain = self.system.strain(self.system.displacement(), cell);
-        self.indices_of_strain(element, strain.unwrap_or_default(), states)
+        out.extend(self.indices_of_strain(element, strain.unwrap_or_default(), states));
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

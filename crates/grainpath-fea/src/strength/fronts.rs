@@ -70,7 +70,7 @@ struct Front {
     /// The forces after forward substitution: first on its own nodes, then those that it adds to the nodes of its
     /// parent.
     eased: Vec<f64>,
-    /// Displacements of the nodes that are eliminated here, mm.
+    /// Displacements of its nodes, mm.
     found: Vec<f64>,
     stale: bool,
 }
@@ -190,7 +190,7 @@ impl Fronts {
         back(&mut self.fronts, &[]);
         let mut x = vec![0.0; self.fronts.iter().map(|f| 2 * f.own).sum()];
         for front in &self.fronts {
-            for (node, found) in front.nodes.iter().zip(front.found.chunks_exact(2)) {
+            for (node, found) in front.nodes[..front.own].iter().zip(front.found.chunks_exact(2)) {
                 x[2 * *node as usize..][..2].copy_from_slice(found);
             }
         }
@@ -300,7 +300,9 @@ fn make(fronts: &mut [Front], work: &Factorization<'_>) -> Result<(), SparseErro
 fn back(fronts: &mut [Front], above: &[f64]) {
     let Some((last, before)) = fronts.split_last_mut() else { return };
     let size = 2 * last.nodes.len();
-    let mut part = last.eased[..2 * last.own].to_vec();
+    let part = &mut last.found;
+    part.clear();
+    part.extend_from_slice(&last.eased[..2 * last.own]);
     part.extend(last.up.iter().flat_map(|at| [above[2 * *at as usize], above[2 * *at as usize + 1]]));
     let mut columns = &last.factor[..];
     for j in (0..2 * last.own).rev() {
@@ -308,15 +310,13 @@ fn back(fronts: &mut [Front], above: &[f64]) {
         part[j] = (part[j] - dot(&part[j + 1..], &column[1..])) / column[0];
         columns = others;
     }
-    last.found.clear();
-    last.found.extend_from_slice(&part[..2 * last.own]);
     let many = before.len() > MANY;
     let (first, second) = before.split_at_mut(last.halves[0]);
     if many {
-        rayon::join(|| back(first, &part), || back(second, &part));
+        rayon::join(|| back(first, part), || back(second, part));
     } else {
-        back(first, &part);
-        back(second, &part);
+        back(first, part);
+        back(second, part);
     }
 }
 

@@ -62,6 +62,11 @@ pub(super) struct FailureIndices {
     pub mode: FailureMode,
 }
 
+/// The highest failure index of an element's plies.
+pub(super) fn highest_index(indices: impl IntoIterator<Item = FailureIndices>) -> f64 {
+    indices.into_iter().flat_map(|i| i.index).fold(0.0, f64::max)
+}
+
 /// A part of elements with plies, under supports and a load, that is solved again after each change of damage.
 pub(super) trait LoadedPart: Sync {
     fn n_elements(&self) -> usize;
@@ -84,7 +89,9 @@ pub(super) trait LoadedPart: Sync {
     }
     /// Solves for the unit load.
     fn solve(&mut self) -> Result<UnitSolution, TestError>;
-    fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices>;
+    /// The failure indices of the plies of an element at the unit load. They replace the content of `out`, whose memory is
+    /// used again for the next element. Without a change of the element's strain and states they are the same each time.
+    fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>);
     /// Gives elements the stiffness that their states leave.
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError>;
     /// Raises the damage of a state to the next step for which a stiffness is tabulated.
@@ -161,25 +168,20 @@ pub(super) fn run_to_failure(
     let mut first_index = Vec::new();
     let mut equilibrium = Equilibrium::default();
     let mut broke_at = vec![None; n];
-    let mut indices = vec![FailureIndices::default(); part.n_plies()];
     let mut weakest = vec![WeakestPly::NONE; n];
     let (mut level, mut step) = (0.0, control.first_step);
     let past_peak = loop {
         cancel.check()?;
         let UnitSolution { force_times_displacement: flexibility, changed } = part.solve()?;
         let changed = changed.unwrap_or_else(|| (0..n).collect());
-        let evaluate = |&e: &usize| {
-            let indices = part.failure_indices(e, &states);
-            let weakest = weakest_ply(part, e, &indices, &states);
-            (indices, weakest)
+        // Only the weakest ply of each element is kept. The indices of all plies would take 32 bytes each, and the few
+        // elements that fail can compute theirs again.
+        let evaluate = |indices: &mut Vec<FailureIndices>, &e: &usize| {
+            part.failure_indices(e, &states, indices);
+            weakest_ply(part, e, indices, &states)
         };
-        for elements in changed.chunks(EVALUATED_AT_ONCE) {
-            let new: Vec<_> = elements.par_iter().map(evaluate).collect();
-            for (&e, new) in elements.iter().zip(new) {
-                indices[part.plies(e)].copy_from_slice(&new.0);
-                weakest[e] = new.1;
-            }
-        }
+        let new: Vec<WeakestPly> = changed.par_iter().map_init(Vec::new, evaluate).collect();
+        changed.iter().zip(new).for_each(|(e, new)| weakest[*e] = new);
         // The load factor at which the damage of the next ply grows.
         let critical = weakest.iter().map(|w| w.load_factor).fold(f64::INFINITY, f64::min);
         if !critical.is_finite() {
@@ -190,8 +192,11 @@ pub(super) fn run_to_failure(
         }
         history.push(critical, flexibility);
         if first_index.is_empty() {
-            let highest = |e: usize| indices[part.plies(e)].iter().flat_map(|p| p.index).fold(0.0, f64::max);
-            first_index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
+            let highest = |indices: &mut Vec<FailureIndices>, e: usize| {
+                part.failure_indices(e, &states, indices);
+                (highest_index(indices.iter().copied()) * critical) as f32
+            };
+            first_index = (0..n).into_par_iter().map_init(Vec::new, highest).collect();
         }
         let collapsed = critical < control.collapse_load * history.max_factor()
             && flexibility > control.collapse_softening * equilibrium.flexibility;
@@ -222,7 +227,7 @@ pub(super) fn run_to_failure(
             equilibrium.flexibility = flexibility;
             level = critical * (1.0 + step);
         }
-        let grown = grow_damage(part, &indices, &weakest, &mut states, &limits, level, control);
+        let grown = grow_damage(part, &weakest, &mut states, &limits, level, control);
         let changed: Vec<usize> = grown.iter().map(|(e, _)| *e).collect();
         // The first stored state of an element is that of the equilibrium; later ones must not replace it.
         for (e, before) in grown {
@@ -238,10 +243,6 @@ pub(super) fn run_to_failure(
     let broke_at = broke_at.into_iter().map(|at| at.map(|at| at.min(last))).collect();
     Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first_index, past_peak) })
 }
-
-/// Elements whose failure indices are computed together before they are stored; only these indices are held twice.
-/// Source: chosen; it changes only the memory.
-const EVALUATED_AT_ONCE: usize = 4096;
 
 /// The last state in which the part carried the level of the load.
 #[derive(Default)]
@@ -297,7 +298,6 @@ fn weakest_ply(
 /// others. Returns the elements that changed, with their states until now.
 fn grow_damage(
     part: &dyn LoadedPart,
-    indices: &[FailureIndices],
     weakest: &[WeakestPly],
     states: &mut [PlyState],
     limits: &[FinalStrains],
@@ -305,6 +305,7 @@ fn grow_damage(
     control: &StepControl,
 ) -> Vec<(usize, Vec<PlyState>)> {
     let mut changed = Vec::new();
+    let mut indices = Vec::new();
     let is_weakest_across = |e: usize| {
         let own = weakest[e];
         let mut neighbours = part.neighbours_across_crack(own.ply, e, own.how).into_iter();
@@ -317,7 +318,8 @@ fn grow_damage(
         let mut element_changed = false;
         // Only the states of an element that fails are copied, which is far less than a copy of all plies.
         let unchanged = states[part.plies(e)].to_vec();
-        for (p, indices) in part.plies(e).zip(&indices[part.plies(e)]) {
+        part.failure_indices(e, states, &mut indices);
+        for (p, indices) in part.plies(e).zip(&indices) {
             let state = &mut states[p];
             let limits = &limits[part.material(p)];
             let mut ply_changed = false;

@@ -28,11 +28,13 @@ use rayon::prelude::*;
 use super::card::StrengthCard;
 use super::damage::{damaged_plane_stiffness, with_joined};
 use super::laminate::Laminate;
-use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
+use super::load_stepping::{
+    FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
+};
 use super::plate_system::PlateSystem;
 use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::wall_bending::{
-    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, highest_index, unresolved_bending,
+    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Unstable, plane_strain_along, rotated_plane};
@@ -232,9 +234,9 @@ impl LoadedPlate<'_> {
         element: usize,
         strain: [f64; 3],
         states: &[PlyState],
-    ) -> Vec<FailureIndices> {
+    ) -> impl Iterator<Item = FailureIndices> {
         let test = self.test;
-        let each = |p: usize| {
+        let each = move |p: usize| {
             let ply = &test.laminate.plies[p];
             let own = plane_strain_along(strain, ply.angle_rad);
             let damage = with_joined(in_plane(states[p].damage()), ply.joined);
@@ -250,7 +252,7 @@ impl LoadedPlate<'_> {
             let slides = [false, card.is_sliding(stress), false];
             FailureIndices { index: [through, between, 0.0], slides, mode }
         };
-        self.plies(element).map(each).collect()
+        self.plies(element).map(each)
     }
 
     /// The failure index of each element in its middle and on the sides of thin walls, see [`unresolved_bending`].
@@ -262,7 +264,7 @@ impl LoadedPlate<'_> {
             let cell = self.test.elements.cells[element] as usize;
             let u = self.corners(element);
             let middle = middle_strain(&u, self.cell_mm());
-            let index = |strain: [f64; 3]| highest_index(&self.indices_of_strain(element, strain, states));
+            let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, strain, states));
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..2 {
@@ -335,9 +337,10 @@ impl LoadedPart for LoadedPlate<'_> {
         Ok(UnitSolution { force_times_displacement, changed: None })
     }
 
-    fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
+    fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>) {
+        out.clear();
         let strain = middle_strain(&self.corners(element), self.cell_mm());
-        self.indices_of_strain(element, strain, states)
+        out.extend(self.indices_of_strain(element, strain, states));
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

@@ -13,7 +13,6 @@
 use grainpath_core::tuned::Tuned;
 
 use super::TestError;
-use super::load_stepping::FailureIndices;
 
 /// Number of cells across a wall that resolves its bending. Source: derived. The moment of a section that yields is the sum
 /// over n cells of stress times lever arm, which is exact for even n. With two cells, each cell's own bending stiffness adds
@@ -45,11 +44,6 @@ pub(super) struct BendingSample {
     pub face: f64,
     /// Thickness of that wall, mm; 0 if the faces are no higher than the middle.
     pub wall_mm: f64,
-}
-
-/// The highest failure index of an element's plies.
-pub(super) fn highest_index(indices: &[FailureIndices]) -> f64 {
-    indices.iter().flat_map(|i| i.index).fold(0.0, f64::max)
 }
 
 /// Compares the elements most loaded in their middle with those most loaded on their faces.
