@@ -34,7 +34,8 @@ test("an empty history says what will be in it", async () => {
   await page.waitForSelector("#welcome h2");
   await page.click("#runs");
   // The list is asked from the server, so the sentence comes a moment after the panel.
-  await page.waitForSelector("#history >> text=None yet: plans and strength tests are listed here");
+  await page.waitForFunction(() => document.querySelector("#history").textContent !== "");
+  assert.match(await page.textContent("#history"), /None yet: plans and strength tests are listed here/);
   assert.equal(await page.$("#all-runs"), null);
   await page.keyboard.press("Escape");
   assert.equal(await page.isVisible("#history"), false);
