@@ -5,6 +5,7 @@
 //! for each pixel. Cost: linear in the pixels that the triangles cover.
 
 use grainpath_core::faces::Faces;
+use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use crate::layer::encode_png as png;
@@ -100,7 +101,7 @@ fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
         if !(twice.abs() > 0.0 && twice.is_finite()) {
             continue;
         }
-        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let normal = triangle_normal(corners);
         let light = 0.45 + 0.55 * normal.dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let range = |low: f64, high: f64| {

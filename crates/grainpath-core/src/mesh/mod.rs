@@ -8,6 +8,18 @@ use glam::DVec3;
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose, examine};
 pub use weld::{VertexWelder, weld_targets, weld_within};
 
+/// Unit normal of a triangle, towards the side from which its corners are counter-clockwise; zero for one without area.
+///
+/// ```
+/// use grainpath_core::{DVec3, mesh::triangle_normal};
+///
+/// assert_eq!(triangle_normal([DVec3::ZERO, DVec3::X, DVec3::Y]), DVec3::Z);
+/// assert_eq!(triangle_normal([DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]), DVec3::ZERO);
+/// ```
+pub fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
 /// Triangles over shared vertices; positions are in mm once the file is read. The mesh may have
 /// holes and triangles of either winding; [`diagnose`] counts such defects.
 ///
@@ -29,6 +41,11 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// Unit normal of a triangle of the mesh, see [`triangle_normal`].
+    pub fn normal(&self, triangle: [u32; 3]) -> DVec3 {
+        triangle_normal(triangle.map(|i| self.vertices[i as usize]))
+    }
+
     /// Signed volume in the cube of the vertices' unit; positive for outward winding.
     pub fn signed_volume(&self) -> f64 {
         let v = |i: u32| self.vertices[i as usize];

@@ -220,8 +220,7 @@ impl<'a> LoadedSolid<'a> {
 
     /// The outward normal of a facet of the part's surface.
     fn facet_normal(&self, facet: u32) -> DVec3 {
-        let [p, q, r] = self.surface.triangles[facet as usize].map(|i| self.surface.vertices[i as usize]);
-        (q - p).cross(r - p).normalize_or_zero()
+        self.surface.normal(self.surface.triangles[facet as usize])
     }
 
     /// The boundary faces in a selection; an error where there are none, except for single points.

@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::conjugate_gradients::{CgEnd, CgSettings, CgSystem, conjugate_gradients};
 use grainpath_core::disjoint_sets::DisjointSets;
+use grainpath_core::mesh::triangle_normal;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
 
@@ -598,9 +599,9 @@ impl<'a> DeckSurface<'a> {
             for &f in &group {
                 let mpa = by_face[&f];
                 for t in self.triangles(f) {
-                    let [a, b, c] = t.map(|(p, _)| p);
-                    let normal = (b - a).cross(c - a).normalize_or_zero();
-                    triangles.push([a, b, c]);
+                    let corners = t.map(|(p, _)| p);
+                    let normal = triangle_normal(corners);
+                    triangles.push(corners);
                     corners_mpa.push([-mpa * normal; 3]);
                 }
                 self.over_face(f, |_, p, area| {

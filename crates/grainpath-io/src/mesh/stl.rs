@@ -209,7 +209,7 @@ pub fn write_stl(mesh: &TriMesh, out: &mut dyn Write) -> io::Result<()> {
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
         // A degenerate triangle gets the normal 0 0 0, which readers recompute.
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let normal = mesh.normal(*t);
         // The last two bytes, the attribute count, stay 0.
         let mut facet = [0u8; FACET];
         let numbers = [normal, a, b, c].into_iter().flat_map(|v| v.to_array());

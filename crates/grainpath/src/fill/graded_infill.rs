@@ -52,8 +52,9 @@ use crate::guide::graded_density::DensityMap;
 const DENSE_FROM: f64 = 0.8;
 /// Density of the finest level of crossing lines. Its beads are wider by the root of 2 where it meets dense lines.
 const FINEST: f64 = DENSE_FROM / SQRT_2;
-/// Side of the window in which volume is fitted, mm. Source: the cells over which densities are measured (`measure/laid_density.rs`).
-const WINDOW_MM: f64 = 5.0;
+/// Side of the window in which volume is fitted, mm; also that of the cells over which densities are measured
+/// ([`laid_density`](crate::measure::laid_density)). Source: chosen; a requirement of the project.
+pub(crate) const WINDOW_MM: f64 = 5.0;
 /// Distance between points at which a bead may change its width, mm. Source: derived: a quarter of the window.
 const VERTICES_MM: f64 = 1.25;
 /// Rounds of fitting. Measured: the mean error over cells of 5 mm falls by less than 0.1 % of full in a fourth round.

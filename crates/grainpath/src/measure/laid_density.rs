@@ -12,11 +12,12 @@ use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, Region, Role, Warning, W
 use grainpath_job::choices::{Choice, DensityBy};
 use serde::Serialize;
 
+use crate::fill::graded_infill::WINDOW_MM;
 use crate::guide::graded_density::DensityMap;
 use crate::order::LayerPaths;
 
-/// Side of a cell, mm. Source: chosen; a requirement of the project.
-pub const CELL_MM: f64 = 5.0;
+/// Side of a cell, mm. Source: the window in which graded infill fits its volume.
+pub const CELL_MM: f64 = WINDOW_MM;
 /// Largest mean error, and largest error of a single cell, for which no warning is given. Source: chosen; a requirement of the project.
 const WARNED: [f64; 2] = [0.03, 0.1];
 /// Side of the grid squares over which volumes are summed, mm. Source: derived: a tenth of a cell. Each square that a

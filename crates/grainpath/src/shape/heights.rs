@@ -133,14 +133,14 @@ impl Slopes {
         let step_mm = 0.25 * settings.min_height_mm;
         let mut steepest = vec![0.0f64; (height_mm / step_mm).ceil() as usize + 1];
         for t in &mesh.triangles {
-            let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
-            let nz = (b - a).cross(c - a).normalize_or_zero().z.abs();
+            let nz = mesh.normal(*t).z.abs();
             // Within 2.6 degrees of level (0.999 is its cosine) a face is a top or a bottom of the
             // part, without stairs.
             if nz > 0.999 {
                 continue;
             }
-            let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+            let [a, b, c] = t.map(|i| mesh.vertices[i as usize].z);
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
             let last = ((high / step_mm) as usize).min(steepest.len() - 1);
             for bin in &mut steepest[(low.max(0.0) / step_mm) as usize..=last] {
                 *bin = bin.max(nz);

@@ -89,7 +89,7 @@ pub struct Overhangs {
 pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> Overhangs {
     let mut out = Overhangs::default();
     let plate_mm = stack.layers().first().map_or(0.0, |l| l.z_top_mm()) + 1e-6;
-    let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| normal(mesh, t)).collect();
+    let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| mesh.normal(t)).collect();
     let steep = sin(settings.critical_angle_rad);
     let mut listed: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
     for (facets, held) in [(&settings.enforce_facets, true), (&settings.block_facets, false)] {
@@ -163,11 +163,6 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     out.mid_air = mid_air(stack, |p| settings.blocked(p));
     hold_mid_air(&mut out, stack, settings);
     out
-}
-
-fn normal(mesh: &TriMesh, t: [u32; 3]) -> DVec3 {
-    let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
-    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Support enforcers and blockers painted on the part, indexed by position.

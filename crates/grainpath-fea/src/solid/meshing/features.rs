@@ -35,10 +35,7 @@ pub(super) struct Features {
 impl Features {
     pub(super) fn find(mesh: &TriMesh) -> Self {
         let v = |i: u32| mesh.vertices[i as usize];
-        let normal = |t: usize| {
-            let [a, b, c] = mesh.triangles[t].map(v);
-            (b - a).cross(c - a).normalize_or_zero()
-        };
+        let normal = |t: usize| mesh.normal(mesh.triangles[t]);
         let mut patches = DisjointSets::new(mesh.triangles.len());
         let mut sharp = Vec::new();
         for uses in EdgeUses::count(mesh).edges() {

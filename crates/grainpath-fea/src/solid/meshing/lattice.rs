@@ -400,7 +400,7 @@ impl Background {
             let [a, b] = cut.ends.map(|i| points[i as usize]);
             let (inside, outside) = if sign[cut.ends[0] as usize] > 0 { (a, b) } else { (b, a) };
             let (at, facet) = crossing(bvh, inside, outside);
-            let out = facet.map_or(DVec3::ZERO, |t| wall_thickness::normal(surface, t));
+            let out = facet.map_or(DVec3::ZERO, |t| surface.normal(surface.triangles[t as usize]));
             // Facets may overlap or be wound the wrong way, so the normal is turned to point outwards along the edge.
             let normal = if out.dot(outside - inside) < 0.0 { -out } else { out };
             (cut.at, cut.normal) = (at, normal);

@@ -139,19 +139,14 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> MeasuredWalls {
 /// The thinner of wall and gap at a point of a facet, mm; `None` where neither ray meets a facet
 /// that faces back.
 pub(super) fn least_at(mesh: &TriMesh, bvh: &Bvh, p: DVec3, facet: u32) -> Option<f64> {
-    let out = normal(mesh, facet);
+    let normal = |facet: u32| mesh.normal(mesh.triangles[facet as usize]);
+    let out = normal(facet);
     let skin = 1e-7 * p.abs().max_element().max(1.0);
     let across = |along: DVec3, leaves: bool| {
         let hit = bvh.first_hit(p + along * skin, along, (0.0, f64::INFINITY))?;
         // The sides of a wedge have no thickness; those of a wall are nearly parallel.
-        let is_wall = hit.leaves == leaves && normal(mesh, hit.triangle).dot(out) < PARALLEL_COS;
+        let is_wall = hit.leaves == leaves && normal(hit.triangle).dot(out) < PARALLEL_COS;
         is_wall.then_some(hit.t + skin)
     };
     [across(-out, true), across(out, false)].into_iter().flatten().reduce(f64::min)
-}
-
-/// Outward unit normal of a facet; zero for one without area.
-pub(super) fn normal(mesh: &TriMesh, facet: u32) -> DVec3 {
-    let [a, b, c] = mesh.triangles[facet as usize].map(|i| mesh.vertices[i as usize]);
-    (b - a).cross(c - a).normalize_or_zero()
 }
