@@ -32,6 +32,7 @@ pub mod tensor;
 pub mod toolpath;
 pub mod triangulation;
 pub mod tuned;
+pub mod turns;
 pub mod units;
 pub mod warning;
 

@@ -5,16 +5,14 @@
 //! Turns of fibre are rounded to the least radius where there is space, else to the largest radius that fits. Lengths
 //! are in mm. Layers count from 1 in settings and from 0 in the code.
 
-mod turns;
-
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
 
+pub use grainpath_core::turns::{SMALLEST_MM, Turn, rounded, sharp_bends, sharp_turns, turns};
 pub use grainpath_job::choices::{FibreStart, FibreTurns};
-pub use turns::{SMALLEST_MM, Turn, rounded, sharp_bends, sharp_turns, turns};
 
 /// Settings of continuous fibre.
 #[derive(Debug, Clone, PartialEq)]

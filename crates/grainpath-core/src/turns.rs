@@ -5,9 +5,9 @@
 //! With long segments the circle would make a sharp corner look wide, so it may not leave the corner by
 //! more than [`CORNER_MM`].
 
-use grainpath_core::math::{acos, atan2, cos, cross, direction, rotated, tan};
-use grainpath_core::poly::simplify_line;
-use grainpath_core::{Bounds2, DVec2};
+use crate::math::{acos, atan2, cos, cross, direction, rotated, tan};
+use crate::poly::simplify_line;
+use crate::{Bounds2, DVec2};
 
 /// A vertex nearer than this to a straight line does not count as a turn, mm. Source: derived. Coordinates
 /// in G-code are rounded to 0.001 mm, so both ends and the vertex move by up to 0.0007 mm each.
