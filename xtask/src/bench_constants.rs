@@ -284,7 +284,6 @@ const ROWS: &[Row] = &[
     // From level lines to beads.
     row("fill.field.stripes.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], STRIPES),
     row("fill.field.stripes.LONGEST_JOINT", &[1.2, 1.6, 2.0, 2.5, 3.0], STRIPES),
-    row("fill.field.stripes.CENTRINGS", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),
     row("fill.field.stripes.MESH", &[0.7, 0.9, 1.1, 1.5, 2.0], STRIPES),
     row("fill.field.stripes.LEVEL_SMOOTHING", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),
     row("fill.field.stripes.SHIFT_SMOOTHING", &[0.0, 2.0, 4.0, 6.0, 10.0], STRIPES),
@@ -293,6 +292,7 @@ const ROWS: &[Row] = &[
     row("fill.field.stripes.PARALLEL_COS", &[0.8, 0.86, 0.92, 0.95, 0.98], STRIPES),
     row("fill.field.stripes.PARALLEL_RISE", &[0.01, 0.04, 0.08, 0.16, 0.3], STRIPES),
     row("fill.field.stripes.BORDER_WEIGHT", &[0.1, 0.25, 0.5, 1.0, 2.0], STRIPES),
+    row("fill.field.line_ends.ACROSS_SINE", &[0.35, 0.5, 0.6, 0.65, 0.8], STRIPES),
     // Lines at distances of their own.
     row("fill.field.seed_lines.SEED_SPACING", &[3.0, 5.0, 8.0, 12.0, 20.0], SEED_LINES),
     row("fill.field.seed_lines.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], SEED_LINES),

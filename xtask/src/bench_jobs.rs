@@ -285,7 +285,18 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
     command.arg("xtask/py/direction_fields.py").arg(crate::setup::check("field")?);
     command.arg(jobs.folder.join("fields")).arg(&jobs.program).current_dir(crate::root());
     let text = crate::output(&mut command)?;
-    let header = ["field", "fill", "ends", "gap %", "overlap %", "angle deg", "paths", "penalty 1e-4"];
+    let header = [
+        "field",
+        "fill",
+        "ends",
+        "gap %",
+        "overlap %",
+        "spill %",
+        "angle deg",
+        "paths",
+        "penalty 1e-4",
+        "largest void beads",
+    ];
     let table = Table::new("fields", &header, 3);
     for line in text.lines() {
         let found: Value =
@@ -299,9 +310,11 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
             word("ends"),
             short("gap"),
             short("overlap"),
+            short("spill"),
             short("angle"),
             found["paths"].to_string(),
             format!("{:.1}", 1e4 * number(&found["penalty"])),
+            short("largest"),
         ]);
     }
     Ok(())

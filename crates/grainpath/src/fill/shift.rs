@@ -3,7 +3,8 @@
 //! Where equal layers lie on each other, so do the ends of their beads, and a column of ends is a joint through the part.
 //! So layers take [`TURNS`] arrangements in turn, of the same quality. They differ by these means:
 //!
-//! - the grid on which the phase of a fill along a field is found has another size, so that its lines end elsewhere;
+//! - the grid on which the phase of a fill along a field is found has another size, and its lines need more room, so that
+//!   they end elsewhere;
 //! - strips of a continuous path are cut at other places, and joints between them, whose place is free, keep to squares
 //!   that belong to their turn;
 //! - closed paths begin elsewhere;
@@ -28,6 +29,10 @@ pub(crate) const STEP_MM: f64 = 1.5;
 /// The squares of the grid grow by this share in each turn.
 /// Measured: row `fill.shift.GRID_SHARE` of `cargo xtask bench constants`.
 static GRID_SHARE: Tuned<f64> = Tuned::new("fill.shift.GRID_SHARE", 0.02);
+/// The least room of a line grows by this share in each turn, so that lines which end for lack of room end elsewhere.
+/// Source: chosen. In a field that fans out by one bead in ten, ends then move by one to two beads along their line, and
+/// lines need at most a third more room than the narrowest bead.
+const ROOM_SHARE: f64 = 0.15;
 /// Side of the squares that belong to a turn, mm. Source: derived; columns of 1 mm then lie in one square each, up to those
 /// along its sides.
 const SQUARE_MM: f64 = 4.0;
@@ -72,6 +77,11 @@ impl Shift {
     /// Factor on the squares of the grid of a phase.
     pub(crate) fn grid_factor(self) -> f64 {
         1.0 + self.turn as f64 * GRID_SHARE.value()
+    }
+
+    /// Factor on the least room of lines whose beads may be narrowed.
+    pub(crate) fn room_factor(self) -> f64 {
+        1.0 + self.turn as f64 * ROOM_SHARE
     }
 
     /// Whether a joint whose place is free may lie here.

@@ -10,11 +10,12 @@
 //! 2. [`phase`] finds the phase; where the field diverges it has a singular point, at which a bead
 //!    ends;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
-//! 4. [`stripes`] moves the lines to the middle of their space, joins ends along the border and fills
+//! 4. [`line_ends`] lets lines begin and end where there is room for them;
+//! 5. [`stripes`] moves the lines to the middle of their space, joins ends along the border and fills
 //!    remaining gaps with single beads;
-//! 5. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
+//! 6. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
 //!
-//! Where all beads are to have one width, [`one_width`] takes the place of steps 4 and 5. Where lines are to end before a
+//! Where all beads are to have one width, they stay where they are ([`one_width`]). Where lines are to end before a
 //! border that they meet across, [`band`] lays beads along it first.
 //!
 //! Down to a density of [`LEAST_STRIPES`], sparse fill takes the same steps with lines farther apart. Below
@@ -24,6 +25,7 @@
 
 mod band;
 pub(super) mod levels;
+mod line_ends;
 mod one_width;
 pub(super) mod phase;
 mod seed_lines;

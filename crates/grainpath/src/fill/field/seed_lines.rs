@@ -35,7 +35,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
 use super::axis_of;
-use super::stripes::{BEYOND, WideBead, ended, push_inside};
+use super::stripes::{BEYOND, LEAST_SINE, WideBead, ended, push_inside};
 use super::widths::{CELL_BEADS, Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
 
@@ -48,6 +48,9 @@ static SEED_SPACING: Tuned<f64> = Tuned::new("fill.field.seed_lines.SEED_SPACING
 /// Pieces shorter than this are dropped, in beads.
 /// Measured: row `fill.field.seed_lines.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
+/// Distance between the points of an offset, in beads. Source: chosen; an offset follows its seed, and bends by less than a
+/// hundredth of a bead between two points on a circle of eight beads.
+const POINTS: f64 = 0.75;
 /// An offset ends where it deviates from the field by more than this. Source: chosen; a plan with a larger
 /// mean deviation gets the warning `guide-far`.
 const FARTHEST_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
@@ -104,8 +107,14 @@ impl Infill for SeedLines {
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).cloned().collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
             let neighbours = Neighbours::new(&others, &border, CELL_BEADS * context.spacing_mm());
-            let paths =
-                ended(lines.iter().map(bead).collect(), &infill_region, &neighbours, &border, context);
+            let paths = ended(
+                lines.iter().map(bead).collect(),
+                &infill_region,
+                &neighbours,
+                &border,
+                context,
+                LEAST_SINE,
+            );
             others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
             // Skins and bridges keep their role: the speed and the fan depend on it.
             let role = match context.role {
@@ -207,7 +216,8 @@ impl FreeArea<'_> {
         // the ends of a line run across the field and are cut off below.
         let mut pieces = Vec::new();
         for contour in around.contours() {
-            push_inside(&clipper, contour.clone(), true, self.step, &mut pieces);
+            let shortest_mm = SHORTEST.value() * self.step;
+            push_inside(&clipper, contour.clone(), true, shortest_mm, POINTS * self.step, &mut pieces);
         }
         let shortest_mm = SHORTEST.value() * self.step;
         let along = |piece| stretches_along(piece, self.axis, FARTHEST_RAD, shortest_mm);

@@ -3,12 +3,13 @@
 //! Lines from the phase ([`super::phase`]) are turned into beads in four steps:
 //!
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
-//! 2. in a few rounds every bead moves towards the middle between its neighbours;
+//! 2. lines begin and end where there is room for them ([`line_ends`](super::line_ends)), and every bead moves to the
+//!    middle of its space, which its width then fills;
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
 //!    ([`single_beads`]).
 //!
-//! For beads of one width [`one_width`] replaces step 2.
+//! Beads of one width stay where they are in step 2 ([`one_width`]).
 //!
 //! Names: `infill_region` is the area for centrelines. `border` is that area enlarged by half a bead, up to
 //! the edge where the strips of the surrounding beads begin. `spacing` is the distance between lines, mm.
@@ -38,9 +39,10 @@ use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
+use super::line_ends::{ACROSS_SINE, Place, Room, fitted, trimmed};
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{AHEAD_SINE, CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, smooth};
+use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -60,9 +62,9 @@ static SHORTEST: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTEST", 2.0);
 /// Two ends are joined if they lie at most this far apart, in spacings of dense infill.
 /// Measured: row `fill.field.stripes.LONGEST_JOINT` of `cargo xtask bench constants`.
 static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT", 2.0);
-/// How many times beads are moved to the middle between their neighbours.
-/// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
-static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
+/// The space of a bead on a side where no other bead and no border is near, in spacings. Source: derived; half of the
+/// widest bead.
+const FREE: f64 = 0.5 * WIDEST;
 /// Side of the grid cells with which gaps are searched, in spacings of dense infill. Source: derived. The strip
 /// of the narrowest bead is about 0.55 spacings wide. A gap of that width contains the centre of a cell of
 /// 0.33 wherever it lies, because the diagonal of the cell is 0.47.
@@ -76,8 +78,8 @@ static LEVEL_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.LEVEL_SMOO
 /// How often the shifts of a bead are smoothed. Measured: row `fill.field.stripes.SHIFT_SMOOTHING` of `cargo xtask
 /// bench constants`.
 static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOOTHING", 4);
-/// In one round of centring the difference between the space on a bead's left and on its right counts at most this
-/// much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
+/// When a line is moved to the middle of its space, the difference between the space on its left and on its right counts
+/// at most this much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
 /// A phase is prescribed up to this distance from the border, in spacings. Measured: row
 /// `fill.field.stripes.NEAR_BORDER` of `cargo xtask bench constants`.
@@ -100,9 +102,17 @@ static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT"
 /// of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
 pub(super) const BEYOND: f64 = 0.05;
 /// The border ahead of a bead's end is searched up to this multiple of half a bead, the distance of the end from the
-/// border. Source: derived. A bead that meets the border at 30 degrees has twice as far to go as at 90 degrees; a
-/// quarter more is for borders that bend away.
-const REACH: f64 = 2.5;
+/// border. Source: derived. A bead that meets the border at the sine [`LEAST_SINE`] has six times as far to go as one that
+/// meets it at a right angle.
+const REACH: f64 = 6.0;
+/// An open bead of one width is extended to a border that it meets at an angle with at least this sine. 0.17 is 10 degrees.
+/// Source: derived; at smaller angles the way to the border is longer than [`REACH`].
+pub(super) const LEAST_SINE: f64 = 0.17;
+/// The end of an open bead is flat. If its middle lay on a border that it meets at an angle, a corner would lie beyond.
+/// It ends before that by this share of the length, along the bead, of that corner's way. Source: measured on a straight
+/// field at 45 degrees (`cargo xtask bench jobs fields`): with 0, 0.125 and 0.25, 0.62, 0.92 and 1.24 % stay open and
+/// 0.53, 0.29 and 0.13 % lie outside.
+const RETREAT: f64 = 0.125;
 /// How often widths are fitted to a volume. Source: derived. Widths at a bound cannot change, and the next round
 /// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
 /// after three rounds.
@@ -153,29 +163,57 @@ pub(crate) fn spaced(
         let phase = solve(&mesh, &input, &turns, &diffusion_steps());
         trace(&mesh, &turns, &phase)
     };
-    let clipper = LineClipper::new(&infill_region);
+    // Beads that are narrowed come nearer to the border.
+    let narrowest_mm = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
+    let near_border = match context.widths {
+        BeadWidths::Variable => {
+            infill_region.offset((context.border_mm - 0.5 * narrowest_mm).max(0.0), Join::Miter(2.0))
+        }
+        BeadWidths::Constant => infill_region.clone(),
+    };
+    let near_border = LineClipper::new(&near_border);
+    let (shortest_mm, step_mm) = (SHORTEST.value() * spacing, STEP_BEADS.value() * spacing);
     let mut lines = Vec::new();
     // Level lines have the zigzag of the triangulation. Resampling and a few rounds of smoothing remove
     // it.
     for level in levels {
-        let mut points = resampled(&level.points, level.closed, STEP_BEADS.value() * spacing);
+        let mut points = resampled(&level.points, level.closed, step_mm);
         smooth(&mut points, level.closed, LEVEL_SMOOTHING.value());
-        push_inside(&clipper, points, level.closed, spacing, &mut lines);
+        push_inside(&near_border, points, level.closed, shortest_mm, step_mm, &mut lines);
     }
-    let lines = match context.widths {
-        BeadWidths::Variable => centred(lines, &clipper, &border, spacing),
-        BeadWidths::Constant => {
-            let axis = |p: DVec2| axis_of(field, context, p);
-            one_width::packed(lines, &clipper, &border, &axis, spacing, SHORTEST.value() * spacing)
+    let axis = |p: DVec2| axis_of(field, context, p);
+    let place = Place {
+        border: &border,
+        border_mm: context.border_mm,
+        area: &near_border,
+        axis: &axis,
+        spacing_mm: spacing,
+        shortest_mm,
+        longest_joint_mm: LONGEST_JOINT.value() * spacing,
+    };
+    let (lines, strips) = match context.widths {
+        BeadWidths::Variable => {
+            // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
+            let least = context.shift.room_factor() * narrowest_mm / spacing;
+            let room = Room { least, begins: 0.5 * WIDEST, middle: true };
+            let mut lines = fitted(lines, &place, room);
+            centre(&mut lines, &border, spacing);
+            // Moving lines may push points of them out of their area.
+            let mut inside = Vec::with_capacity(lines.len());
+            for line in lines {
+                push_inside(&near_border, line.points, line.closed, shortest_mm, step_mm, &mut inside);
+            }
+            let lines = trimmed(fitted(inside, &place, room), &place);
+            filling_their_space(lines, &border, spacing)
         }
+        BeadWidths::Constant => (fitted(lines, &place, one_width::ROOM), Vec::new()),
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let width = |strip: f64| bead_width_mm(share * strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
     let widths = match context.widths {
         BeadWidths::Variable => {
-            let strips = neighbours.strips(&lines, spacing).into_iter();
-            strips.map(|line| line.into_iter().map(width).collect()).collect()
+            strips.into_iter().map(|line| line.into_iter().map(width).collect()).collect()
         }
         BeadWidths::Constant => lines.iter().map(|l| vec![nominal; l.points.len()]).collect(),
     };
@@ -183,19 +221,76 @@ pub(crate) fn spaced(
     lay(centrelines, &infill_region, &border, context, share, out);
 }
 
-/// Moves lines to the middle between their neighbours.
-fn centred(mut lines: Vec<Line>, clipper: &LineClipper, border: &Region, spacing: f64) -> Vec<Line> {
-    for _ in 0..CENTRINGS.value() {
-        centre(&mut lines, border, spacing);
-    }
-    // Centring may push points of a line out of the area for centrelines, so lines are clipped once
-    // more.
-    let clipped = |l: Line| {
-        let mut inside = Vec::new();
-        push_inside(clipper, l.points, l.closed, spacing, &mut inside);
-        inside
+/// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
+/// space is at its points, mm.
+///
+/// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
+/// the lines were. Only the smoothing, and beads at the bounds of their width, leave some of it open.
+fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<Line>, Vec<Vec<f64>>) {
+    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
+    let moved = |l: usize| {
+        let line = &lines[l];
+        let reaches = reaches(&neighbours, &lines, l, spacing);
+        let mut shifts: Vec<f64> = reaches.iter().map(|r| to_middle(*r, spacing)).collect();
+        let mut widths: Vec<f64> = reaches.iter().map(|r| r.left_mm + r.right_mm).collect();
+        for values in [&mut shifts, &mut widths] {
+            let n = values.len();
+            if !line.closed && n > 3 {
+                // At the end of a line the ray runs along the border, not across to the neighbour. So the end takes
+                // the value of the next point.
+                (values[0], values[n - 1]) = (values[1], values[n - 2]);
+            }
+            smooth(values, line.closed, 1);
+        }
+        let to = |(v, &p): (usize, &DVec2)| p + shifts[v] * line.tangent(v).perp();
+        let points = line.points.iter().enumerate().map(to).collect();
+        (Line { points, closed: line.closed }, widths)
     };
-    lines.into_iter().flat_map(clipped).collect()
+    let (mut out, mut widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
+    end_before_crossings(&mut out, &mut widths, border, spacing);
+    out.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
+}
+
+/// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
+/// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end.
+fn end_before_crossings(lines: &mut [Line], widths: &mut [Vec<f64>], border: &Region, spacing: f64) {
+    loop {
+        let crossings = Neighbours::new(lines, border, CELL_BEADS * spacing).crossings();
+        if crossings.is_empty() {
+            return;
+        }
+        let mut changed = vec![false; lines.len()];
+        for pair in crossings {
+            if pair.iter().any(|(l, _)| changed[*l]) {
+                continue;
+            }
+            // The number of segments between the crossing and the nearer end. A ring has no end, so it is opened only if
+            // it crosses another ring or itself.
+            let from_end = |(l, s): (usize, usize)| {
+                if lines[l].closed { usize::MAX } else { s.min(lines[l].n_segments() - 1 - s) }
+            };
+            let [(l, s), _] = if from_end(pair[0]) <= from_end(pair[1]) { pair } else { [pair[1], pair[0]] };
+            let n = lines[l].points.len();
+            // One segment more goes, so that the bead ends beside the other and not on it.
+            let kept = if s < n / 2 { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) };
+            lines[l].points = lines[l].points[kept.clone()].to_vec();
+            lines[l].closed = false;
+            widths[l] = widths[l][kept].to_vec();
+            changed[l] = true;
+        }
+    }
+}
+
+/// The space of a line on both sides, at each of its points.
+fn reaches(neighbours: &Neighbours, lines: &[Line], line: usize, spacing_mm: f64) -> Vec<Reach> {
+    neighbours.reaches(lines, line, FAR_BEADS.value() * spacing_mm, FREE * spacing_mm)
+}
+
+/// How far to the left the middle of a space lies, mm. The bound keeps lines from changing places.
+fn to_middle(r: Reach, spacing_mm: f64) -> f64 {
+    let most_mm = MOST_MOVE.value() * spacing_mm;
+    // Between two lines a reach is half of their distance, so the middle of the space lies half of the difference away.
+    0.5 * (r.left_mm - r.right_mm).clamp(-most_mm, most_mm)
 }
 
 /// The input from which the phase is found, for lines `spacing` apart, mm.
@@ -272,13 +367,14 @@ impl NearBorder {
     }
 }
 
-/// Adds the pieces of a line that lie inside and are longer than [`SHORTEST`]. A ring that lies inside as a
-/// whole stays closed; it needs five points.
+/// Adds the pieces of a line that lie inside and are longer than `shortest_mm`, with points about `step_mm` apart. A ring
+/// that lies inside as a whole stays closed; it needs five points.
 pub(super) fn push_inside(
     clipper: &LineClipper,
     points: Vec<DVec2>,
     closed: bool,
-    spacing_mm: f64,
+    shortest_mm: f64,
+    step_mm: f64,
     out: &mut Vec<Line>,
 ) {
     let mut line = points;
@@ -311,29 +407,22 @@ pub(super) fn push_inside(
     }
     for piece in pieces {
         let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
-        if length > SHORTEST.value() * spacing_mm {
-            let points = resampled(&piece.points, false, STEP_BEADS.value() * spacing_mm);
+        if length > shortest_mm {
+            let points = resampled(&piece.points, false, step_mm);
             out.push(Line { points, closed: false });
         }
     }
 }
 
-/// Moves every bead towards the middle between its neighbours.
+/// Moves every line to the middle of its space.
 fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, CELL_BEADS * spacing_mm);
     let moved: Vec<Vec<DVec2>> = lines
         .iter()
         .enumerate()
         .map(|(l, line)| {
-            let shift = |r: Reach| {
-                // Between two beads a reach is half the distance to the neighbour, so the difference of the
-                // reaches is the way to the middle. The bead goes half of it, because its neighbours move as
-                // well. The bound keeps beads from changing places.
-                let most = MOST_MOVE.value() * spacing_mm;
-                0.5 * (r.left_mm - r.right_mm).clamp(-most, most)
-            };
-            let reaches = neighbours.reaches(lines, l, FAR_BEADS.value() * spacing_mm, 0.5 * spacing_mm);
-            let mut shifts: Vec<f64> = reaches.into_iter().map(shift).collect();
+            let reaches = reaches(&neighbours, lines, l, spacing_mm);
+            let mut shifts: Vec<f64> = reaches.into_iter().map(|r| to_middle(r, spacing_mm)).collect();
             // Neighbouring points measure to different segments of the next bead. Without smoothing, the
             // shifts would be printed as ripples.
             smooth(&mut shifts, line.closed, SHIFT_SMOOTHING.value());
@@ -374,7 +463,12 @@ fn lay(
         beads.push(WideBead { points, widths, closed: line.closed });
     }
     let first = out.len();
-    let beads = ended(beads, infill_region, &neighbours, border, context);
+    // Beads that may be narrowed were led on beside a border that they meet at a small angle.
+    let least_sine = match context.widths {
+        BeadWidths::Variable => ACROSS_SINE.value(),
+        BeadWidths::Constant => LEAST_SINE,
+    };
+    let beads = ended(beads, infill_region, &neighbours, border, context, least_sine);
     out.extend(beads.into_iter().map(|bead| Toolpath {
         width: BeadWidth::PerVertex(bead.widths),
         ..Toolpath::new(bead.points, nominal, context.role, bead.closed)
@@ -528,13 +622,15 @@ impl WideBead {
     }
 }
 
-/// Gives beads the kind of ends that the job asks for: joined or open.
+/// Gives beads the kind of ends that the job asks for: joined or open. Open ones are extended to a border that they meet at
+/// an angle with at least the sine `least_sine`.
 pub(super) fn ended(
     mut beads: Vec<WideBead>,
     infill_region: &Region,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
+    least_sine: f64,
 ) -> Vec<WideBead> {
     match context.ends {
         BeadEnds::Joined => joined(beads, neighbours, border, context),
@@ -544,7 +640,9 @@ pub(super) fn ended(
             let contours: Vec<&Contour> = border.contours().collect();
             for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
                 for first in [true, false] {
-                    if let Some((p, width)) = at_border(bead, first, [&inside, &edge], &contours, context) {
+                    if let Some((p, width)) =
+                        at_border(bead, first, [&inside, &edge], &contours, context, least_sine)
+                    {
                         let at = if first { 0 } else { bead.points.len() };
                         bead.points.insert(at, p);
                         bead.widths.insert(at, width);
@@ -557,14 +655,14 @@ pub(super) fn ended(
 }
 
 /// The point to which an open bead is extended so that it reaches the border, and its width there, mm. `None`
-/// if the bead ends inside, or meets the border at less than 30 degrees. In the second case it runs beside the
-/// border, and the next bead lies between.
+/// if the bead ends inside, or meets the border at an angle with a sine below `least_sine`.
 fn at_border(
     bead: &WideBead,
     first: bool,
     [inside, edge]: [&LineClipper; 2],
     contours: &[&Contour],
     context: &FillContext<'_>,
+    least_sine: f64,
 ) -> Option<(DVec2, f64)> {
     let n = bead.points.len();
     let (end, before, width) = if first {
@@ -578,18 +676,14 @@ fn at_border(
     if inside.contains(end + BEYOND * context.spacing_mm() * along) {
         return None;
     }
-    // A bead that meets the border at 30 degrees has twice as far to go as one at 90 degrees.
     let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
     let contour = contours.get(hit.contour)?;
     let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
     let sine = cross(along, d).abs();
-    // The end of a strip is flat. If its middle lay on a border that it meets at an angle, one of its corners
-    // would lie beyond. Ending earlier by this length halves the distance, along the bead, of that corner from
-    // the border.
-    let short_mm = 0.25 * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
+    let short_mm = RETREAT * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
-    (sine >= AHEAD_SINE && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
+    (sine >= least_sine && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close

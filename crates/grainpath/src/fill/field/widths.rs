@@ -30,7 +30,7 @@ use grainpath_core::{Bounds2, DVec2, Region};
 
 /// Distance between the points of a line, in spacings. Measured: row `fill.field.widths.STEP_BEADS` of `cargo xtask
 /// bench constants`.
-pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BEADS", 0.75);
+pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BEADS", 0.55);
 /// Nothing farther away than this is a neighbour of a bead, in spacings. Measured: row `fill.field.widths.FAR_BEADS` of
 /// `cargo xtask bench constants`.
 pub(super) static FAR_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.FAR_BEADS", 1.8);
@@ -39,7 +39,7 @@ pub(super) const CELL_BEADS: f64 = 1.5;
 /// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone.
 const SHORT_RAY: f64 = 0.7;
 /// This many segments before and behind a point are no neighbours of it. Source: derived. Three steps of [`STEP_BEADS`]
-/// are 2.25 spacings, more than a ray reaches ([`FAR_BEADS`]).
+/// are 1.65 spacings; a line that returns beside itself within them turns more tightly than two beads that touch.
 pub(super) const OWN_SEGMENTS: usize = 3;
 
 /// The centreline of a bead being laid, with points at about equal steps.
@@ -130,6 +130,8 @@ pub(crate) struct Hit {
     /// `None` for the border.
     pub line: Option<usize>,
     pub segment: usize,
+    /// Unit vector along the segment.
+    pub along: DVec2,
 }
 
 #[derive(Clone, Copy)]
@@ -248,6 +250,7 @@ impl Neighbours {
                 distance_mm,
                 line: (piece.line != BORDER).then_some(piece.line as usize),
                 segment: piece.segment as usize,
+                along: (piece.b - piece.a).normalize_or_zero(),
             }
         })
     }
