@@ -3,7 +3,7 @@
 //! A polyline stands for a curve. At a vertex that turns by `a` between two segments of length `p` and `q`,
 //! the curve has the radius `(p + q) / 4 / tan(a / 2)`: the circle of this radius touches both segments.
 //! With long segments the circle would make a sharp corner look wide, so it may not leave the corner by
-//! more than [`CORNER_MM`].
+//! more than `CORNER_MM`.
 
 use crate::math::{acos, atan2, cos, cross, direction, rotated, tan};
 use crate::poly::simplify_line;
