@@ -27,6 +27,27 @@ pub fn length_mm(line: &[DVec2], closed: bool) -> f64 {
     }
 }
 
+/// Removes the length `by_mm` from the beginning of an open line. A line that is no longer than that keeps its last point.
+///
+/// ```
+/// use grainpath_core::{DVec2, polyline::shorten_start};
+///
+/// let mut line = vec![DVec2::ZERO, DVec2::new(1.0, 0.0), DVec2::new(4.0, 0.0)];
+/// shorten_start(&mut line, 1.5);
+/// assert_eq!(line, [DVec2::new(1.5, 0.0), DVec2::new(4.0, 0.0)]);
+/// ```
+pub fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
+    while points.len() > 1 {
+        let l = points[0].distance(points[1]);
+        if l > by_mm {
+            points[0] = points[0].lerp(points[1], by_mm / l);
+            return;
+        }
+        by_mm -= l;
+        points.remove(0);
+    }
+}
+
 /// The polyline with points at equal steps of about `step_mm`. An open line keeps both ends; a
 /// closed one its first point.
 ///

@@ -6,6 +6,7 @@
 //! are in mm. Layers count from 1 in settings and from 0 in the code.
 
 use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::polyline;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
@@ -375,7 +376,7 @@ fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
         let mut piece = Toolpath { points: path.points[from..=to].to_vec(), ..path.clone() };
         piece.closed = false;
         if from > 0 {
-            shorten_start(&mut piece.points, 0.5 * width_mm);
+            polyline::shorten_start(&mut piece.points, 0.5 * width_mm);
         }
         if to > from && piece.length_mm() > width_mm {
             pieces.push(piece);
@@ -383,19 +384,6 @@ fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
         from = to;
     }
     pieces
-}
-
-/// Removes the length `by_mm` from the beginning of a line, which must be longer than that.
-fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
-    while points.len() > 1 {
-        let l = points[0].distance(points[1]);
-        if l > by_mm {
-            points[0] = points[0].lerp(points[1], by_mm / l);
-            return;
-        }
-        by_mm -= l;
-        points.remove(0);
-    }
 }
 
 #[cfg(test)]

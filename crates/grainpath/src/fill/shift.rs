@@ -30,8 +30,7 @@ pub(crate) const STEP_MM: f64 = 1.5;
 /// Measured: row `fill.shift.GRID_SHARE` of `cargo xtask bench constants`.
 static GRID_SHARE: Tuned<f64> = Tuned::new("fill.shift.GRID_SHARE", 0.02);
 /// The least room of a line grows by this share in each turn, so that lines which end for lack of room end elsewhere.
-/// Source: chosen. In a field that fans out by one bead in ten, ends then move by one to two beads along their line, and
-/// lines need at most a third more room than the narrowest bead.
+/// Source: derived. In a field that fans out by one bead in ten, ends move by about two beads along their line in each turn.
 const ROOM_SHARE: f64 = 0.15;
 /// Side of the squares that belong to a turn, mm. Source: derived; columns of 1 mm then lie in one square each, up to those
 /// along its sides.

@@ -7,8 +7,8 @@
 //!
 //! 1. lines are cut where they deviate from the field by more than [`FARTHEST_RAD`];
 //! 2. stretches of lines with less than the least room are removed;
-//! 3. ends that face each other are joined;
-//! 4. lines begin where there is room for one more beside a line;
+//! 3. lines begin where there is room for one more beside a line;
+//! 4. ends that face each other are joined;
 //! 5. lines that end inside the region are extended as long as they have the least room.
 //!
 //! ```text
@@ -29,7 +29,7 @@
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::cross;
 use grainpath_core::poly::LineClipper;
-use grainpath_core::polyline::{length_mm, resampled};
+use grainpath_core::polyline::{length_mm, resampled, shorten_start};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
@@ -71,6 +71,8 @@ const LOOK_AHEAD: f64 = 1.5;
 pub(super) struct Place<'a> {
     /// The edge where the strips of the surrounding beads begin.
     pub border: &'a Region,
+    /// The same edge, searchable.
+    pub edge: Neighbours,
     /// Lines that meet the border across end this far from it, mm.
     pub border_mm: f64,
     /// The area in which lines lie. Beads that may be narrowed come nearer to the border beside it.
@@ -129,8 +131,8 @@ impl Place<'_> {
 
     /// If a line that goes on from `at` along a unit vector meets the border soon and across: how much longer it may
     /// become before its end is [`Place::border_mm`] from the border, mm. Negative if it is nearer already.
-    fn free_ahead_mm(&self, neighbours: &Neighbours, at: DVec2, along: DVec2) -> Option<f64> {
-        let hit = neighbours.hit(at, along, LOOK_AHEAD * self.spacing_mm, |_, _| true)?;
+    fn free_ahead_mm(&self, at: DVec2, along: DVec2) -> Option<f64> {
+        let hit = self.edge.hit(at, along, LOOK_AHEAD * self.spacing_mm, |_, _| false)?;
         let sine = cross(along, hit.along).abs();
         (sine > ACROSS_SINE.value()).then(|| hit.distance_mm - self.border_mm / sine)
     }
@@ -182,12 +184,9 @@ fn begun(
     let mut begun = PointGrid2::new(bounds, spacing_mm);
     let mut out = Vec::new();
     for (l, (line, rooms)) in lines.iter().zip(rooms).enumerate() {
-        // A line that has a new one beside it has that much room on one side alone.
-        if !rooms.iter().any(|&mm| mm >= room.begins * spacing_mm) {
-            continue;
-        }
         for side in [1.0, -1.0] {
             let place_at = |v: usize| {
+                // A line that gets a new one beside it has that much room on one side alone.
                 if rooms[v] < room.begins * spacing_mm {
                     return None;
                 }
@@ -297,38 +296,23 @@ fn bounds_of(lines: &[Line]) -> Option<Bounds2> {
 /// Shortens lines that meet the border across, so that they end [`Place::border_mm`] from it. Lines that run beside it
 /// stay as they are.
 pub(super) fn trimmed(lines: Vec<Line>, place: &Place<'_>) -> Vec<Line> {
-    let neighbours = place.neighbours(&[]);
     let mut out = Vec::with_capacity(lines.len());
     for mut line in lines {
         for _ in 0..2 {
-            line.points.reverse();
-            if let [.., before, end] = line.points[..]
+            if let [end, before, ..] = line.points[..]
                 && !line.closed
-                && let Some(free_mm) =
-                    place.free_ahead_mm(&neighbours, end, (end - before).normalize_or_zero())
+                && let Some(free_mm) = place.free_ahead_mm(end, (end - before).normalize_or_zero())
+                && free_mm < 0.0
             {
-                shorten(&mut line.points, -free_mm);
+                shorten_start(&mut line.points, -free_mm);
             }
+            line.points.reverse();
         }
         if line.closed || length_mm(&line.points, false) > place.shortest_mm {
             out.push(line);
         }
     }
     out
-}
-
-/// Shortens a line by `by_mm` at its end; nothing is done if that is negative.
-fn shorten(points: &mut Vec<DVec2>, mut by_mm: f64) {
-    while by_mm > 0.0
-        && let [.., before, end] = points[..]
-    {
-        points.pop();
-        let length_mm = before.distance(end);
-        if length_mm > by_mm {
-            points.push(end.lerp(before, by_mm / length_mm));
-        }
-        by_mm -= length_mm;
-    }
 }
 
 /// Extends the ends of lines as long as they have the least room and stay inside the region. `neighbours` holds the lines
@@ -383,7 +367,7 @@ impl End<'_> {
         for _ in 0..MAX_STEPS {
             let axis = (self.place.axis)(at);
             let along = if axis.dot(heading) < 0.0 { -axis } else { axis };
-            let ahead_mm = self.place.free_ahead_mm(self.neighbours, at, along);
+            let ahead_mm = self.place.free_ahead_mm(at, along);
             if ahead_mm.is_some_and(|mm| mm <= ROUNDING_MM) {
                 break;
             }

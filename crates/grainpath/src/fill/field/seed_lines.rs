@@ -215,11 +215,10 @@ impl FreeArea<'_> {
         // The place of the previous line is taken, so offsets only grow away from the seed. Round caps at
         // the ends of a line run across the field and are cut off below.
         let mut pieces = Vec::new();
+        let shortest_mm = SHORTEST.value() * self.step;
         for contour in around.contours() {
-            let shortest_mm = SHORTEST.value() * self.step;
             push_inside(&clipper, contour.clone(), true, shortest_mm, POINTS * self.step, &mut pieces);
         }
-        let shortest_mm = SHORTEST.value() * self.step;
         let along = |piece| stretches_along(piece, self.axis, FARTHEST_RAD, shortest_mm);
         pieces.into_iter().flat_map(along).collect()
     }

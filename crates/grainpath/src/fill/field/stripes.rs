@@ -184,6 +184,7 @@ pub(crate) fn spaced(
     let axis = |p: DVec2| axis_of(field, context, p);
     let place = Place {
         border: &border,
+        edge: Neighbours::new(&[], &border, CELL_BEADS * spacing),
         border_mm: context.border_mm,
         area: &near_border,
         axis: &axis,
@@ -191,7 +192,8 @@ pub(crate) fn spaced(
         shortest_mm,
         longest_joint_mm: LONGEST_JOINT.value() * spacing,
     };
-    let (lines, strips) = match context.widths {
+    let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let (lines, widths) = match context.widths {
         BeadWidths::Variable => {
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
@@ -204,19 +206,19 @@ pub(crate) fn spaced(
                 push_inside(&near_border, line.points, line.closed, shortest_mm, step_mm, &mut inside);
             }
             let lines = trimmed(fitted(inside, &place, room), &place);
-            filling_their_space(lines, &border, spacing)
+            let (lines, mut widths) = filling_their_space(lines, &border, spacing);
+            for width in widths.iter_mut().flatten() {
+                *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
+            }
+            (lines, widths)
         }
-        BeadWidths::Constant => (fitted(lines, &place, one_width::ROOM), Vec::new()),
+        BeadWidths::Constant => {
+            let lines = fitted(lines, &place, one_width::ROOM);
+            let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
+            (lines, widths)
+        }
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
-    let (nominal, h) = (context.bead_width_mm, context.height_mm);
-    let width = |strip: f64| bead_width_mm(share * strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
-    let widths = match context.widths {
-        BeadWidths::Variable => {
-            strips.into_iter().map(|line| line.into_iter().map(width).collect()).collect()
-        }
-        BeadWidths::Constant => lines.iter().map(|l| vec![nominal; l.points.len()]).collect(),
-    };
     let centrelines = Centrelines { lines, neighbours, widths };
     lay(centrelines, &infill_region, &border, context, share, out);
 }

@@ -399,7 +399,7 @@ impl Neighbours {
 
 /// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle the next line
 /// has ended less than two spacings before this one.
-pub(super) const AHEAD_SINE: f64 = 0.5;
+const AHEAD_SINE: f64 = 0.5;
 
 /// What lies beside a line.
 #[derive(Clone, Copy)]
