@@ -222,8 +222,8 @@ pub fn report_of(
     report.quality = Some(quality);
     report.reserve = planned.guide.as_ref().map(|guide| {
         let plate_from_part_mm = planned.plan.plate_from_part_mm.truncate();
-        let part =
-            StressedPart { guide, stack: &planned.stack, density: planned.density, plate_from_part_mm };
+        let (stack, uneven) = (&planned.stack, planned.uneven.as_ref());
+        let part = StressedPart { guide, stack, plate_from_part_mm, uneven };
         reserve(&grainpath::run::config::strength(settings), part, program, diagnostics)
     });
     report

@@ -129,6 +129,88 @@ fn the_reserve_is_the_first_failure_of_the_test() {
     eprintln!("{table}");
 }
 
+/// A piece with sparse infill: its shape, its load in N, its infill, and the size of the test's cells.
+struct SparsePiece {
+    name: &'static str,
+    size_mm: [f64; 3],
+    force_n: [f64; 3],
+    fill: &'static str,
+    cell_mm: f64,
+}
+
+const SPARSE_PIECES: [SparsePiece; 4] = [
+    SparsePiece {
+        name: "bar, bent upwards, graded grid",
+        size_mm: [40.0, 12.0, 10.0],
+        force_n: [0.0, 0.0, -40.0],
+        fill: "pattern = \"grid\"\ndensity = { min = 0.1, max = 1.0, by = \"stress\" }",
+        cell_mm: 0.9,
+    },
+    SparsePiece {
+        name: "bar, pulled, even gyroid",
+        size_mm: [40.0, 10.0, 8.0],
+        force_n: [200.0, 0.0, 0.0],
+        fill: "pattern = \"gyroid\"\ndensity = 0.25",
+        cell_mm: 0.9,
+    },
+    SparsePiece {
+        name: "bar, bent sideways, graded stripes",
+        size_mm: [40.0, 12.0, 8.0],
+        force_n: [0.0, -30.0, 10.0],
+        fill: "pattern = \"stripes\"\ndensity = { min = 0.1, max = 1.0, by = \"stress\" }",
+        cell_mm: 0.9,
+    },
+    SparsePiece {
+        name: "plate, bent in its plane, graded stripes",
+        size_mm: [40.0, 16.0, 1.2],
+        force_n: [0.0, -20.0, 0.0],
+        fill: "pattern = \"stripes\"\ndensity = { min = 0.1, max = 1.0, by = \"stress\" }",
+        cell_mm: 0.45,
+    },
+];
+
+#[test]
+fn the_reserve_of_sparse_infill_is_the_first_failure_of_the_test() {
+    let dir = folder("reserve sparse");
+    let (mut table, mut worst) = (String::new(), 0.0f64);
+    for (k, piece) in SPARSE_PIECES.iter().enumerate() {
+        let ([x, y, z], [fx, fy, fz]) = (piece.size_mm, piece.force_n);
+        let held = if fz == 0.0 && z < 2.0 { "xy" } else { "xyz" };
+        fs::write(dir.join("piece.stl"), box_stl(piece.size_mm)).expect("written");
+        let text = format!(
+            "[shape]\nmesh = \"piece.stl\"\n[process]\nwalls = 1\ntop_layers = 2\nbottom_layers = 2\n[guide]\nkind = \"stress\"\n\
+             [[guide.fixture]]\non = {{ box_mm = [[0, 0, 0], [1, {y}, {z}]] }}\nfix = \"{held}\"\n\
+             [[guide.load]]\non = {{ box_mm = [[{}, 0, 0], [{x}, {y}, {z}]] }}\nforce_n = [{fx}, {fy}, {fz}]\n\
+             [fill]\n{}\n[strength]\ncell_mm = {}\ncheck = false\ncorners = false\n",
+            x - 1.0,
+            piece.fill,
+            piece.cell_mm
+        );
+        let name = format!("sparse-{k}.toml");
+        fs::write(dir.join(&name), text).expect("written");
+        let out = grainpath(&dir, &["run", &name, "--json", "--set", "strength.enabled=true"]);
+        let report = json(&out);
+        assert!(out.status.success(), "{}: {report}", piece.name);
+        let first = &report["reserve"]["first_failure"];
+        let [low, told, high] = [0, 1, 2].map(|k| number(&first[k]));
+        let tested = number(&report["strength"]["first_n"]) / number(&report["strength"]["job_load_n"]);
+        writeln!(
+            table,
+            "| {} | {} | {told:.2} ({low:.2} to {high:.2}), {} | {tested:.2} | {:+.1} % | {:.2} |",
+            piece.name,
+            report["strength"]["fidelity"],
+            report["reserve"]["mode"],
+            100.0 * (told / tested - 1.0),
+            number(&report["reserve"]["seconds"]) / number(&report["stages_s"]["guide"]),
+        )
+        .expect("a string");
+        worst = worst.max((told / tested - 1.0).abs());
+        assert!(low <= tested && tested <= high, "{}: {tested} is not in {first}", piece.name);
+    }
+    assert!(worst <= 0.15, "{table}");
+    eprintln!("{table}");
+}
+
 #[test]
 fn a_reserve_is_told_in_words_or_the_reason_why_not() {
     let dir = folder("reserve words");

@@ -35,6 +35,7 @@ use rayon::prelude::*;
 use super::bricks::Bricks;
 use super::card::StrengthCard;
 use super::damage::{damaged_stiffness, remaining_shares};
+use super::first_failure::{FirstFailure, IndexScale, OfCards, first_failures_of};
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
 };
@@ -92,8 +93,9 @@ const STEP_CONTROL: StepControl = StepControl {
 /// Residual over the load at which the first solution ends. Measured: with it bars of one raster break within 0.1 % of
 /// strength times section (`tests/strength.rs`).
 const FIRST_TOLERANCE: f64 = 1e-5;
-/// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] ends. Measured: it
-/// suffices to tell walls one or two cells thick from walls of four or five (`tests/wall_bending.rs`).
+/// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] and [`SolidTest::first_failures`]
+/// ends. Measured: it suffices to tell walls one or two cells thick from walls of four or five
+/// (`tests/wall_bending.rs`); first failures of five bars with sparse infill are within 0.01 % of those at 1e-4.
 const PROBE_TOLERANCE: f64 = 1e-3;
 /// Residual over the load at which later solutions end. Each starts from the solution before it, see
 /// `RESIDUAL_GAIN`. Measured: see [`STEP_CONTROL`]; the small steps of that comparison end at 1e-5.
@@ -138,6 +140,30 @@ impl SolidTest<'_> {
         solid.solve()?;
         let whole = PlyState::whole(&self.card.final_strains(1.0, 1.0));
         unresolved_bending(&solid.bending(&vec![whole; solid.n_plies()]))
+    }
+
+    /// The first failure under the load for each of `N` cards with the elastic constants of the test's own card. It takes one
+    /// solution; `index` of a failure is that of the whole load, times `scale`.
+    ///
+    /// # Errors
+    /// [`TestError`] when the part moves freely, is too large for the memory allowed, or the test is stopped.
+    pub fn first_failures<const N: usize>(
+        &self,
+        cards: &[StrengthCard; N],
+        scale: IndexScale,
+    ) -> Result<OfCards<N>, TestError> {
+        let mut solid = self.loaded(LATER_TOLERANCE)?;
+        solid.settings.tolerance = PROBE_TOLERANCE;
+        solid.solve()?;
+        let states = vec![PlyState::whole(&self.card.final_strains(1.0, 1.0)); solid.n_plies()];
+        let failures = |element: usize, k: usize| {
+            let cell = solid.cells[element] as usize;
+            let strain = solid.system.strain(solid.system.displacement(), cell).unwrap_or_default();
+            let indices = solid.indices_of_strain(&cards[k], element, strain, &states);
+            let plies = solid.plies(element).map(|p| self.bricks.plies[solid.plies[p] as usize].angle_rad);
+            FirstFailure::of_plies(cell, plies.zip(indices), scale)
+        };
+        Ok(first_failures_of(&solid, &failures))
     }
 
     /// Full cells across the part through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
@@ -330,6 +356,7 @@ impl LoadedSolid<'_> {
     /// Failure indices of an element under a strain, order xx, yy, zz, xy, yz, zx.
     fn indices_of_strain(
         &self,
+        card: &StrengthCard,
         element: usize,
         strain: [f64; 6],
         states: &[PlyState],
@@ -340,20 +367,20 @@ impl LoadedSolid<'_> {
         let each = move |(k, p): (usize, usize)| {
             let own = strain_along(strain, test.bricks.plies[self.plies[p] as usize].angle_rad);
             let damage = states[p].damage();
-            let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
+            let stiffness = damaged_stiffness(&card.elastic, damage, bond).unwrap_or_default();
             // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
             let remaining = remaining_shares(damage, bond);
             let stress: [f64; 6] = std::array::from_fn(|i| {
                 stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
             });
             let plane = [stress[0], stress[1], stress[3]];
-            let ([through, between], mode) = test.card.indices(plane);
-            let (apart, slides) = test.card.layer_index([stress[2], stress[4], stress[5]]);
+            let ([through, between], mode) = card.indices(plane);
+            let (apart, slides) = card.layer_index([stress[2], stress[4], stress[5]]);
             // All plies of a brick separate from the layer below together, so the first one stands for all.
             let apart = if k == 0 { apart } else { 0.0 };
             FailureIndices {
                 index: [through, between, apart],
-                slides: [false, test.card.is_sliding(plane), slides],
+                slides: [false, card.is_sliding(plane), slides],
                 mode,
             }
         };
@@ -369,7 +396,9 @@ impl LoadedSolid<'_> {
             let cell = self.cells[element] as usize;
             let displacement = self.system.displacement();
             let middle = self.system.strain(displacement, cell).unwrap_or_default();
-            let index = |strain: [f64; 6]| highest_index(self.indices_of_strain(element, strain, states));
+            let index = |strain: [f64; 6]| {
+                highest_index(self.indices_of_strain(self.test.card, element, strain, states))
+            };
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..3 {
@@ -454,7 +483,7 @@ impl LoadedPart for LoadedSolid<'_> {
         out.clear();
         let cell = self.cells[element] as usize;
         let strain = self.system.strain(self.system.displacement(), cell);
-        out.extend(self.indices_of_strain(element, strain.unwrap_or_default(), states));
+        out.extend(self.indices_of_strain(self.test.card, element, strain.unwrap_or_default(), states));
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

@@ -1,6 +1,7 @@
-//! Where printed material fails first under a known stress, without a finite-element solution on its cells.
+//! Where printed material fails first: under a known stress without a finite-element solution on its cells, or in a part
+//! whose cells were solved (`PlateTest::first_failures`, `SolidTest::first_failures`).
 //!
-//! Method: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of [`Bricks`]. All
+//! Method under a known stress: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of [`Bricks`]. All
 //! plies of a cell have the same strain, so the inverse of their mean stiffness gives the strain, and the stiffness of each
 //! ply gives its stress. The failure indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are
 //! those of the virtual test. Indices grow with the load, so the load at first failure is the load divided by the highest
@@ -21,6 +22,7 @@ use super::bricks::Bricks;
 use super::card::{FailureMode, StrengthCard};
 use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares, with_joined};
 use super::laminate::{Laminate, Ply};
+use super::load_stepping::{FailureIndices, LoadedPart};
 use crate::material::{
     Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane, strain_along,
 };
@@ -40,6 +42,21 @@ pub struct FirstFailure {
 }
 
 impl FirstFailure {
+    /// The first failure of a cell, from the directions of its plies and their failure indices times `scale`.
+    pub(super) fn of_plies(
+        cell: usize,
+        plies: impl Iterator<Item = (f64, FailureIndices)>,
+        scale: IndexScale,
+    ) -> Option<Self> {
+        let failure = |(angle_rad, ply): (f64, FailureIndices)| {
+            let [through, between, apart] = ply.index;
+            let index = [through * scale.in_plane, between * scale.in_plane, apart * scale.between_layers];
+            let mode = mode_of(index, ply.slides[1], ply.mode);
+            Self { index: index.into_iter().fold(0.0, f64::max), cell, angle_rad, mode }
+        };
+        plies.map(failure).fold(None, |worst, found| Self::worse(worst, Some(found)))
+    }
+
     /// The failure with the higher index; of equal ones that in the cell with the lower number.
     fn worse(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         match (a, b) {
@@ -51,8 +68,26 @@ impl FirstFailure {
     }
 }
 
+/// Factors on failure indices, for cells of another size than those for which the indices are wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IndexScale {
+    /// For failure through the beads and between them.
+    pub in_plane: f64,
+    /// For failure between layers.
+    pub between_layers: f64,
+}
+
 /// The first failure for each of several cards of one material, for example with low, nominal and high strengths.
-type OfCards<const N: usize> = [Option<FirstFailure>; N];
+pub type OfCards<const N: usize> = [Option<FirstFailure>; N];
+
+/// The first failure of a part that was solved. `failures` gives the first failure of an element with the `k`-th card.
+pub(super) fn first_failures_of<const N: usize>(
+    part: &dyn LoadedPart,
+    failures: &(dyn Fn(usize, usize) -> Option<FirstFailure> + Sync),
+) -> OfCards<N> {
+    let breakable = (0..part.n_elements()).into_par_iter().filter(|e| !part.is_unbreakable(*e));
+    worst(breakable.map(|e| std::array::from_fn(|k| failures(e, k))))
+}
 
 fn worst<const N: usize>(cells: impl ParallelIterator<Item = OfCards<N>>) -> OfCards<N> {
     // The order of the comparison does not matter, since the cell number decides between equal indices.

@@ -27,6 +27,7 @@ use rayon::prelude::*;
 
 use super::card::StrengthCard;
 use super::damage::{damaged_plane_stiffness, with_joined};
+use super::first_failure::{FirstFailure, IndexScale, OfCards, first_failures_of};
 use super::laminate::Laminate;
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
@@ -141,6 +142,30 @@ impl PlateTest<'_> {
         unresolved_bending(&plate.bending(&states, &membranes))
     }
 
+    /// The first failure under the load for each of `N` sets of cards, each in the numbering of the plies and with the
+    /// elastic constants of the test's own cards. It takes one solution; `index` of a failure is that of the whole
+    /// load, times `scale`.
+    ///
+    /// # Errors
+    /// [`TestError`] when the plate moves freely, is too large for the memory allowed, or the test is stopped.
+    pub fn first_failures<const N: usize>(
+        &self,
+        cards: &[Vec<StrengthCard>; N],
+        scale: IndexScale,
+    ) -> Result<OfCards<N>, TestError> {
+        let mut plate = self.loaded()?;
+        plate.solve()?;
+        let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
+        let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
+        let failures = |element: usize, k: usize| {
+            let strain = middle_strain(&plate.corners(element), plate.cell_mm());
+            let indices = plate.indices_of_strain(&cards[k], element, strain, &states);
+            let plies = plate.plies(element).map(|p| self.laminate.plies[p].angle_rad);
+            FirstFailure::of_plies(self.elements.cells[element] as usize, plies.zip(indices), scale)
+        };
+        Ok(first_failures_of(&plate, &failures))
+    }
+
     /// Full cells across the plate through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
     fn cells_across(&self, cell: usize, axis: usize) -> f64 {
         let laminate = self.laminate;
@@ -231,6 +256,7 @@ impl LoadedPlate<'_> {
     /// Failure indices of an element under a strain, order xx, yy, xy.
     fn indices_of_strain(
         &self,
+        cards: &[StrengthCard],
         element: usize,
         strain: [f64; 3],
         states: &[PlyState],
@@ -240,7 +266,7 @@ impl LoadedPlate<'_> {
             let ply = &test.laminate.plies[p];
             let own = plane_strain_along(strain, ply.angle_rad);
             let damage = with_joined(in_plane(states[p].damage()), ply.joined);
-            let card = &test.cards[test.material(p)];
+            let card = &cards[test.material(p)];
             let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
             // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
             let across = 1.0 - damage[1].max(damage[0]);
@@ -264,7 +290,9 @@ impl LoadedPlate<'_> {
             let cell = self.test.elements.cells[element] as usize;
             let u = self.corners(element);
             let middle = middle_strain(&u, self.cell_mm());
-            let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, strain, states));
+            let index = |strain: [f64; 3]| {
+                highest_index(self.indices_of_strain(self.test.cards, element, strain, states))
+            };
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..2 {
@@ -340,7 +368,7 @@ impl LoadedPart for LoadedPlate<'_> {
     fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>) {
         out.clear();
         let strain = middle_strain(&self.corners(element), self.cell_mm());
-        out.extend(self.indices_of_strain(element, strain, states));
+        out.extend(self.indices_of_strain(self.test.cards, element, strain, states));
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

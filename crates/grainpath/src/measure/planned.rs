@@ -9,7 +9,7 @@ use crate::guide::Guide;
 use crate::guide::given_field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::measure::laid_density::LaidDensity;
-use crate::measure::strength::TestSetup;
+use crate::measure::strength::{StrengthError, TestSetup};
 use crate::support::Support;
 
 /// A planned job.
@@ -38,6 +38,9 @@ pub struct Planned {
     pub guide: Option<Guide>,
     /// The inputs of a strength test that come from the part, for jobs that ask for a test.
     pub test: Option<TestSetup>,
+    /// Fixtures and loads for the reserve of a part whose stress was solved but whose beads do not share the load evenly: with
+    /// sparse infill, or without walls. `None` for other parts.
+    pub uneven: Option<Result<TestSetup, StrengthError>>,
     /// Report of the scan, if the shape is a scan.
     pub scan: Option<CtReport>,
 }

@@ -549,6 +549,10 @@ fn plan_stack(
     config::warn_of_mix(settings, diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;
+    // The reserve of sparse infill needs fixtures and loads as a test does. Where a test cannot have them, only the reserve
+    // is missing.
+    let uneven = (guide.is_some() && config::loads_beads_unevenly(settings))
+        .then(|| TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone()));
     let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;
     let place = config::field(settings, lowered_mm, plate_from_part_mm);
     let lay = |samples| FieldGuide::new(samples, &place, &stack, diagnostics);
@@ -671,6 +675,7 @@ fn plan_stack(
         field,
         guide,
         test,
+        uneven,
         scan,
     };
     warn_if_far(&planned, settings.fill.pattern, diagnostics);

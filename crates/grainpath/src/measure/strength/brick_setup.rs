@@ -50,7 +50,7 @@ impl PreparedSolid {
         self.test(card, limits).unresolved_bending()
     }
 
-    fn test<'a>(&'a self, card: &'a StrengthCard, limits: &Limits) -> SolidTest<'a> {
+    pub(super) fn test<'a>(&'a self, card: &'a StrengthCard, limits: &Limits) -> SolidTest<'a> {
         SolidTest {
             bricks: &self.bricks,
             active: &self.active,

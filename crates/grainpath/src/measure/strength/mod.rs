@@ -17,6 +17,7 @@ use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
+use grainpath_fea::strength::first_failure::{IndexScale, OfCards};
 use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
@@ -436,6 +437,31 @@ impl LoadedPart {
             Self::Plane(p) => plate_test(p, cards, limits).unresolved_bending()?,
             Self::Voxels(p) => p.unresolved_bending(&cards[0], limits)?,
         })
+    }
+
+    /// The first failure under the load with each of several sets of cards, from one solution. Indices are multiplied by
+    /// `scale`.
+    fn first_failures<const N: usize>(
+        &self,
+        cards: &[Vec<StrengthCard>; N],
+        scale: IndexScale,
+        limits: &Limits,
+    ) -> Result<OfCards<N>, StrengthError> {
+        Ok(match self {
+            Self::Plane(p) => plate_test(p, &cards[0], limits).first_failures(cards, scale)?,
+            Self::Voxels(p) => {
+                let of_part = std::array::from_fn(|k| cards[k][0]);
+                p.test(&of_part[0], limits).first_failures(&of_part, scale)?
+            }
+        })
+    }
+
+    /// The centre of a cell in the directions of the grid, mm; in a plate at the given height.
+    fn centre(&self, cell: usize, z_mm: f64) -> DVec3 {
+        match self {
+            Self::Plane(p) => p.laminate.grid.centre(cell).extend(z_mm),
+            Self::Voxels(p) => p.bricks.centre(cell),
+        }
     }
 
     fn load_n(&self) -> f64 {

@@ -1,32 +1,43 @@
 //! Computes the reserve, the factor on the loads of a case at which the printed part begins to fail, without the virtual
 //! test.
 //!
-//! Method: the guide's stress, which was solved for a solid part, is applied to the written beads. The beads become the
-//! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The stress of a cell is the stress at its
-//! centre, divided by the filled share of the part around the cell, and in solids by the contact with the layer below
-//! around it; [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells near fixtures and
-//! loads (closer than 1.5 mm plus 1.75 cells) do not count, because the test does not let them fail. The report states
-//! three factors, for the low, nominal and high strengths of the material's card. The low and the high factor are moved
-//! apart by the mesh error of the stress and by `METHOD`.
+//! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
+//! fails first is found in one of two ways:
+//!
+//! - In a dense part with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
+//!   stress of a cell is the stress at its centre, in solids divided by the contact with the layer below around it
+//!   ([`first_failure`](grainpath_fea::strength::first_failure)). Cells near fixtures and loads (closer than 1.5 mm plus
+//!   1.75 cells) do not count, because the test does not let them fail.
+//! - With sparse infill, or without walls, load moves from infill to walls and skins and to the few places where beads
+//!   touch, which the stress of a solid part does not show. There the cells are solved once for each case, as the virtual
+//!   test solves them before anything fails. Parts of more than `MOST_CELLS` cells get larger ones; their indices
+//!   are scaled to the cells of the test.
+//!
+//! The report states three factors, for the low, nominal and high strengths of the material's card. The low and the high
+//! factor are moved apart by `METHOD`, and by the mesh error of the stress or the size of the cells.
 //!
 //! `crates/grainpath-cli/tests/reserve.rs` compares the reserve with the first failure in the test; `docs/validation.md`
-//! has the table. Cost: linear in cells and beads, a fraction of the solve. Limits: in sparse infill the stress is
-//! distributed evenly over the filled share, while the test follows single lines; notches between the ends of beads at a
-//! border without walls are ignored; no reserve is stated if the peak of the stress cannot be trusted.
+//! has the table. Cost: linear in cells and beads in dense parts; one solution of the virtual test, which takes hundreds,
+//! in others. Limits: in a dense part, notches of the infill at a curved border are not resolved; no reserve is stated if
+//! the peak of the stress cannot be trusted, or if the cells of an uneven part cannot have its loads.
 
-use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::selection::Selection;
-use grainpath_core::{DVec2, DVec3, Density, Diagnostics, LayerStack};
+use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, math};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
-use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
+use grainpath_fea::strength::first_failure::{
+    FirstFailure, IndexScale, first_failure_of_bricks, first_failure_of_plate,
+};
 use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, Laminate};
 use grainpath_gcode::Program;
 use serde::Serialize;
 
 use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
-use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
+use super::{
+    CORNERS, Corner, Limits, LoadedPart, PlacedCells, StrengthError, StrengthSettings, TestSetup,
+    cell_sizes_mm, digits,
+};
 use crate::guide::{CaseStress, Guide};
 
 /// The corners of the card for which the reserve is stated: all strengths low, nominal, high.
@@ -35,10 +46,18 @@ const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
 /// bead width, six test parts lie within 15 % of the first failure in the virtual test; with cells of half a bead width, the
 /// test resolves notches of curved borders, and a corner with a fillet fails 29 % below its reserve (docs/validation.md).
 const METHOD: [f64; 2] = [0.3, 0.15];
-/// Side of the window over which the filled share is averaged, in distances between lines of sparse infill, so that every
-/// window contains whole lines. Source: derived; one distance contains one line of each direction; with two distances, the
-/// share changes by a quarter at most as the window moves.
-const WINDOW_LINES: f64 = 2.0;
+/// Largest number of cells on which a part is solved, in a plate and in a solid, as the filled section or volume over that
+/// of a cell. Larger parts get larger cells than the virtual test gives them. Source: chosen, so that the solution takes
+/// about as long as the stress of the guide: 0.3 to 2 times on bars of 4000 to 8400 mm3 with cells of 0.45 mm.
+const MOST_CELLS: [f64; 2] = [40_000.0, 100_000.0];
+/// The first failure on larger cells is higher by this power of their size, because smaller cells show more of the notches
+/// where beads meet. Measured: with cells of 0.45 and 0.9 mm, first failure in the plane of ten bars and blocks of sparse grid,
+/// gyroid and stripes rises 1.05 to 1.8 times (1.27 in the mean), that between layers of ten 1.06 to 3.0 times (1.77);
+/// four plates with cells of 0.225 and 0.45 mm have 1.10 to 1.53 (1.26).
+const CELL_EXPONENT: IndexScale = IndexScale { in_plane: 0.34, between_layers: 0.82 };
+/// The interval of a part with larger cells is wider by this power of their size over that of the test's cells.
+/// Measured: it holds the smallest and the largest ratio of `CELL_EXPONENT`.
+const CELL_SPREAD: f64 = 0.75;
 
 /// The factor on the job's loads at first failure, for the case with the least factor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -99,8 +118,12 @@ impl ReserveReport {
 }
 
 /// The factors for the low, nominal and high strengths of a card, with the interval widened by mesh error and method.
-pub(crate) fn interval(guide: &Guide, [low, nominal, high]: [f64; 3]) -> [f64; 3] {
-    let missed = guide.summary.error_estimate.min(1.0);
+pub(crate) fn interval(guide: &Guide, first_failure: [f64; 3]) -> [f64; 3] {
+    widened(first_failure, guide.summary.error_estimate.min(1.0))
+}
+
+/// An interval widened by `METHOD` and by a mesh error.
+fn widened([low, nominal, high]: [f64; 3], missed: f64) -> [f64; 3] {
     [low * (1.0 - METHOD[0]) * (1.0 - missed), nominal, high * (1.0 + METHOD[1]) * (1.0 + missed)]
 }
 
@@ -111,10 +134,11 @@ pub struct StressedPart<'a> {
     pub guide: &'a Guide,
     /// Its layers with their sections.
     pub stack: &'a LayerStack,
-    /// Density of its sparse infill.
-    pub density: Density,
     /// Vector from part coordinates to program coordinates, mm.
     pub plate_from_part_mm: DVec2,
+    /// Fixtures and loads for a solution on the cells of its beads, for parts whose beads do not share the load evenly:
+    /// with sparse infill, or without walls. `None` for other parts.
+    pub uneven: Option<&'a Result<TestSetup, StrengthError>>,
 }
 
 /// Computes the reserve of a part from its written program.
@@ -125,7 +149,14 @@ pub fn reserve(
     diagnostics: &Diagnostics,
 ) -> ReserveReport {
     let start_s = diagnostics.now_s();
-    let told = LaidCells::new(settings, part, program).and_then(|cells| cells.reserve(part.guide));
+    let told = LaidCells::new(settings, part, program).and_then(|cells| match part.uneven {
+        None => cells.reserve(part.guide),
+        Some(Err(why)) => Err(Untold::Uneven(why.clone())),
+        Some(Ok(setup)) => {
+            let limits = Limits { max_mib: settings.max_mib, cancel: diagnostics.cancel_flag() };
+            cells.reserve_on_cells(setup, &limits)
+        }
+    });
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
     report.seconds = digits(diagnostics.now_s() - start_s);
     report
@@ -138,8 +169,19 @@ enum Untold {
     Peak,
     #[error("the whole part lies near fixtures and loads, where failure is not evaluated")]
     Nothing,
+    #[error("the infill is sparse or no wall closes it, and the forces in its beads cannot be solved: {0}")]
+    Uneven(StrengthError),
     #[error(transparent)]
     Strength(#[from] StrengthError),
+}
+
+/// The report of the reserves of all cases.
+fn least_of(found: Vec<CaseReserve>) -> Result<ReserveReport, Untold> {
+    let nominal = |c: &&CaseReserve| c.first_failure[1];
+    let least = found.iter().min_by(|a, b| nominal(a).total_cmp(&nominal(b))).cloned();
+    let least = Some(least.ok_or(Untold::Nothing)?);
+    let cases = if found.len() > 1 { found } else { Vec::new() };
+    Ok(ReserveReport { least, cases, untold: None, seconds: 0.0 })
 }
 
 /// The beads of a part, with all that is needed to turn them into cells.
@@ -151,22 +193,26 @@ struct LaidCells<'a> {
     cards: Vec<Vec<StrengthCard>>,
     fidelity: Fidelity,
     cell_mm: f64,
+    /// Size of the cells of the virtual test.
+    test_mm: f64,
     floor_mm: f64,
     stack: &'a LayerStack,
-    /// Half the side of the window over which the filled share is averaged, mm; `None` if infill is dense.
-    window_mm: Option<f64>,
     /// The regions near fixtures and loads, which are left out.
     grips: Vec<Selection>,
 }
 
 impl<'a> LaidCells<'a> {
     fn new(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
-        let StressedPart { guide, stack, density, plate_from_part_mm: shift } = part;
+        let StressedPart { guide, stack, plate_from_part_mm: shift, uneven } = part;
         let cards = TOLD.iter().map(|c| settings.cards(*c)).collect::<Result<Vec<_>, _>>()?;
         if !guide.is_trusted() {
             return Err(Untold::Peak);
         }
-        let fidelity = if guide.is_plate { Fidelity::Plane } else { Fidelity::Voxels };
+        let fidelity = match uneven {
+            Some(Ok(setup)) => setup.fidelity,
+            _ if guide.is_plate => Fidelity::Plane,
+            _ => Fidelity::Voxels,
+        };
         if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
             return Err(StrengthError::FibreInSpace.into());
         }
@@ -182,35 +228,52 @@ impl<'a> LaidCells<'a> {
         let tall: f64 = of_stack.iter().map(|l| l.height_mm()).sum();
         let size = bounds.map_or(DVec2::ZERO, |b| b.size()).extend(tall);
         let (usual_mm, smallest_mm) = cell_sizes_mm(fidelity, settings.bead_mm, middle, volume_mm3, size);
-        let cell_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
-        let spacing_mm = settings.bead_mm / density.fraction().max(0.02);
-        let window_mm = (!density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
+        let test_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
+        let [of_plate, of_solid] = MOST_CELLS;
+        let cell_mm = match (uneven, fidelity) {
+            (None, _) => test_mm,
+            (Some(_), Fidelity::Plane) => test_mm.max((middle / of_plate).sqrt()),
+            (Some(_), Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
+        };
         let grips = guide.grips(cell_mm);
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
-        Ok(Self {
-            sheets,
-            sheets_a_layer,
-            frame,
-            cards,
-            fidelity,
-            cell_mm,
-            floor_mm,
-            stack,
-            window_mm,
-            grips,
+        Ok(Self { sheets, sheets_a_layer, frame, cards, fidelity, cell_mm, test_mm, floor_mm, stack, grips })
+    }
+
+    /// The reserve from the stress of the guide, for dense parts.
+    fn reserve(&self, guide: &Guide) -> Result<ReserveReport, Untold> {
+        least_of(match self.fidelity {
+            Fidelity::Plane => self.of_plate(guide)?,
+            Fidelity::Voxels => self.of_solid(guide)?,
         })
     }
 
-    fn reserve(&self, guide: &Guide) -> Result<ReserveReport, Untold> {
-        let found: Vec<CaseReserve> = match self.fidelity {
-            Fidelity::Plane => self.of_plate(guide)?,
-            Fidelity::Voxels => self.of_solid(guide)?,
+    /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
+    fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
+        let cells = PlacedCells::unmoved(self.cell_mm);
+        let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
+        let larger = self.cell_mm / self.test_mm;
+        let scale = IndexScale {
+            in_plane: math::pow(larger, CELL_EXPONENT.in_plane),
+            between_layers: math::pow(larger, CELL_EXPONENT.between_layers),
         };
-        let nominal = |c: &&CaseReserve| c.first_failure[1];
-        let least = found.iter().min_by(|a, b| nominal(a).total_cmp(&nominal(b))).cloned();
-        let least = Some(least.ok_or(Untold::Nothing)?);
-        let cases = if found.len() > 1 { found } else { Vec::new() };
-        Ok(ReserveReport { least, cases, untold: None, seconds: 0.0 })
+        let spread = math::pow(larger, CELL_SPREAD);
+        let mut found = Vec::new();
+        for case in std::iter::once(setup).chain(&setup.others) {
+            let loaded = LoadedPart::new(&case.in_frame(self.frame), &self.sheets, cells)?;
+            let corners = loaded.first_failures(&cards, scale, limits)?;
+            let place = |first: &FirstFailure| {
+                let at = loaded.centre(first.cell, 0.5 * (case.low.z + case.high.z));
+                let layer = match self.fidelity {
+                    Fidelity::Plane => self.layer_of_ply(at.truncate(), first.angle_rad),
+                    Fidelity::Voxels => self.layer_at(at.z),
+                };
+                (self.frame.to_part_3d(at), layer)
+            };
+            let widen = |[low, nominal, high]: [f64; 3]| widened([low / spread, nominal, high * spread], 0.0);
+            found.extend(self.told(&case.case().name, corners, &widen, &place));
+        }
+        least_of(found)
     }
 
     fn of_plate(&self, guide: &Guide) -> Result<Vec<CaseReserve>, Untold> {
@@ -223,19 +286,18 @@ impl<'a> LaidCells<'a> {
             .map(|cell| self.frame.to_part(grid.centre(cell)).extend(middle_mm))
             .collect();
         let held: Vec<bool> = at.iter().map(|p| self.is_held(*p)).collect();
-        let filled = |cell: usize| (laminate.thickness_mm(cell) / laminate.height_mm) as f32;
-        let share = self.shares([grid.nx, grid.ny, 1], [self.cell_mm; 3], &filled, &|cell| at[cell]);
         let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
         let mut found = Vec::new();
         for case in &guide.cases {
             let stress = |cell: usize| {
                 let [xx, yy, _, xy, ..] = self.stress(case, at[cell])?;
-                (!held[cell]).then(|| [xx, yy, xy].map(|s| s / share(cell)))
+                (!held[cell]).then_some([xx, yy, xy])
             };
             let corners = first_failure_of_plate(&laminate, &cards, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
             let layer = |first: &FirstFailure| self.layer_of_ply(grid.centre(first.cell), first.angle_rad);
-            found.extend(self.told(guide, case, corners, &|first| (at[first.cell], layer(first))));
+            let widen = |first_failure| interval(guide, first_failure);
+            found.extend(self.told(&case.name, corners, &widen, &|first| (at[first.cell], layer(first))));
         }
         Ok(found)
     }
@@ -244,8 +306,6 @@ impl<'a> LaidCells<'a> {
         let bricks =
             Bricks::from_layers(&self.sheets, self.cell_mm, self.floor_mm).map_err(StrengthError::from)?;
         let at = |cell: usize| self.frame.to_part_3d(bricks.centre(cell));
-        let filled = |cell: usize| bricks.filled[cell];
-        let share = self.shares(bricks.n, bricks.cell_mm.to_array(), &filled, &at);
         let cards: [StrengthCard; 3] = std::array::from_fn(|k| self.cards[k][0]);
         let mut found = Vec::new();
         for case in &guide.cases {
@@ -254,7 +314,7 @@ impl<'a> LaidCells<'a> {
                 if bricks.filled[cell] <= LEAST_FILLED || self.is_held(p) {
                     return None;
                 }
-                Some(self.stress(case, p)?.map(|s| s / share(cell)))
+                self.stress(case, p)
             };
             let corners = first_failure_of_bricks(&bricks, &cards, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
@@ -262,7 +322,8 @@ impl<'a> LaidCells<'a> {
                 let p = at(first.cell);
                 (p, self.layer_at(p.z))
             };
-            found.extend(self.told(guide, case, corners, &place));
+            let widen = |first_failure| interval(guide, first_failure);
+            found.extend(self.told(&case.name, corners, &widen, &place));
         }
         Ok(found)
     }
@@ -270,20 +331,20 @@ impl<'a> LaidCells<'a> {
     /// The reserve of a case from its first failures with low, nominal and high strengths.
     fn told(
         &self,
-        guide: &Guide,
-        case: &CaseStress,
+        case: &str,
         corners: [Option<FirstFailure>; 3],
+        widen: &dyn Fn([f64; 3]) -> [f64; 3],
         place: &dyn Fn(&FirstFailure) -> (DVec3, usize),
     ) -> Option<CaseReserve> {
         let [low, nominal, high] = corners;
         let factor = |f: Option<FirstFailure>| f.filter(|f| f.index > 0.0).map(|f| 1.0 / f.index);
         let first = nominal?;
         let (at, layer) = place(&first);
-        let first_failure = interval(guide, [factor(low)?, factor(nominal)?, factor(high)?]).map(digits);
+        let first_failure = widen([factor(low)?, factor(nominal)?, factor(high)?]).map(digits);
         let round = |v: f64| (v * 100.0).round() / 100.0;
         Some(CaseReserve {
             first_failure,
-            case: case.name.clone(),
+            case: case.to_owned(),
             mode: first.mode.name(),
             at_mm: at.to_array().map(round),
             layer,
@@ -317,7 +378,7 @@ impl<'a> LaidCells<'a> {
 
     /// Number of the lowest layer, from 1, that has a bead of about this direction at a point of the grid.
     fn layer_of_ply(&self, p: DVec2, angle_rad: f64) -> usize {
-        let along = grainpath_core::math::direction(angle_rad);
+        let along = math::direction(angle_rad);
         let near = |s: &BeadSheet| {
             s.beads.iter().any(|b| {
                 let (d, wide) = (b.b - b.a, b.volume_mm3 / (b.a.distance(b.b) * s.height_mm).max(1e-12));
@@ -328,80 +389,14 @@ impl<'a> LaidCells<'a> {
         };
         self.sheets.iter().position(near).map_or(1, |k| k / self.sheets_a_layer + 1)
     }
-
-    /// The filled share of the part around each cell; 1 if infill is dense.
-    fn shares(
-        &self,
-        n: [usize; 3],
-        cell_mm: [f64; 3],
-        filled: &(dyn Fn(usize) -> f32 + Sync),
-        at: &dyn Fn(usize) -> DVec3,
-    ) -> impl Fn(usize) -> f64 + Sync + use<> {
-        let shares = self.window_mm.map(|window_mm| {
-            let [nx, ny, nz] = n;
-            let all = nx * ny * nz;
-            let mut laid: Vec<f32> = (0..all).map(filled).collect();
-            let mut inside = vec![0.0f32; all];
-            let layers = self.stack.layers();
-            for z in 0..nz {
-                let slab = z * nx * ny..(z + 1) * nx * ny;
-                let layer = self.layer_at(at(slab.start).z) - 1;
-                let Some(region) = layers.get(layer).map(|l| l.region()) else { continue };
-                let Some(bounds) = region.bounds() else { continue };
-                let mask = Mask::from_region(MaskGrid::over(bounds, 0.5 * cell_mm[0]), region);
-                for cell in slab {
-                    inside[cell] = f32::from(u8::from(mask.contains(at(cell).truncate())));
-                }
-            }
-            for (axis, mm) in cell_mm.into_iter().enumerate() {
-                let reach = (window_mm / mm).round() as usize;
-                box_sums(&mut laid, n, axis, reach);
-                box_sums(&mut inside, n, axis, reach);
-            }
-            let share = |(laid, inside): (f32, f32)| {
-                // Without any cell of the part in the window, the share is 1.
-                if inside > 0.5 { (laid / inside).clamp(LEAST_FILLED, 1.0) } else { 1.0 }
-            };
-            laid.into_iter().zip(inside).map(share).collect::<Vec<f32>>()
-        });
-        move |cell| shares.as_ref().map_or(1.0, |s| f64::from(s[cell]))
-    }
 }
 
 /// Smallest filled share of a cell that counts, as in the test of solids. Source: `LEAST_FILLED` of `brick_setup`.
 const LEAST_FILLED: f32 = 0.06;
 
-/// Replaces each value by the sum over `reach` cells to either side along an axis.
-fn box_sums(values: &mut [f32], n: [usize; 3], axis: usize, reach: usize) {
-    let stride = [1, n[0], n[0] * n[1]][axis];
-    let length = n[axis];
-    let mut sums = vec![0.0f64; length + 1];
-    for first in (0..values.len()).filter(|i| (i / stride).is_multiple_of(length)) {
-        for k in 0..length {
-            sums[k + 1] = sums[k] + f64::from(values[first + k * stride]);
-        }
-        for k in 0..length {
-            let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(length));
-            values[first + k * stride] = (sums[to] - sums[from]) as f32;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn box_sums_are_those_of_their_windows() {
-        let n = [3, 2, 2];
-        let mut values: Vec<f32> = (0..12).map(|v| v as f32).collect();
-        box_sums(&mut values, n, 0, 1);
-        assert_eq!(values[..6], [1.0, 3.0, 3.0, 7.0, 12.0, 9.0]);
-        box_sums(&mut values, n, 2, 1);
-        // Both heights hold the sum of both.
-        assert_eq!(values[0], values[6]);
-        assert_eq!(values[0], 1.0 + 13.0);
-    }
 
     #[test]
     fn a_report_tells_what_it_knows() {
