@@ -118,6 +118,50 @@ def test_the_error_of_a_coarse_grid_is_stated():
     assert fine.error_deg < 0.1 < coarse.error_deg
 
 
+def test_the_error_of_a_field_that_turns_with_height_is_stated():
+    # Even in each plane, so that only places between the levels show it.
+    def turning(points):
+        return 0.3 * points[:, 2]
+
+    x, y = np.linspace(0, 20, 11), np.linspace(0, 10, 6)
+    coarse, fine = (gp.Field((x, y, np.linspace(0, 6, n)), turning) for n in (3, 25))
+    # From level to level the direction turns by 0.9 rad, its doubled angle by 1.8; the chord is not even with the arc.
+    t = np.linspace(0, 1, 2001)
+    chord = np.angle((1 - t) + t * np.exp(1.8j)) - 1.8 * t
+    assert coarse.error_deg == pytest.approx(np.rad2deg(np.abs(chord).max() / 2), rel=0.02)
+    assert 0 < fine.error_deg < 0.05 * coarse.error_deg
+
+
+@pytest.mark.parametrize("level", range(5))
+def test_the_error_of_one_bad_level_is_stated(level):
+    x, z = np.linspace(0, 10, 21), np.arange(5.0)
+    fine = gp.Field((x, x, z), lambda p: np.zeros(len(p)))
+
+    def bad(points):
+        return np.where(points[:, 2] == level, 0.1 * points[:, 0] ** 2, 0.0)
+
+    assert fine.error_deg == 0
+    # Steps of 0.5 mm are off a parabola by an eighth of the square of the step times its bend, and the rest by more.
+    assert gp.Field((x, x, z), bad).error_deg >= np.rad2deg(0.5**2 * 0.2 / 8) * 0.9
+
+
+def test_a_function_that_meets_the_grid_in_the_middle_of_cells_is_caught():
+    # Between 0 and 10 it turns to and fro, with the grid's value at points and middles.
+    x = np.linspace(0, 10, 11)
+    field = gp.Field((x, x), lambda p: 0.4 * np.sin(2 * np.pi * p[:, 0]))
+    assert field.error_deg == pytest.approx(np.rad2deg(0.4), rel=0.01)
+
+
+def test_the_error_where_no_direction_is_known_is_no_number():
+    x = np.arange(5.0)
+
+    def odd(points):
+        on_grid = (points == np.round(points)).all(axis=1)
+        return np.where(on_grid & (points.sum(axis=1) % 2 == 0), 0.0, np.nan)
+
+    assert np.isnan(gp.Field((x, x), odd).error_deg)
+
+
 def test_fields_over_a_part(plate):
     field = gp.Field.over(plate, rings, cell_mm=0.5)
     assert field.shape == (61, 41)
