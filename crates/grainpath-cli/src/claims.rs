@@ -85,7 +85,6 @@ impl Claims {
     }
 
     /// The paths that are read, and those that are written.
-    #[cfg_attr(not(feature = "studio"), allow(dead_code))]
     pub(crate) fn paths(&self) -> (&[PathBuf], &[PathBuf]) {
         (&self.paths.0, &self.paths.1)
     }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use crate::{Failure, interrupt};
+use crate::{ExitCode, Failure, interrupt};
 
 /// The ending of a file's name without the dot; empty if the name has none.
 pub(crate) fn ending(path: &Path) -> &str {
@@ -29,7 +29,7 @@ const MAX_STREAM_BYTES: u64 = 1 << 30;
 /// # Errors
 /// Exit code 3 when it is not there, is a folder, is too large or cannot be read.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
+    let wrong = |what: String| Failure::of_file(path, what);
     if path == Path::new("-") {
         return read_stream(&mut io::stdin().lock()).map_err(wrong);
     }
@@ -66,7 +66,7 @@ fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
 /// # Errors
 /// As `read`, but with exit code 2, since text files are jobs and profiles.
 pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
-    let usage = |f: Failure| Failure::usage(f.message);
+    let usage = |f: Failure| Failure { code: ExitCode::Usage, ..f };
     let bytes = read(path).map_err(usage)?;
     String::from_utf8(bytes).map_err(|_| Failure::usage(format!("{}: is not UTF-8 text", path.display())))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::{fs, io};
 
 use grainpath::Planned;
@@ -125,6 +125,32 @@ pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claim
             claims.read("of a region", &base.join(file));
         }
     }
+}
+
+/// All files that decide a job's plan, except the job itself and the profiles that it names: those of the settings, and
+/// those that the header of a scan names in turn. For a folder of slices or a Zarr it is the folder. Files that are
+/// missing are listed too.
+pub fn input_files(settings: &Settings, base: &Path) -> Vec<PathBuf> {
+    let mut claims = Claims::default();
+    let shape = shape_of(settings, base);
+    claim_inputs(settings, shape.as_deref().unwrap_or(Path::new("")), base, &mut claims);
+    let mut all = claims.paths().0.to_vec();
+    let raw = grainpath::run::config::raw_header(settings);
+    let scans = [(&settings.ct.path, raw.as_ref()), (&settings.volume.path, None)];
+    for (path, raw) in scans.into_iter().filter(|(path, _)| !path.is_empty()) {
+        let opened = Arc::new(Mutex::new(Vec::new()));
+        let note = Arc::clone(&opened);
+        let open = move |name: &str| {
+            note.lock().unwrap_or_else(PoisonError::into_inner).push(PathBuf::from(name));
+            open_file(name)
+        };
+        // A scan that cannot be opened is an error of the plan, not of this list: what was opened before it still counts.
+        let _ = opened_scan(&base.join(path), raw, settings.ct.outside_folder, open);
+        all.append(&mut opened.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+    all.sort();
+    all.dedup();
+    all
 }
 
 /// Reads a job's inputs and plans it. Returns the plan and the time for reading, in seconds.
@@ -388,7 +414,7 @@ pub(crate) fn read_stress(settings: &Settings, base: &Path) -> Result<Option<Str
         return Ok(None);
     }
     let path = base.join(&settings.guide.import);
-    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let wrong = |e: FeError| Failure::of_file(&path, e);
     let bytes = files::read(&path)?;
     let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
     let result = file.result(&grainpath::run::config::import(settings)).map_err(wrong)?;
@@ -401,7 +427,7 @@ pub(crate) fn read_deck(settings: &Settings, base: &Path) -> Result<Option<DeckC
         return Ok(None);
     }
     let path = base.join(&settings.guide.deck);
-    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let wrong = |e: FeError| Failure::of_file(&path, e);
     let bytes = files::read(&path)?;
     let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
     grainpath::run::config::deck(settings, &file).map(Some).map_err(wrong)
@@ -426,8 +452,18 @@ pub(crate) fn open_scan(
     raw: Option<&RawHeader>,
     outside_folder: bool,
 ) -> Result<Box<dyn SliceSource>, Failure> {
+    opened_scan(path, raw, outside_folder, open_file)
+}
+
+/// As [`open_scan`]; `open` opens each file.
+fn opened_scan(
+    path: &Path,
+    raw: Option<&RawHeader>,
+    outside_folder: bool,
+    open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
+) -> Result<Box<dyn SliceSource>, Failure> {
     let shown = path.display().to_string();
-    let wrong = |e: io::Error| Failure::input(format!("{shown}: {}", files::plain(&e)));
+    let wrong = |e: io::Error| Failure::of_file(path, files::plain(&e));
     let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
         let mut names = Vec::new();
         for entry in fs::read_dir(path).map_err(wrong)? {
@@ -436,9 +472,9 @@ pub(crate) fn open_scan(
                 names.push(entry.path().display().to_string());
             }
         }
-        Files::folder(shown.clone(), names, open_file)
+        Files::folder(shown.clone(), names, open)
     } else {
-        Files::single(shown.clone(), open_file)
+        Files::single(shown.clone(), open)
     };
     open_volume(all.allowing_outside(outside_folder), raw).map_err(|e| grainpath::Error::from(e).into())
 }
@@ -450,6 +486,5 @@ pub(crate) const FILAMENT_MM: f64 = 1.75;
 /// Reads a G-code file and simulates it.
 pub(crate) fn read_program(path: &Path) -> Result<Program, Failure> {
     let bytes = files::read(path)?;
-    simulate(&bytes, FILAMENT_MM, &Limits::default())
-        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+    simulate(&bytes, FILAMENT_MM, &Limits::default()).map_err(|e| Failure::of_file(path, e))
 }

@@ -16,13 +16,14 @@ mod outputs;
 mod progress;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::{CommandFactory, Parser};
 use grainpath_core::Warning;
 
 use args::{Args, Command};
 
-pub use commands::compare::compared;
+pub use commands::compare::{compared, tested_json};
 pub use commands::inspect::inspect_file;
 pub use commands::inspect_faces::list_faces;
 pub use commands::render::tell_directions;
@@ -30,7 +31,7 @@ pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};
 pub use exit_code::ExitCode;
-pub use inputs::{Given, Handed, no_shape, plan_given, plan_parted, read_body, shape_of};
+pub use inputs::{Given, Handed, input_files, no_shape, plan_given, plan_parted, read_body, shape_of};
 pub use memory::peak_rss_mb;
 pub use outputs::{program_bytes, read_back, report_of};
 
@@ -45,12 +46,14 @@ pub struct Failure {
     pub warnings: Vec<Warning>,
     /// The page of the documentation about this error.
     pub page: Option<&'static str>,
+    /// The file that the message is about.
+    pub file: Option<String>,
 }
 
 impl Failure {
     /// Wrong usage, a wrong job file, or an output that cannot be written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: ExitCode::Usage, warnings: Vec::new(), page: None }
+        Self { message: message.into(), code: ExitCode::Usage, warnings: Vec::new(), page: None, file: None }
     }
 
     /// Warnings under `--strict`; `written` says whether the outputs exist.
@@ -58,19 +61,37 @@ impl Failure {
         let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
         let outcome = if written { "the outputs were written" } else { "nothing was written" };
         let message = format!("--strict refuses {} warnings ({}); {outcome}", ids.len(), ids.join(", "));
-        Self { message, code: ExitCode::Physics, warnings, page: None }
+        Self { message, code: ExitCode::Physics, warnings, page: None, file: None }
     }
 
-    /// An input file that cannot be used.
+    /// An input file that cannot be used, and why. The message begins with the file.
+    pub fn of_file(file: &Path, why: impl std::fmt::Display) -> Self {
+        let file = file.display().to_string();
+        Self { file: Some(file.clone()), ..Self::input(format!("{file}: {why}")) }
+    }
+
+    /// The line of [`Self::file`] that the message names, from 1. Readers name the place of an error right after the file,
+    /// and a place in a text is `line` with its number. Readers of several files name the file once more.
+    pub fn line(&self) -> Option<usize> {
+        let file = self.file.as_deref()?;
+        let mut rest = self.message.strip_prefix(file)?.get(2..)?;
+        while let Some(next) = rest.strip_prefix(file) {
+            rest = next.get(2..)?;
+        }
+        rest.strip_prefix("line ")?.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+    }
+
+    /// Input that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: ExitCode::Input, warnings: Vec::new(), page: None }
+        Self { message: message.into(), code: ExitCode::Input, warnings: Vec::new(), page: None, file: None }
     }
 }
 
 impl From<grainpath::Error> for Failure {
     fn from(error: grainpath::Error) -> Self {
         let code = ExitCode::from(error.kind());
-        Self { message: error.to_string(), code, warnings: Vec::new(), page: error.page() }
+        let file = error.file().map(ToOwned::to_owned);
+        Self { message: error.to_string(), code, warnings: Vec::new(), page: error.page(), file }
     }
 }
 

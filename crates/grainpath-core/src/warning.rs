@@ -21,7 +21,8 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Makes the enum and its table from one list: variant = id, what it means, the usual remedy.
 macro_rules! warning_ids {
@@ -297,8 +298,17 @@ impl Serialize for WarningId {
     }
 }
 
+impl<'de> Deserialize<'de> for WarningId {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let found = Self::ALL.iter().find(|id| id.name() == name);
+        found.copied().ok_or_else(|| D::Error::custom(format!("no warning has the id {name:?}")))
+    }
+}
+
 /// Where a warning applies. Every field is optional, but at least one is given.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Place {
     /// The file, or the part of an archive.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -340,7 +350,7 @@ impl fmt::Display for Place {
 ///
 /// In JSON it is `{ "id", "text", "place", "remedy" }`; `place` is left out where the warning
 /// concerns the whole run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Warning {
     /// Its kind, with a stable name.
     pub id: WarningId,

@@ -6,6 +6,15 @@ use grainpath_cli::{ExitCode, Failure};
 use grainpath_job::JobError;
 use pyo3::prelude::*;
 
+/// What messages call a shape, a picture or stress that does not come from a file.
+pub(crate) const ARRAY: &str = "an array";
+/// What messages call directions that do not come from a file.
+pub(crate) const FIELD: &str = "the field";
+/// What messages call a mesh whose supports are grown.
+pub(crate) const MESH: &str = "the mesh";
+/// What messages call a program that does not come from a file; `grainpath.gcode.Program` has the same word.
+const PROGRAM: &str = "program";
+
 /// Exceptions of `grainpath.errors`.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
@@ -43,6 +52,9 @@ pub(crate) fn exception(
     }
 }
 
+/// What messages call an input that the caller passed in memory. It is no file.
+const IN_MEMORY: [&str; 4] = [ARRAY, FIELD, MESH, PROGRAM];
+
 /// The exception for a failure of reading, planning or writing.
 pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
     // Exit codes and exceptions both say who has to act, so each exit code has its exception.
@@ -53,7 +65,8 @@ pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
         ExitCode::Interrupted => Kind::Cancelled,
         ExitCode::Fault => Kind::Internal,
     };
-    exception(py, kind, &failure.message, None, None)
+    let file = failure.file.as_deref().filter(|file| !IN_MEMORY.contains(file));
+    exception(py, kind, &failure.message, file, failure.line().filter(|_| file.is_some()))
 }
 
 /// The exception for an error in a job, with its file and line.

@@ -31,7 +31,7 @@ mod _grainpath {
     #[pymodule_export]
     use crate::image::{ImageData, image_from_array};
     #[pymodule_export]
-    use crate::mesh::{MeshData, mesh_from_arrays, mesh_from_file};
+    use crate::mesh::{MeshData, mesh_from_file, mesh_from_parts};
     #[pymodule_export]
     use crate::plan::{PlanData, ScanData, check, plan, plan_parted};
     #[pymodule_export]
@@ -45,9 +45,9 @@ mod _grainpath {
     #[pymodule_export]
     use crate::stack::{StackData, stack_from_bytes, stack_from_rings};
     #[pymodule_export]
-    use crate::strength::{StrengthData, compare, strength};
+    use crate::strength::{compare, strength};
     #[pymodule_export]
-    use crate::stress::StressData;
+    use crate::stress::{StressData, stress_from_parts};
     #[pymodule_export]
     use crate::tools::{example, inspect, marker_sheet, pieces, specimen, support};
     #[pymodule_export]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, TriMesh};
-use grainpath_io::{MeshBody, MeshFile};
+use grainpath_io::{MeshBody, MeshFile, ModifierVolume, PaintedSupports};
 use grainpath_job::Settings;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -62,10 +62,23 @@ impl MeshData {
         self.file.bodies.iter().map(summary).collect()
     }
 
-    /// Whether the file has painted supports.
-    fn painted(&self) -> bool {
-        let paints = self.file.bodies.iter().map(|b| &b.painted_supports);
-        paints.flat_map(|p| [&p.enforcers, &p.blockers]).any(|m| !m.triangles.is_empty())
+    /// All data, from which [`mesh_from_parts`] makes the mesh again.
+    #[allow(clippy::type_complexity)]
+    fn parts<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Option<f64>, Vec<Body<Surface<'py>>>, Vec<Modifier<Surface<'py>>>, String)> {
+        let body = |b: &MeshBody| -> PyResult<Body<Surface<'py>>> {
+            let paint = &b.painted_supports;
+            let painted = (arrays(py, &paint.enforcers)?, arrays(py, &paint.blockers)?);
+            Ok((b.name.clone(), arrays(py, &b.mesh)?, painted.0, painted.1))
+        };
+        let modifier = |m: &ModifierVolume| -> PyResult<Modifier<Surface<'py>>> {
+            Ok((m.name.clone(), arrays(py, &m.mesh)?, m.settings.clone()))
+        };
+        let bodies = self.file.bodies.iter().map(body).collect::<PyResult<_>>()?;
+        let modifiers = self.file.modifiers.iter().map(modifier).collect::<PyResult<_>>()?;
+        Ok((self.unit_mm(), bodies, modifiers, self.warnings()))
     }
 
     /// The file's unit in mm; `None` if the file states no unit.
@@ -100,18 +113,34 @@ pub(crate) fn mesh_from_file(py: Python<'_>, path: PathBuf) -> PyResult<MeshData
     })
 }
 
-/// Makes a mesh from vertices `(n, 3)` and triangles `(m, 3)`; the Python side has checked the shapes and types of both
-/// arrays. `bodies` gives the name of each body and its numbers of vertices and triangles.
+/// A surface as arrays of the caller: vertices `(n, 3)` and triangles `(m, 3)`.
+type Given<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>);
+/// A surface as arrays for the caller.
+type Surface<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
+/// A body: its name, its surface, and the facets that were painted as enforcers and as blockers of supports.
+type Body<S> = (Option<String>, S, S, S);
+/// A modifier volume: its name, its surface and its settings.
+type Modifier<S> = (Option<String>, S, Vec<(String, String)>);
+
+/// A surface as arrays.
+fn arrays<'py>(py: Python<'py>, mesh: &TriMesh) -> PyResult<Surface<'py>> {
+    let points: Vec<f64> = mesh.vertices.iter().flat_map(|p| p.to_array()).collect();
+    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let (n, m) = (mesh.vertices.len(), mesh.triangles.len());
+    Ok((PyArray1::from_vec(py, points).reshape([n, 3])?, PyArray1::from_vec(py, corners).reshape([m, 3])?))
+}
+
+/// Makes a mesh of parts, as [`MeshData::parts`] gives them: unit in mm, bodies, modifier volumes and warnings as JSON. The
+/// Python side has checked the shapes and types of the arrays.
 #[pyfunction]
-pub(crate) fn mesh_from_arrays(
+pub(crate) fn mesh_from_parts(
     py: Python<'_>,
-    vertices: PyReadonlyArray2<'_, f64>,
-    faces: PyReadonlyArray2<'_, u32>,
     unit_mm: Option<f64>,
-    bodies: Vec<(Option<String>, usize, usize)>,
+    bodies: Vec<Body<Given<'_>>>,
+    modifiers: Vec<Modifier<Given<'_>>>,
+    warnings: &str,
 ) -> PyResult<MeshData> {
     let wrong = |message: &str| errors::exception(py, Kind::Input, message, None, None);
-    let (points, corners) = (vertices.as_slice()?, faces.as_slice()?);
     let units = [
         LengthUnit::Micron,
         LengthUnit::Millimetre,
@@ -124,17 +153,28 @@ pub(crate) fn mesh_from_arrays(
         Some(mm) => Some(units.into_iter().find(|u| u.mm() == mm).ok_or_else(|| wrong("no such unit"))?),
         None => None,
     };
-    let (mut points, mut corners) = (points.chunks_exact(3), corners.chunks_exact(3));
-    let mut file = MeshFile { bodies: Vec::new(), unit, modifiers: Vec::new(), warnings: Vec::new() };
-    let mut first = 0u32;
-    for (name, n_vertices, n_triangles) in bodies {
-        let vertices: Vec<DVec3> = points.by_ref().take(n_vertices).map(DVec3::from_slice).collect();
-        let inside = |i: u32| i.checked_sub(first).filter(|i| (*i as usize) < vertices.len());
-        let triangle = |t: &[u32]| Some([inside(t[0])?, inside(t[1])?, inside(t[2])?]);
-        let triangles: Option<Vec<[u32; 3]>> = corners.by_ref().take(n_triangles).map(triangle).collect();
-        let triangles = triangles.ok_or_else(|| wrong("a face names a vertex that does not exist"))?;
-        first += n_vertices as u32;
-        file.bodies.push(MeshBody { name, mesh: TriMesh { vertices, triangles }, ..MeshBody::default() });
-    }
+    let surface = |(points, corners): &Given<'_>| -> PyResult<TriMesh> {
+        let vertices: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
+        let corners = corners.as_slice()?;
+        if corners.iter().any(|i| *i as usize >= vertices.len()) {
+            return Err(wrong("a face names a vertex that does not exist"));
+        }
+        let triangles = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        Ok(TriMesh { vertices, triangles })
+    };
+    let body = |(name, mesh, enforcers, blockers): Body<Given<'_>>| -> PyResult<MeshBody> {
+        let painted_supports =
+            PaintedSupports { enforcers: surface(&enforcers)?, blockers: surface(&blockers)? };
+        Ok(MeshBody { name, mesh: surface(&mesh)?, painted_supports })
+    };
+    let modifier = |(name, mesh, settings): Modifier<Given<'_>>| -> PyResult<ModifierVolume> {
+        Ok(ModifierVolume { name, mesh: surface(&mesh)?, settings })
+    };
+    let file = MeshFile {
+        bodies: bodies.into_iter().map(body).collect::<PyResult<_>>()?,
+        unit,
+        modifiers: modifiers.into_iter().map(modifier).collect::<PyResult<_>>()?,
+        warnings: serde_json::from_str(warnings).map_err(|e| wrong(&format!("warnings of a mesh: {e}")))?,
+    };
     Ok(MeshData { file })
 }

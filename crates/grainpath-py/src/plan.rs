@@ -10,6 +10,7 @@ use grainpath::measure::strength::test;
 use grainpath::order::paths_from_bytes;
 use grainpath_cli::{Failure, Given, Handed};
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::VolumeInfo;
 use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning};
 use grainpath_gcode::Written;
 use grainpath_imaging::photo::Photo;
@@ -22,31 +23,29 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::errors::{ARRAY, FIELD};
 use crate::image::ImageData;
 use crate::mesh::MeshData;
 use crate::roles::role_number;
 use crate::spec::Spec;
 use crate::stack::StackData;
 use crate::stress::StressData;
-use crate::volume::{ArrayShape, Slabs, info_of};
+use crate::volume::{Slabs, info_with};
 use crate::worker::{self, Caller, Request};
-
-/// Name that errors and the report give to a shape that does not come from a file.
-pub(crate) const ARRAY: &str = "an array";
 
 /// A planned job, as Python holds it.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct PlanData {
     /// The plan, shared with the threads that write and measure it.
-    plan: Arc<Kept>,
+    pub(crate) plan: Arc<Kept>,
     /// The number of threads that the caller asked for; later calls use it too.
     threads: Option<usize>,
 }
 
 /// A plan with the data that writing and reporting need.
-struct Kept {
+pub(crate) struct Kept {
     settings: Settings,
-    planned: Planned,
+    pub(crate) planned: Planned,
     read_s: f64,
     warnings: Vec<Warning>,
     /// The program; `None` until it is written.
@@ -93,13 +92,6 @@ impl Kept {
         report.warnings = diagnostics.warnings();
         report.peak_rss_mb = grainpath_cli::peak_rss_mb();
         Ok(report.to_json().to_string())
-    }
-}
-
-impl PlanData {
-    /// The planned job.
-    pub fn planned(&self) -> &Planned {
-        &self.plan.planned
     }
 }
 
@@ -201,9 +193,9 @@ impl PlanData {
     }
 }
 
-/// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
-/// reads slices.
-pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
+/// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, a function that reads
+/// slices, and the number of chunks that its store has not.
+pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>, usize);
 /// Stress at points: positions in mm, `(n, 3)`, and stresses in MPa, `(n, 6)`, both flattened row by row.
 pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
@@ -220,7 +212,7 @@ fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
         stress: stress.as_slice()?.chunks_exact(6).map(six).collect(),
         displacement: None,
         plane,
-        stress_array: "an array".to_owned(),
+        stress_array: ARRAY.to_owned(),
         warnings: Vec::new(),
     }))
 }
@@ -229,7 +221,7 @@ fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
 fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSamples>, Failure> {
     let Some(bytes) = bytes else { return Ok(None) };
     let read = parse_directions(&[("field.npz", bytes)], &grainpath::run::config::directions(settings));
-    let wrong = |source| grainpath::Error::Directions { path: "the field".to_owned(), source };
+    let wrong = |source| grainpath::Error::Directions { path: FIELD.to_owned(), source };
     Ok(Some(read.map_err(wrong)?))
 }
 
@@ -254,7 +246,7 @@ pub(crate) struct Work {
     /// The folder to which paths are relative.
     pub folder: PathBuf,
     mesh: Option<MeshFile>,
-    array: Option<ArrayShape>,
+    array: Option<VolumeInfo>,
     layers: Option<Arc<LayerStack>>,
     photos: Option<Vec<Photo>>,
     directions: Option<Vec<u8>>,
@@ -270,7 +262,9 @@ impl Work {
     ) -> PyResult<(Self, Caller<'py>)> {
         let (mesh, array, layers, photos, directions, stress) = handover;
         let (array, slices) = match array {
-            Some((size, sample, spacing_mm, slices)) => (Some((size, sample, spacing_mm)), Some(slices)),
+            Some((size, sample, spacing_mm, slices, n_missing)) => {
+                (Some(info_with(&(size, sample, spacing_mm), n_missing)), Some(slices))
+            }
             None => (None, None),
         };
         let (threads, progress, cancel) = watch;
@@ -291,9 +285,7 @@ impl Work {
 
     /// The inputs that were handed over, in the planner's types. The planner asks for slices through `requests`.
     pub(crate) fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
-        let scan = |shape: ArrayShape| {
-            Handed::Scan(Box::new(Slabs::in_order(info_of(&shape), usize::MAX, requests)))
-        };
+        let scan = |info: VolumeInfo| Handed::Scan(Box::new(Slabs::in_order(info, usize::MAX, requests)));
         let layers = self.layers.take().map(|stack| Handed::Layers(Arc::unwrap_or_clone(stack)));
         Ok(Given {
             shape: self.mesh.take().map(Handed::Mesh).or(layers).or_else(|| self.array.take().map(scan)),

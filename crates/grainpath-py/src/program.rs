@@ -1,5 +1,8 @@
 //! Replays the programs of any slicer and gives them as arrays.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use grainpath_cli::Failure;
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_view::layer::{
@@ -7,6 +10,7 @@ use grainpath_view::layer::{
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::plan::PlanData;
@@ -16,7 +20,8 @@ use crate::worker::{self, Caller};
 /// A program that was replayed.
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct ProgramData {
-    program: Program,
+    /// The program, shared with the threads that draw it.
+    program: Arc<Program>,
 }
 
 #[pymethods]
@@ -58,26 +63,32 @@ impl ProgramData {
 
     /// A picture of layer `k`, or of the whole part: PNG, or SVG as text.
     #[pyo3(signature = (k, color, size_px, travels, svg, plan))]
-    fn render(
+    #[allow(clippy::too_many_arguments)]
+    fn render<'py>(
         &self,
+        py: Python<'py>,
         k: Option<usize>,
         color: &str,
         size_px: u32,
         travels: bool,
         svg: bool,
         plan: Option<Bound<'_, PlanData>>,
-    ) -> Vec<u8> {
-        let Some(k) = k else {
-            let layers: Vec<_> = self.program.layers.iter().map(LayerPicture::from).collect();
-            return thumbnail_png(&layers, size_px, size_px * 3 / 4, Ground::Paper);
-        };
-        let mut picture = LayerPicture::from(&self.program.layers[k]);
-        if let Some(plan) = plan {
-            grainpath_cli::tell_directions(&mut picture, &self.program, plan.get().planned());
-        }
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let (program, plan) = (Arc::clone(&self.program), plan.map(|plan| Arc::clone(&plan.get().plan)));
         let colour_by = ColourBy::from_name(color).unwrap_or_default();
-        let options = PictureOptions { colour_by, size_px, travels, window: None };
-        if svg { layer_svg(&picture, &options).into_bytes() } else { layer_png(&picture, &options) }
+        let drawn = worker::run(py, &Caller::default(), move |_, _| {
+            let Some(k) = k else {
+                let layers: Vec<_> = program.layers.iter().map(LayerPicture::from).collect();
+                return Ok(thumbnail_png(&layers, size_px, size_px * 3 / 4, Ground::Paper));
+            };
+            let mut picture = LayerPicture::from(&program.layers[k]);
+            if let Some(plan) = plan {
+                grainpath_cli::tell_directions(&mut picture, &program, &plan.planned);
+            }
+            let options = PictureOptions { colour_by, size_px, travels, window: None };
+            Ok(if svg { layer_svg(&picture, &options).into_bytes() } else { layer_png(&picture, &options) })
+        })?;
+        Ok(PyBytes::new(py, &drawn))
     }
 
     /// The program's counts, lengths, times and warnings, as JSON.
@@ -104,7 +115,7 @@ pub(crate) fn program_from_bytes(
 ) -> PyResult<ProgramData> {
     worker::run(py, &Caller::default(), move |_, _| {
         let program = simulate(&bytes, filament_mm, &Limits::default());
-        let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
-        Ok(ProgramData { program })
+        let program = program.map_err(|e| Failure::of_file(Path::new(&name), e))?;
+        Ok(ProgramData { program: Arc::new(program) })
     })
 }

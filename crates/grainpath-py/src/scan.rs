@@ -11,10 +11,11 @@ use grainpath_imaging::scan::{PartedScan, ScanError, ScanPart, Survey};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::plan::{ARRAY, Array, ScanData, Watch};
+use crate::errors::ARRAY;
+use crate::plan::{Array, ScanData, Watch};
 use crate::spec::Spec;
 use crate::stack::StackData;
-use crate::volume::{ArrayShape, ArraySource, Slabs, info_of};
+use crate::volume::{ArrayShape, ArraySource, Slabs, info_of, info_with};
 use crate::worker::{self, Caller};
 
 /// The survey of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
@@ -38,7 +39,7 @@ fn failure(error: ScanError) -> Failure {
 fn with_slices<'py, T: Send + 'static>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
-    (size, sample, spacing_mm, slices): Array<'py>,
+    (size, sample, spacing_mm, slices, _): Array<'py>,
     end: usize,
     (threads, progress, cancel): Watch<'py>,
     work: impl FnOnce(&PartedScan, &mut ArraySource, &Diagnostics) -> Result<T, ScanError> + Send + 'static,
@@ -85,8 +86,10 @@ pub(crate) fn scan_part<'py>(
     Ok(PyBytes::new(py, &part))
 }
 
-/// Joins the parts that [`scan_part`] made into the layers of the scan.
+/// Joins the parts that [`scan_part`] made into the layers of the scan. `n_missing` is the number of chunks that its store
+/// has not.
 #[pyfunction]
+#[pyo3(signature = (spec, array, found, parts, watch, n_missing=0))]
 pub(crate) fn scan_join<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
@@ -94,12 +97,14 @@ pub(crate) fn scan_join<'py>(
     found: Found,
     parts: Vec<Vec<u8>>,
     watch: Watch<'py>,
+    n_missing: usize,
 ) -> PyResult<ScanData> {
     let settings = spec.get().settings.clone();
     let (threads, progress, cancel) = watch;
     let caller = Caller { progress, cancel, threads, array: None };
     worker::run(py, &caller, move |diagnostics, _| {
-        let scan = PartedScan::new(&info_of(&array), &config::scan(&settings)).map_err(failure)?;
+        let scan =
+            PartedScan::new(&info_with(&array, n_missing), &config::scan(&settings)).map_err(failure)?;
         let read = |bytes: &Vec<u8>| ScanPart::from_bytes(bytes).map_err(|e| Failure::input(e.to_string()));
         let parts = parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let cut = scan.join(&survey_of(found), parts, diagnostics).map_err(failure)?;

@@ -4,10 +4,11 @@ use std::sync::{Arc, OnceLock};
 
 use grainpath::guide::ResultMesh;
 use grainpath_core::DVec3;
-use grainpath_io::fe::{FeFormat, FeResult, StressField};
+use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use crate::errors::{self, Kind};
 use crate::worker::{self, Caller};
 
 /// The stress of one load case.
@@ -25,6 +26,57 @@ impl StressData {
     pub fn new(weight: f64, mesh: &ResultMesh) -> Self {
         Self { name: mesh.name.clone(), weight, mesh: Arc::new(mesh.clone()), field: Arc::default() }
     }
+}
+
+/// Elements of one kind that follow each other: the kind, and the nodes of each, `(n, nodes of the kind)`.
+type Run<'py> = (String, Bound<'py, PyArray2<u32>>);
+/// A case in parts: name, weight, nodes, stress, displacement, elements, and the nodes of each fixture and load.
+type Parts<'py> = (
+    String,
+    f64,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Option<Bound<'py, PyArray2<f64>>>,
+    Vec<Run<'py>>,
+    Vec<(String, Vec<u32>)>,
+);
+/// As [`Parts`], from the caller.
+type GivenParts<'py> = (
+    String,
+    f64,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, f64>,
+    Option<PyReadonlyArray2<'py, f64>>,
+    Vec<(String, PyReadonlyArray2<'py, u32>)>,
+    Vec<(String, Vec<u32>)>,
+);
+
+/// A case of the parts that [`StressData::parts`] gave.
+#[pyfunction]
+pub(crate) fn stress_from_parts(py: Python<'_>, parts: GivenParts<'_>) -> PyResult<StressData> {
+    let (name, weight, nodes, stress, displacement, runs, sets) = parts;
+    let wrong = |message: &str| errors::exception(py, Kind::Input, message, None, None);
+    let points = |array: &PyReadonlyArray2<'_, f64>| -> PyResult<Vec<DVec3>> {
+        Ok(array.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect())
+    };
+    let nodes = points(&nodes)?;
+    let six = |s: &[f64]| [s[0], s[1], s[2], s[3], s[4], s[5]];
+    let stress: Vec<[f64; 6]> = stress.as_slice()?.chunks_exact(6).map(six).collect();
+    let displacement = displacement.as_ref().map(points).transpose()?;
+    let n = nodes.len();
+    if stress.len() != n || displacement.as_ref().is_some_and(|all| all.len() != n) {
+        return Err(wrong("a stress should have one row for each node"));
+    }
+    let mut elements = Vec::new();
+    for (kind, rows) in &runs {
+        let kind = ElementKind::ALL.into_iter().find(|k| k.name() == kind);
+        let kind = kind.ok_or_else(|| wrong("a stress has elements of an unknown kind"))?;
+        for row in rows.as_slice()?.chunks(kind.n_nodes()) {
+            let element = Element::new(kind, row).filter(|_| row.iter().all(|i| (*i as usize) < n));
+            elements.push(element.ok_or_else(|| wrong("an element names a node that does not exist"))?);
+        }
+    }
+    Ok(StressData::new(weight, &ResultMesh { name, nodes, elements, stress, displacement, sets }))
 }
 
 /// The result in the form that file readers give.
@@ -72,6 +124,18 @@ impl StressData {
         let Some(all) = &self.mesh.displacement else { return Ok(None) };
         let flat = all.iter().flat_map(|p| p.to_array()).collect();
         PyArray1::from_vec(py, flat).reshape([all.len(), 3]).map(Some)
+    }
+
+    /// All data, from which [`stress_from_parts`] makes the case again.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
+        let mut runs = Vec::new();
+        for run in self.mesh.elements.chunk_by(|a, b| a.kind == b.kind) {
+            let flat = run.iter().flat_map(|e| e.nodes()).copied().collect();
+            let rows = PyArray1::from_vec(py, flat).reshape([run.len(), run[0].kind.n_nodes()])?;
+            runs.push((run[0].kind.name().to_owned(), rows));
+        }
+        let (name, sets) = (self.name.clone(), self.mesh.sets.clone());
+        Ok((name, self.weight, self.nodes(py)?, self.at_nodes(py)?, self.displacement(py)?, runs, sets))
     }
 
     /// Stress `(n, 6)`, MPa, at points `(n, 3)`. A point outside the part has the stress of the part's nearest point.

@@ -11,6 +11,7 @@ use grainpath_parts::test_pieces::TEST_PIECES;
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::errors::MESH;
 use crate::mesh::MeshData;
 use crate::spec::Spec;
 use crate::worker::{self, Caller};
@@ -25,7 +26,7 @@ pub(crate) fn support(
     let (settings, file) = (spec.get().settings.clone(), mesh.get().file.clone());
     worker::run(py, &Caller::default(), move |diagnostics, _| {
         settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
-        let grown = grainpath_cli::grow(&settings, file, "the mesh", diagnostics)?;
+        let grown = grainpath_cli::grow(&settings, file, MESH, diagnostics)?;
         let (beads, solid) = (grown.support.beads_mm3(&grown.stack), grown.support.volume_mm3(&grown.stack));
         let report = SupportReport::new(&grown.support, beads, solid, settings.material.density_g_cm3);
         let report = json!({ "support": report, "warnings": diagnostics.warnings() }).to_string();

@@ -6,6 +6,7 @@
 use std::sync::mpsc::{self, Sender};
 
 use grainpath_core::slices::{SampleType, SliceError, VolumeInfo};
+use grainpath_core::{Warning, WarningId};
 use grainpath_io::volume::{AnySlice, InOrder};
 
 use crate::worker::Request;
@@ -34,6 +35,17 @@ pub(crate) fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
     let sample = SampleType::from_name(sample).unwrap_or(SampleType::F32);
     let mut info = VolumeInfo::new("array", *size, sample);
     info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
+    info
+}
+
+/// The scan header, with the warning that `n_missing` chunks of the array's store have its fill value. Readers of our own
+/// count such chunks while they read; of an array, the Python side has counted them.
+pub(crate) fn info_with(shape: &ArrayShape, n_missing: usize) -> VolumeInfo {
+    let mut info = info_of(shape);
+    if n_missing > 0 {
+        let text = format!("{n_missing} chunks of the scan are not there; they have its fill value");
+        info.warnings.push(Warning::new(WarningId::ScanChunksMissing, text));
+    }
     info
 }
 

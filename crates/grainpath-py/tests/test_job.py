@@ -138,3 +138,65 @@ def test_schema_and_profiles():
     assert "pla" in gp.profiles()["material"] and "density_g_cm3" in gp.profiles("pla")
     with pytest.raises(gp.JobError, match="no profile 'x'"):
         gp.profiles("x")
+
+
+#: Wrong files: the setting that names each, its name, its content, and the line that is wrong; `None` where it has none.
+WRONG = {
+    "mesh as text": ("shape.mesh", "a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", 4),
+    "mesh": ("shape.mesh", "a.ply", "ply\nformat ascii 1.0\nelement vertex", 3),
+    "mesh without faces": ("shape.mesh", "a.obj", "v 0 0 0\n", None),
+    "drawing": ("shape.outline", "a.svg", "<svg", None),
+    "scan": ("shape.ct.path", "a.nrrd", "NRRD0004\ntype: uint8\n\n", None),
+    "stress": ("guide.import", "a.vtu", "<VTKFile", None),
+    "directions": ("guide.field.path", "a.csv", "x,y,angle\n0,0,1\n1,2\n", 3),
+    "densities": ("fill.density", "a.csv", "x,y,z,density\n0,0,0,0.2\n1,1,1\n", 3),
+    "picture": ("shape.photo.files", "a.png", "\x89PNG", None),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+@pytest.mark.parametrize("there", [True, False], ids=["wrong", "missing"])
+def test_errors_of_files_name_the_file_and_the_line(tmp_path, plate, what, there):
+    setting, name, said, line = WRONG[what]
+    if there:
+        (tmp_path / name).write_bytes(said.encode("latin-1"))
+    path = str(tmp_path / name)
+    value = {
+        "shape.photo.files": [path],
+        "fill.density": {"min": 0.1, "max": 1.0, "by": "file", "file": path, "array": "density"},
+    }
+    settings = {setting: value.get(setting, path)}
+    if setting == "guide.field.path":
+        settings["guide.kind"] = "field"
+    if setting == "shape.outline":
+        settings["shape.thickness_mm"] = 2.0
+    if setting == "shape.photo.files":
+        settings |= {"guide.kind": "grain", "shape.photo.size_mm": [60, 30], "shape.photo.thickness_mm": 3}
+    shape = None if setting.startswith("shape.") else plate
+    with pytest.raises(gp.InputError) as error:
+        gp.Job(shape, **{key.replace(".", "__"): value for key, value in settings.items()}).plan()
+    assert error.value.file == path and path in str(error.value)
+    assert error.value.line == (line if there else None), str(error.value)
+
+
+def test_errors_of_arrays_name_no_file(ball):
+    flat = gp.Volume(np.zeros_like(ball), spacing=(0.2, 0.3, 0.3))
+    with pytest.raises(gp.InputError) as error:
+        gp.Job(flat).plan()
+    assert error.value.file is None and error.value.line is None
+    with pytest.raises(gp.GrainpathError) as error:
+        gp.gcode.loads(b"\0\0")
+    assert error.value.file is None
+    text = "[process]\nwals = 3\n"
+    with pytest.raises(gp.JobError) as error:
+        gp.Job.from_text(text)
+    assert (error.value.file, error.value.line) == ("job", 2)
+
+
+def test_errors_of_other_files_name_them(tmp_path):
+    for name, call in (("a.gcode", gp.gcode.read), ("b.stl", gp.read), ("c.bin", gp.inspect)):
+        path = tmp_path / name
+        path.write_bytes(b"\0\1")
+        with pytest.raises(gp.GrainpathError) as error:
+            call(path)
+        assert error.value.file == str(path)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import grainpath as gp
+from conftest import QUICK
 from test_plan import command_line
 
 VERTICES = [[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]]
@@ -146,3 +147,17 @@ def test_named_faces_keep_their_names_in_another_unit_and_place():
     box = gp.box(30, 20, 5)
     elsewhere = gp.Mesh((box.vertices + [7, -3, 11]) / 10, box.faces, unit="cm").named_faces()
     assert len(here) == 6 and {face["name"] for face in elsewhere} == here
+
+
+def test_paint_modifiers_and_warnings_survive_pickling_and_copying(painted):
+    mesh = painted("a.3mf", "4")
+    again = pickle.loads(pickle.dumps(mesh))
+    for other in (again, copy.copy(mesh), copy.deepcopy(mesh)):
+        assert other == mesh and other.warnings == mesh.warnings
+    assert [w.id for w in mesh.warnings] == ["threemf-volumes"]
+    # Nothing hangs over, so supports and their regions show that the paint and the modifier are still there.
+    job = {**QUICK, "support__style": "tree"}
+    assert gp.Job(again, **job).plan().to_gcode() == gp.Job(mesh, **job).plan().to_gcode()
+    plain = gp.Mesh(mesh.vertices, mesh.faces)
+    assert plain != mesh and gp.Job(plain, **QUICK).plan().to_gcode() != gp.Job(mesh, **QUICK).plan().to_gcode()
+    assert painted("b.3mf", "8") != mesh and painted("c.3mf", "4") == mesh

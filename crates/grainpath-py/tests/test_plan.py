@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -174,3 +175,66 @@ if __name__ == "__main__":
 
 def test_shown_in_notebooks(plan):
     assert "<table>" in plan._repr_html_()
+
+
+def test_no_array_can_be_made_writeable_again(plan, plate, ball):
+    layer, program = plan.layers[0], gp.gcode.loads(plan.to_gcode())
+    stress = gp.Stress([[0, 0, 0]], [[1, 0, 0, 0, 0, 0]])
+    arrays = {
+        "paths": layer.paths,
+        "a path": layer[0].points,
+        "points": layer.points,
+        "widths": layer.widths_mm,
+        "a ring": plan.stack[0].polygons[0][0],
+        "heights": plan.stack.z_top_mm,
+        "areas": plan.stack.areas_mm2,
+        "vertices": plate.vertices,
+        "faces": plate.faces,
+        "beads": program.beads,
+        "travels": program.travels,
+        "z": program.z_mm,
+        "stress": stress.tensors,
+        "picture": gp.Image(ball[0]).array,
+    }
+    for name, array in arrays.items():
+        while isinstance(array, np.ndarray):
+            assert not array.flags.writeable, name
+            with pytest.raises(ValueError, match="WRITEABLE"):
+                array.flags.writeable = True
+            array = array.base
+        assert isinstance(array, bytes), name
+
+
+def test_an_empty_array_is_read_only_too():
+    from grainpath._checks import read_only
+
+    for shape in ((0,), (0, 3), (2, 0, 3)):
+        array = read_only(np.zeros(shape))
+        assert array.shape == shape and not array.flags.writeable
+
+
+def test_drawing_frees_the_lock(plan):
+    """Another thread counts while a picture is drawn."""
+    program, counted, ended = gp.gcode.loads(plan.to_gcode()), [0], threading.Event()
+
+    def count():
+        while not ended.is_set():
+            counted[0] += 1
+            # Lets the lock go, for the thread that draws.
+            time.sleep(0)
+
+    # The interpreter itself takes the lock from a thread after an hour only, so what is counted shows that it was let go.
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(3600.0)
+    thread = threading.Thread(target=count)
+    try:
+        thread.start()
+        before = counted[0]
+        for layer in (0, None):
+            program.render(layer, size=4000)
+            assert counted[0] > before
+            before = counted[0]
+    finally:
+        sys.setswitchinterval(interval)
+        ended.set()
+        thread.join()

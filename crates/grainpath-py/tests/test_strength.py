@@ -63,8 +63,45 @@ def test_stress_at_nodes_is_stress_at_points(pulled):
     off = case.at(case.nodes[some]) - case.at_nodes[some]
     assert np.abs(off).max() < 1e-6 * np.abs(case.at_nodes).max()
     assert case.displacement is None or case.displacement.shape == case.nodes.shape
-    with pytest.raises(TypeError, match="pickle its plan"):
-        pickle.dumps(case)
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))])
+@pytest.mark.parametrize("what", ["solid", "plane", "given"])
+def test_stress_pickles_and_copies(pulled, bar, again, what):
+    points = np.array([[20, 4, 0.5], [3, 2, 0.5], [90, 6, 0.2]])
+    if what == "given":
+        given = gp.Stress(np.random.default_rng(5).random((60, 3)) * [40, 8, 1], np.arange(360.0).reshape(60, 6))
+        found = bar.with_(stress=given).plan().stress
+    else:
+        found = bar.with_(guide__kind="stress", guide__analysis=what).plan().stress
+    other = again(found)
+    assert np.array_equal(other.at(points), found.at(points)) and repr(other) == repr(found)
+    (case,), (of_other,) = found.cases, other.cases
+    assert np.array_equal(case.nodes, of_other.nodes) and np.array_equal(case.at_nodes, of_other.at_nodes)
+    assert (case.displacement is None) == (of_other.displacement is None)
+    assert case.displacement is None or np.array_equal(case.displacement, of_other.displacement)
+    assert (case.name, case.weight) == (of_other.name, of_other.weight) and again(case).name == case.name
+
+
+def test_a_notebook_shows_stress_and_reports(pulled, bar, tested):
+    (case,) = pulled.stress.cases
+    largest = pulled.stress.von_mises(case.nodes).max()
+    for shown in (case._repr_html_(), pulled.stress._repr_html_()):
+        assert shown.startswith("<table>") and f"{largest:.4g} MPa" in shown and case.name in shown
+    loads = bar.check()
+    assert f"<th>stress.cases</th><td>{loads['stress']['cases']}</td>" in loads._repr_html_()
+    report = pulled.report
+    shown = report._repr_html_()
+    assert f"<th>mass_g</th><td>{report['mass_g']:.6g}</td>" in shown and "<th>quality.gap</th>" in shown
+    assert json.loads(json.dumps(report)) == report and pickle.loads(pickle.dumps(report))._repr_html_() == shown
+    assert "peak_load_n" in tested.report._repr_html_()
+
+
+def test_a_report_shows_its_warnings_and_escapes_them():
+    report = gp.report.Report("R", {"warnings": [{"id": "a-b", "text": "<x> & y"}], "seam": None, "ok": True, "at": [1.0, 2.0]})
+    shown = report._repr_html_()
+    assert "<th>warnings: a-b</th><td>&lt;x&gt; &amp; y</td>" in shown and "<td>1, 2</td>" in shown
+    assert "<td>none</td>" in shown and "<td>yes</td>" in shown
 
 
 def test_no_stress_without_loads(plan):
@@ -128,12 +165,14 @@ def test_side_by_side(bar, tested):
     assert second["ratio"] < 1
 
 
-@pytest.mark.parametrize("again", [copy.copy, lambda t: pickle.loads(pickle.dumps(t))])
-def test_tests_pickle_as_numbers(tested, again):
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))])
+def test_tests_pickle_and_are_compared_as_before(bar, tested, again):
     other = again(tested)
     assert other.peak_n == tested.peak_n and np.array_equal(other.curve, tested.curve)
-    with pytest.raises(gp.JobError, match="cannot be compared"):
-        gp.compare([tested, other])
+    assert other.report == tested.report and other.warnings == tested.warnings
+    across = bar.with_(fill__angles_deg=[90]).strength()
+    # To the last bit, since numbers are written in full.
+    assert gp.compare([other, again(across)]) == gp.compare([tested, across])
 
 
 def test_a_test_without_loads_says_so(plate):

@@ -97,6 +97,113 @@ def test_a_changed_file_is_another_entry(stl, tmp_path):
     assert not gp.sweep(job, {"process.walls": [1]}, cache=cache)[0]["cached"]
 
 
+#: A bar with its loads as a deck of CalculiX has them.
+DECK = """*NODE
+1, 0, 0, 0
+2, 30, 0, 0
+3, 0, 20, 0
+4, 0, 0, 1.2
+*ELEMENT, TYPE=C3D4, ELSET=ALL
+1, 1, 2, 3, 4
+*BOUNDARY
+1, 1, 3
+3, 1, 3
+4, 1, 3
+*STEP
+*STATIC
+*CLOAD
+2, 1, FORCE
+*END STEP
+"""
+#: For each kind of file: the job's text, its files, and what they have after a change.
+NAMED = {
+    "mesh of a region": (
+        '[[region]]\non = { mesh = "region.stl" }\nprocess = { walls = 4 }\n',
+        {"region.stl": "STL 12"},
+        {"region.stl": "STL 18"},
+    ),
+    "raw file of a header": (
+        '[shape]\nct = "scan.mhd"\n',
+        {"scan.mhd": "MHD", "scan.raw": "RAW 10"},
+        {"scan.raw": "RAW 14"},
+    ),
+    "file of densities": (
+        '[fill]\ndensity = { min = 0.1, max = 0.9, by = "file", file = "density.csv", array = "density" }\n',
+        {"density.csv": "x,y,z,density\n0,0,0,0.2\n30,0,0,0.2\n0,20,0,0.2\n"},
+        {"density.csv": "x,y,z,density\n0,0,0,0.5\n30,0,0,0.5\n0,20,0,0.5\n"},
+    ),
+    "deck of loads": ('[guide]\ndeck = "loads.inp"\n', {"loads.inp": DECK}, {"loads.inp": DECK.replace("FORCE", "7")}),
+    "profile of a material": ('[material]\nprofile = "own.toml"\n', {"own.toml": "CARD 1.1"}, {"own.toml": "CARD 1.4"}),
+    "material of fibre": (
+        '[printer]\nprofile = "fibre-coextruded"\n[fibre]\nenabled = true\nmaterial = "./fibre.toml"\n',
+        {"fibre.toml": "CARD 1.1"},
+        {"fibre.toml": "CARD 1.4"},
+    ),
+}
+
+
+def content(said):
+    """What a file of :data:`NAMED` has."""
+    word, *number = said.split(" ")
+    if word == "STL":
+        mesh = gp.box(float(number[0]), 10, 2)
+        rows = ["outer loop\n" + "\n".join(f"vertex {x} {y} {z}" for x, y, z in mesh.vertices[face]) for face in mesh.faces]
+        facets = "".join(f"facet normal 0 0 0\n{row}\nendloop\nendfacet\n" for row in rows)
+        return f"solid a\n{facets}endsolid a\n".encode()
+    if word == "MHD":
+        return (
+            b"ObjectType = Image\nNDims = 3\nDimSize = 40 40 8\nElementType = MET_UCHAR\n"
+            b"ElementSpacing = 0.3 0.3 0.3\nElementDataFile = scan.raw\n"
+        )
+    if word == "RAW":
+        z, y, x = np.mgrid[:8, :40, :40]
+        return (200 * (np.hypot(x - 20, y - 20) < int(number[0]))).astype("u1").tobytes()
+    if word == "CARD":
+        return f"density_g_cm3 = {number[0]}\n".encode()
+    return said.encode()
+
+
+@pytest.mark.parametrize("what", NAMED)
+def test_a_change_of_any_file_that_a_job_reads_is_another_entry(plate, tmp_path, what, monkeypatch):
+    text, files, changed = NAMED[what]
+    folder = tmp_path / "job"
+    folder.mkdir()
+    for name, said in files.items():
+        (folder / name).write_bytes(content(said))
+    # What the rows hold does not matter here, and a deck of one element is no part that could be solved.
+    monkeypatch.setattr(sweeps, "measure", lambda *_: {"seconds": 0.0, "error": None})
+    job = gp.Job(None if "[shape]" in text else plate, text=text, folder=folder, **QUICK)
+
+    def cached():
+        return [row["cached"] for row in gp.sweep(job, {"process.walls": [1, 2]}, cache=tmp_path / "cache")]
+
+    assert cached() == [False, False]
+    assert cached() == [True, True]
+    for name, said in changed.items():
+        (folder / name).write_bytes(content(said))
+    assert cached() == [False, False]
+    assert cached() == [True, True]
+
+
+def test_files_that_the_settings_of_a_sweep_name_are_hashed(stl, tmp_path):
+    other = stl.parent / "other.stl"
+    other.write_text(stl.read_text().replace("1.2", "1.8"))
+    settings, cache = {"shape.mesh": [str(stl), str(other)]}, tmp_path / "cache"
+    first = gp.sweep(gp.Job(**QUICK), settings, cache=cache)
+    assert first[0]["mass_g"] < first[1]["mass_g"]
+    other.write_text(stl.read_text().replace("1.2", "2.4"))
+    second = gp.sweep(gp.Job(**QUICK), settings, cache=cache)
+    assert [row["cached"] for row in second] == [True, False] and second[1]["mass_g"] > first[1]["mass_g"]
+
+
+def test_a_mesh_with_other_paint_is_another_entry(tmp_path, painted):
+    cache = tmp_path / "cache"
+    for k, paint in enumerate(("4", "8")):
+        job = gp.Job(painted(f"{k}.3mf", paint), **QUICK)
+        assert not gp.sweep(job, {"process.walls": [1]}, cache=cache)[0]["cached"]
+        assert gp.sweep(job, {"process.walls": [1]}, cache=cache)[0]["cached"]
+
+
 def test_a_damaged_entry_is_computed_again(job, tmp_path):
     gp.sweep(job, {"process.walls": [1]}, cache=tmp_path)
     (entry,) = tmp_path.iterdir()

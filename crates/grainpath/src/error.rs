@@ -105,6 +105,39 @@ impl Error {
         })
     }
 
+    /// The file that the error is about, if it is about one. A shape that the caller passed in memory has the name that
+    /// the caller gave it.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Self::Job(e) => e.location().map(|place| place.file.as_str()),
+            Self::Mesh { path, .. }
+            | Self::Outline { path, .. }
+            | Self::Shape { path, .. }
+            | Self::Image { path, .. }
+            | Self::Grain { path, .. }
+            | Self::Directions { path, .. }
+            | Self::Field { path, .. }
+            | Self::Densities { path, .. } => Some(path),
+            // A scan may be a folder, and a header may name another file: the reader knows which one is at fault.
+            Self::Scan { source: ScanError::Slices(e), path } => Some(file_of(e).unwrap_or(path)),
+            Self::Scan { path, .. } => Some(path),
+            Self::Volume(e) => Some(&e.file),
+            Self::Slices(e) => file_of(e),
+            Self::Dimension(_)
+            | Self::Guide(_)
+            | Self::Fibre(_)
+            | Self::Region(_)
+            | Self::Strength(_)
+            | Self::Gcode(_)
+            | Self::OutsideBed { .. }
+            | Self::Mass { .. }
+            | Self::GradedMass { .. }
+            | Self::Density(_)
+            | Self::FilledElsewhere { .. }
+            | Self::Interrupted(_) => None,
+        }
+    }
+
     /// Who has to act on the error.
     pub fn kind(&self) -> ErrorKind {
         match self {
@@ -143,4 +176,9 @@ impl Error {
             | Self::Guide(_) => ErrorKind::Physics,
         }
     }
+}
+
+/// The file of a slice that could not be read.
+fn file_of(error: &SliceError) -> Option<&str> {
+    error.downcast_ref::<VolumeError>().map(|e| e.file.as_str())
 }

@@ -1,9 +1,10 @@
 //! `grainpath compare`: strength of several jobs or G-code programs of one part, side by side.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use grainpath::measure::strength::StrengthReport;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::strength::{Done, is_job, job_of, test_one};
@@ -52,7 +53,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
         }
         all.push(done);
     }
-    let rows = compared(&all.iter().collect::<Vec<_>>());
+    let rows = compared(&all.iter().map(tested_json).collect::<Vec<_>>())?;
     if args.common.json {
         let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": memory::peak_rss_mb() });
         files::print(&format!("{value}\n"));
@@ -62,10 +63,50 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A row for each test, with the ratio of its peak load to that of the first test.
-pub fn compared(all: &[&Done]) -> Vec<Value> {
-    let Some(first) = all.first() else { return Vec::new() };
-    all.iter().map(|d| row(d, &first.tested.report)).collect()
+/// What a comparison needs of a test. It is read from the test's JSON too, as [`tested_json`] writes it.
+#[derive(Debug, Clone, Deserialize)]
+struct Compared {
+    name: String,
+    time_s: f64,
+    warnings: Value,
+    strength: Strengths,
+}
+
+/// The numbers of a [`StrengthReport`](grainpath::measure::strength::StrengthReport) that a comparison shows or needs for a ratio.
+#[derive(Debug, Clone, Deserialize)]
+struct Strengths {
+    mass_g: f64,
+    peak_load_n: f64,
+    low_n: f64,
+    high_n: f64,
+    stiffness_n_per_mm: f64,
+    load_per_gram_n_g: f64,
+    grid_share: f64,
+    mode: String,
+    weakest: Value,
+    corners: BTreeMap<String, f64>,
+    mesh_change: Option<f64>,
+}
+
+/// A test as JSON: what `grainpath strength --json` has of it, and its name.
+pub fn tested_json(done: &Done) -> Value {
+    json!({
+        "name": done.name, "layers": done.program.layers.len(), "mass_g": done.tested.report.mass_g,
+        "time_s": done.program.time_s, "strength": done.tested.report, "warnings": done.warnings,
+    })
+}
+
+/// A row for each test of a list, which [`tested_json`] wrote, with the ratio of its peak load to that of the first test.
+///
+/// # Errors
+/// For a test that lacks a number.
+pub fn compared(all: &[Value]) -> Result<Vec<Value>, Failure> {
+    let read = |(k, test): (usize, &Value)| {
+        Compared::deserialize(test).map_err(|e| Failure::input(format!("test {k}: {e}")))
+    };
+    let all = all.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = all.first() else { return Ok(Vec::new()) };
+    Ok(all.iter().enumerate().map(|(k, test)| row(test, (k > 0).then_some(&first.strength))).collect())
 }
 
 /// A ratio of two peak loads and its interval.
@@ -79,7 +120,7 @@ impl Ratio {
     /// The peak load of `part` over that of `first`. The interval spans the ratios at all corners of the material card,
     /// which both parts share, and is widened on both sides by the larger `grid_share`. A corner is one choice of low,
     /// nominal or high for the strengths along the beads and for the others.
-    fn new(part: &StrengthReport, first: &StrengthReport) -> Self {
+    fn new(part: &Strengths, first: &Strengths) -> Self {
         let nominal = part.peak_load_n / first.peak_load_n;
         // Each ratio is formed at one corner, that is with the same strengths for both parts. An error of the strengths
         // that affects both parts alike then cancels. Dividing the two intervals would give a much wider one.
@@ -95,21 +136,20 @@ impl Ratio {
     }
 }
 
-fn row(done: &Done, first: &StrengthReport) -> Value {
-    let r = &done.tested.report;
-    // The first part is not compared with itself.
-    let is_first = std::ptr::eq(r, first);
-    let ratio = if is_first { Ratio { nominal: 1.0, low: 1.0, high: 1.0 } } else { Ratio::new(r, first) };
+/// A row of the comparison. The first part is not compared with itself, so its `first` is `None`.
+fn row(test: &Compared, first: Option<&Strengths>) -> Value {
+    let r = &test.strength;
+    let ratio = first.map_or(Ratio { nominal: 1.0, low: 1.0, high: 1.0 }, |first| Ratio::new(r, first));
     let round = |v: f64| (v * 1e4).round() / 1e4;
-    let decided = if is_first { Value::Null } else { json!(ratio.is_decided()) };
+    let decided = first.map_or(Value::Null, |_| json!(ratio.is_decided()));
     json!({
-        "name": done.name, "mass_g": r.mass_g, "time_s": (done.program.time_s * 10.0).round() / 10.0,
+        "name": test.name, "mass_g": r.mass_g, "time_s": (test.time_s * 10.0).round() / 10.0,
         "peak_load_n": r.peak_load_n, "low_n": r.low_n, "high_n": r.high_n,
         "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
         "ratio": round(ratio.nominal), "ratio_low": round(ratio.low), "ratio_high": round(ratio.high),
         "decided": decided, "grid_share": r.grid_share,
         "mode": r.mode, "weakest": r.weakest, "corners": r.corners, "mesh_change": r.mesh_change,
-        "warnings": done.warnings,
+        "warnings": test.warnings,
     })
 }
 

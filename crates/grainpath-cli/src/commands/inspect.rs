@@ -94,18 +94,21 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
             cad::gmsh_version().map_or(String::new(), |version| format!(", triangulated by gmsh {version}"));
         mesh_json(&name, &format!("{format}{by}"), &file)
     } else if !named_gcode && is_fe(&bytes, &name) {
-        let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::of_file(&args.file, e))?;
         fe_json(&name, &file)
     } else if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
         if !named_gcode && is_raw(&bytes, &lower) {
-            return Err(Failure::input(format!(
-                "{name}: voxels without a header? give --size COLUMNS,ROWS,SLICES and --sample {} (in a job \
-                 shape.ct.size_px and shape.ct.sample)",
-                SampleType::NAMES.join("|")
-            )));
+            let types = SampleType::NAMES.join("|");
+            return Err(Failure::of_file(
+                &args.file,
+                format!(
+                    "voxels without a header? give --size COLUMNS,ROWS,SLICES and --sample {types} (in a job \
+                     shape.ct.size_px and shape.ct.sample)"
+                ),
+            ));
         }
         let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
-        let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        let program = program.map_err(|e| Failure::of_file(&args.file, e))?;
         let mut value = gcode_json(&name, &program);
         if let Some(path) = &args.truth {
             value["dimensions"] = dimensions(path, &program)?;

@@ -277,8 +277,7 @@ fn named(input: &Path, f: Failure) -> Failure {
 
 fn read(settings: &Settings, bytes: &[u8], path: &Path) -> Result<Program, Failure> {
     let limits = grainpath::run::config::limits(settings);
-    simulate(bytes, settings.printer.filament_mm, &limits)
-        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+    simulate(bytes, settings.printer.filament_mm, &limits).map_err(|e| Failure::of_file(path, e))
 }
 
 fn warnings(diagnostics: &Diagnostics, program: &Program) -> Vec<Warning> {

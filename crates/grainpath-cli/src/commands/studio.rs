@@ -60,6 +60,7 @@ pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
         code: ExitCode::from(r.kind),
         warnings: Vec::new(),
         page: None,
+        file: None,
     })
 }
 

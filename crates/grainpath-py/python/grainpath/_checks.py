@@ -39,9 +39,8 @@ def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
 
 
 def read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """The array, which can no longer be written."""
-    array.flags.writeable = False
-    return array
+    """A copy of the array whose memory belongs to ``bytes``, so that numpy refuses to make it writeable again."""
+    return np.ndarray(array.shape, array.dtype, array.tobytes())
 
 
 def toml(value: Any, key: str) -> str:

@@ -16,6 +16,7 @@ from .image import Image
 from .layers import LayerStack, table
 from .mesh import Mesh
 from .plan import Plan
+from .report import Report
 from .strength import Strength
 from .stress import Stress
 from .volume import Volume
@@ -207,14 +208,13 @@ class Job:
 
     def check(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
-    ) -> dict[str, Any]:
+    ) -> Report:
         """Solves the loads and stops there: ``stress``, with what each fixture and load caught, and ``warnings``.
 
         It takes a part from a mesh or an outline, as ``grainpath run --check`` does.
         """
         watch = (_threads(threads), progress, cancel)
-        found: dict[str, Any] = json.loads(_grainpath.check(*self._given(), watch))
-        return found
+        return Report("Loads", json.loads(_grainpath.check(*self._given(), watch)))
 
     def strength(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
@@ -234,7 +234,9 @@ class Job:
     def _given(self) -> tuple[_grainpath.Spec, Any]:
         shape = self._shape
         mesh = shape._data if isinstance(shape, Mesh) else None
-        array = shape._given() if isinstance(shape, Volume) else None
+        array = None
+        if isinstance(shape, Volume):
+            array = shape._given(shape._missing(lambda: self["shape.ct.window"]))
         layers = shape._data if isinstance(shape, LayerStack) else None
         photos = None if self._photos is None else [image._data for image in self._photos]
         stress = None if self._stress is None else self._stress._given()

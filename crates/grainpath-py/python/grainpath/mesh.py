@@ -53,8 +53,8 @@ class Mesh:
         if len(points) > 2**32 - 1:
             raise InputError(f"{len(points)} vertices; at most {2**32 - 1} are handled")
         corners = np.require(corners, np.uint32, ["C", "A"])
-        bodies: list[tuple[str | None, int, int]] = [(None, len(points), len(corners))]
-        self._data = _grainpath.mesh_from_arrays(points, corners, UNITS_MM[unit], bodies)
+        nothing = np.empty((0, 3)), np.empty((0, 3), np.uint32)
+        self._data = _grainpath.mesh_from_parts(UNITS_MM[unit], [(None, (points, corners), nothing, nothing)], [], "[]")
 
     @classmethod
     def _of(cls, data: _grainpath.MeshData) -> Mesh:
@@ -127,27 +127,33 @@ class Mesh:
         ]
         return table("Mesh", rows)
 
+    def _parts(self) -> tuple[list[Any], list[npt.NDArray[Any]]]:
+        """All that the mesh is: its unit, names and settings, and its arrays with what was painted on it."""
+        unit_mm, bodies, modifiers, _ = self._data.parts()
+        words = [unit_mm, [name for name, *_ in bodies], [(name, settings) for name, _, settings in modifiers]]
+        surfaces = [surface for _, *all in bodies for surface in all] + [surface for _, surface, _ in modifiers]
+        return words, [array for surface in surfaces for array in surface]
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Mesh):
             return NotImplemented
-        same = self.unit_mm == other.unit_mm and self.bodies == other.bodies
-        return (
-            same and np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
-        )
+        (words, arrays), (words_of_other, arrays_of_other) = self._parts(), other._parts()
+        return words == words_of_other and all(map(np.array_equal, arrays, arrays_of_other))
 
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._data.painted():
-            raise InputError("a mesh with painted supports cannot be pickled; pass the name of its file")
-        return _from_arrays, (self.vertices, self.faces, self.unit_mm, self.bodies)
+        return _again, self._data.parts()
 
 
-def _from_arrays(vertices: Any, faces: Any, unit_mm: float | None, bodies: Any) -> Mesh:
-    # Buffers that came over a network may lie at any address.
-    points = np.require(vertices, np.float64, ["C", "A"])
-    corners = np.require(faces, np.uint32, ["C", "A"])
-    return Mesh._of(_grainpath.mesh_from_arrays(points, corners, unit_mm, bodies))
+def _again(unit_mm: float | None, bodies: Any, modifiers: Any, warnings: str) -> Mesh:
+    def surface(arrays: Any) -> tuple[FloatArray, npt.NDArray[np.uint32]]:
+        # Buffers that came over a network may lie at any address.
+        return np.require(arrays[0], np.float64, ["C", "A"]), np.require(arrays[1], np.uint32, ["C", "A"])
+
+    made = [(name, surface(mesh), surface(on), surface(off)) for name, mesh, on, off in bodies]
+    volumes = [(name, surface(mesh), settings) for name, mesh, settings in modifiers]
+    return Mesh._of(_grainpath.mesh_from_parts(unit_mm, made, volumes, warnings))
 
 
 def box(x_mm: float, y_mm: float, z_mm: float) -> Mesh:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -77,6 +78,32 @@ class ZarrPlanes:
                 f"{path}: planes {planes.start} to {planes.stop} cannot be read: {error or type(error).__name__}", path
             ) from error
 
+    def _missing_chunks(self, first: int, end: int) -> int:
+        """How many stored objects (shards, or chunks where there are none) of planes the store has not. Zarr reads them
+        as the fill value: programs leave out objects that hold nothing else, but an incomplete copy lacks others too."""
+        array, before = self._array, self._of[2]
+        sizes = getattr(array, "shards", None) or array.chunks
+        places = [range(k % n // size, k % n // size + 1) for k, n, size in zip(before, array.shape, sizes, strict=False)]
+        depth, *plane = sizes[-3:]
+        places.append(range(first // depth, -(-end // depth)))
+        places += [range(-(-n // size)) for n, size in zip(self.shape[1:], plane, strict=True)]
+        prefix = f"{array.path}/" if array.path else ""
+        keys = (prefix + array.metadata.encode_chunk_key(at) for at in itertools.product(*places))
+
+        async def count() -> int:
+            if array.store.supports_listing:
+                stored = {key async for key in array.store.list_prefix(prefix)}
+                return sum(key not in stored for key in keys)
+            return sum([not await array.store.exists(key) for key in keys])
+
+        sync: Any = importlib.import_module("zarr.core.sync")
+        try:
+            found: int = sync.sync(count())
+        except Exception as error:
+            path = self._of[0]
+            raise InputError(f"{path}: its chunks cannot be listed: {error or type(error).__name__}", path) from error
+        return found
+
     def __reduce__(self) -> tuple[Any, ...]:
         return ZarrPlanes, self._of
 
@@ -88,7 +115,8 @@ def read_zarr(
 
     ``level`` is the resolution, 0 the finest; ``channel`` and ``time`` choose among several. ``spacing`` (planes, rows,
     columns, mm) is that of the image; one that is given wins, and a plain array needs it in the job or here. Chunks that
-    are not there have the array's fill value, as everywhere in Zarr. The package zarr has to be installed.
+    are not there have the array's fill value, as everywhere in Zarr; a plan warns of them (``scan-chunks-missing``). The
+    package zarr has to be installed.
     """
     name = os.fspath(path)
     opened = _open(name)

@@ -15,6 +15,7 @@ from ._checks import FloatArray, read_only
 from .gcode import ROLES
 from .layers import LayerStack, table
 from .mesh import Mesh
+from .report import Report
 from .strength import Strength
 from .stress import StressCase, StressResult
 from .warning import Warning, warnings_of
@@ -212,14 +213,13 @@ class Plan:
         return self._data.gcode()
 
     @cached_property
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Report:
         """Everything measured, as ``grainpath run --json`` prints it. Measured on the program, at the first use."""
         return self.measure()
 
-    def measure(self, *, progress: Progress | None = None, cancel: Cancel | None = None) -> dict[str, Any]:
+    def measure(self, *, progress: Progress | None = None, cancel: Cancel | None = None) -> Report:
         """The report, with progress and a token to cancel; see :meth:`Job.plan`."""
-        found: dict[str, Any] = json.loads(self._data.report(progress, cancel))
-        return found
+        return Report("Report", json.loads(self._data.report(progress, cancel)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A plan is a function of its job, and its arrays are larger than what they are made of.

@@ -10,8 +10,8 @@ import numpy as np
 
 from . import _grainpath
 from ._checks import FloatArray, read_only
-from .errors import JobError
 from .layers import table
+from .report import Report
 from .warning import Warning, warnings_of
 
 
@@ -24,17 +24,13 @@ class Strength:
     True
     """
 
-    def __init__(self, data: _grainpath.StrengthData) -> None:
-        self._data: _grainpath.StrengthData | None = data
-        self._take(json.loads(data.report()))
-
-    def _take(self, found: dict[str, Any]) -> None:
-        self._found = found
+    def __init__(self, found: str) -> None:
+        self._found: dict[str, Any] = json.loads(found)
         #: All that was found, as ``grainpath strength --json`` prints it.
-        self.report: dict[str, Any] = found["strength"]
+        self.report: dict[str, Any] = Report("Strength", self._found["strength"])
         #: Mass of the program, g, and its time, s.
-        self.mass_g: float = found["mass_g"]
-        self.time_s: float = found["time_s"]
+        self.mass_g: float = self._found["mass_g"]
+        self.time_s: float = self._found["time_s"]
 
     @property
     def peak_n(self) -> float:
@@ -86,13 +82,8 @@ class Strength:
         ]
         return table("Strength", rows)
 
-    def __getstate__(self) -> dict[str, Any]:
-        return self._found
-
-    def __setstate__(self, found: dict[str, Any]) -> None:
-        # Comparisons need what stayed behind; the numbers do not.
-        self._data = None
-        self._take(found)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Strength, (json.dumps(self._found),)
 
 
 def compare(tests: Sequence[Strength]) -> list[dict[str, Any]]:
@@ -104,8 +95,5 @@ def compare(tests: Sequence[Strength]) -> list[dict[str, Any]]:
     >>> gp.compare([])
     []
     """
-    data = [test._data for test in tests]
-    if any(d is None for d in data):
-        raise JobError("a test that was pickled cannot be compared; compare first, or test again")
-    found: list[dict[str, Any]] = json.loads(_grainpath.compare([d for d in data if d is not None]))
+    found: list[dict[str, Any]] = json.loads(_grainpath.compare([json.dumps(test._found) for test in tests]))
     return found

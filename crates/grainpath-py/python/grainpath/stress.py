@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _grainpath
 from ._checks import FloatArray, floats, read_only
 from .errors import InputError
+from .layers import table
 
 
 class Stress:
@@ -28,14 +29,14 @@ class Stress:
     """
 
     def __init__(self, points: npt.ArrayLike, tensors: npt.ArrayLike) -> None:
-        self.points = read_only(floats(points, "points", (None, 3)).copy())
+        self.points = read_only(floats(points, "points", (None, 3)))
         given = np.asarray(tensors)
         if given.ndim == 3:
             matrices = floats(given, "tensors", (len(self.points), 3, 3))
             if not np.allclose(matrices, np.swapaxes(matrices, 1, 2)):
                 raise InputError("tensors should be symmetric matrices")
             given = matrices[:, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
-        self.tensors = read_only(floats(given, "tensors", (len(self.points), 6)).copy())
+        self.tensors = read_only(floats(given, "tensors", (len(self.points), 6)))
         if len(self.points) == 0:
             raise InputError("points is empty; stress needs at least one point")
 
@@ -87,16 +88,44 @@ class StressCase:
 
     def von_mises(self, points: npt.ArrayLike) -> FloatArray:
         """Equivalent stress at points, ``(n,)``."""
-        xx, yy, zz, xy, yz, zx = self.at(points).T
-        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        found: FloatArray = np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + zx**2))
-        return found
+        return _equivalent(self.at(points))
 
     def __repr__(self) -> str:
         return f"<grainpath.StressCase: {self.name}, {len(self.nodes)} nodes>"
 
+    def _rows(self) -> list[tuple[str, object]]:
+        """What a notebook shows of the case."""
+        rows: list[tuple[str, object]] = [("nodes", len(self.nodes)), ("weight", f"{self.weight:.6g}")]
+        if len(self.nodes):
+            rows.append(("largest equivalent stress at a node", f"{_equivalent(self.at_nodes).max():.4g} MPa"))
+        if self.displacement is not None and len(self.displacement):
+            rows.append(("largest displacement", f"{np.linalg.norm(self.displacement, axis=1).max():.4g} mm"))
+        return rows
+
+    def _repr_html_(self) -> str:
+        return table(f"Stress, load case {self.name}", self._rows())
+
     def __reduce__(self) -> tuple[Any, ...]:
-        raise TypeError("stress is not pickled; pickle its plan, or the arrays nodes and at_nodes")
+        return _case, self._data.parts()
+
+
+def _case(name: str, weight: float, nodes: Any, stress: Any, displacement: Any, runs: Any, sets: Any) -> StressCase:
+    def array(given: Any, dtype: Any) -> npt.NDArray[Any]:
+        # Buffers that came over a network may lie at any address.
+        return np.require(given, dtype, ["C", "A"])
+
+    moved = None if displacement is None else array(displacement, np.float64)
+    elements = [(kind, array(rows, np.uint32)) for kind, rows in runs]
+    parts = (name, weight, array(nodes, np.float64), array(stress, np.float64), moved, elements, sets)
+    return StressCase(_grainpath.stress_from_parts(parts))
+
+
+def _equivalent(stress: FloatArray) -> FloatArray:
+    """Equivalent stress (von Mises) of tensors ``(n, 6)``."""
+    xx, yy, zz, xy, yz, zx = stress.T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    found: FloatArray = np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + zx**2))
+    return found
 
 
 class StressResult:
@@ -126,3 +155,7 @@ class StressResult:
 
     def __repr__(self) -> str:
         return f"<grainpath.StressResult: {', '.join(case.name for case in self.cases)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [(f"{case.name}: {name}", value) for case in self.cases for name, value in case._rows()]
+        return table("Stress", rows)

@@ -7,11 +7,14 @@ Work goes to anything with the shape of ``concurrent.futures``: ``submit`` gives
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import html
+import importlib
 import itertools
 import json
 import os
+import platform
 import queue
 import tempfile
 import time
@@ -19,7 +22,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, overload
 
 from . import _grainpath
-from .errors import GrainpathError, JobError
+from .errors import GrainpathError, InputError, JobError
 from .job import Job
 from .layers import LayerStack
 from .mesh import Mesh
@@ -40,8 +43,8 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "high_n": ("strength", "high_n"),
 }
 
-#: Settings that name files, whose contents are part of a job.
-FILES = ("shape.mesh", "shape.outline", "shape.ct.path", "shape.ct.truth", "guide.import", "guide.volume.path")
+#: What Dask raises where the scheduler or the client is gone, by name, since Dask itself is not imported here.
+GONE = ("CancelledError", "FutureCancelledError", "FuturesCancelledError", "CommClosedError", "ClosedClientError")
 
 Row = dict[str, Any]
 
@@ -106,7 +109,11 @@ def sweep(
 
     A job that fails is a row with its ``error``, and the others go on. ``cache`` is a folder: what is in it is not
     computed again, so that a sweep that was interrupted goes on where it was. An entry belongs to a version of
-    grainpath, the job, and the contents of all its files and arrays. Failures are not kept.
+    grainpath, the job, and the contents of its arrays and of all files that it reads, with those that a header of a scan
+    names and those of profiles. Failures are not kept.
+
+    Workers of a Dask client need the same version of grainpath. Where its scheduler is lost the sweep ends with
+    :class:`InputError`; rows that were done are in the cache.
 
     >>> import grainpath as gp
     >>> table = gp.sweep(gp.Job(gp.box(20, 10, 1)), {"fill.density": [0.2, 0.4], "process.walls": [1, 30, 99]})
@@ -124,10 +131,10 @@ def sweep(
     if folder is not None:
         os.makedirs(folder, exist_ok=True)
     rows: list[Row | None] = [None] * len(points)
-    of_inputs = _hash_of_inputs(job) if folder is not None else ""
+    contents = None if folder is None else _Contents(job)
     waiting: list[tuple[int, str | None]] = []
     for k, point in enumerate(points):
-        entry = None if folder is None else os.path.join(folder, _key(job, of_inputs, point) + ".json")
+        entry = None if contents is None else os.path.join(folder or "", _key(job, contents, point) + ".json")
         found = None if entry is None else _read(entry)
         if found is None:
             waiting.append((k, entry))
@@ -157,9 +164,10 @@ def _measured(
     of_job = 1 if threads is None else threads
 
     def submit(i: int) -> Any:
-        return hand_over(measure, job, points[waiting[i][0]], of_job)
+        return hand_over(as_same, _grainpath.__version__, measure, job, points[waiting[i][0]], of_job)
 
-    for i, outcome in in_order_of_end(range(len(waiting)), submit, in_flight):
+    look = functools.partial(connected, executor) if hasattr(executor, "scheduler_info") else None
+    for i, outcome in in_order_of_end(range(len(waiting)), submit, in_flight, look):
         k, entry = waiting[i]
         # The worker itself was lost: its process ended, or its host.
         yield k, entry, _failed(outcome, 0.0) if isinstance(outcome, Exception) else outcome
@@ -184,25 +192,55 @@ def _call(fn: Callable[..., Any], *args: Any) -> Any:
     return fn(*args)
 
 
+def as_same(version: str, call: Callable[..., Any], *arguments: Any) -> Any:
+    """Calls where the caller's version of grainpath is installed, and refuses elsewhere, by name: a worker may come after
+    the others were asked, and its results would differ without a word. Workers call this."""
+    if version != _grainpath.__version__:
+        others = f"{_worker()} has {_grainpath.__version__}"
+        raise InputError(f"here is grainpath {version}, but {others}; install the same version everywhere")
+    return call(*arguments)
+
+
+def _worker() -> str:
+    """The name of this worker: its address in Dask, or that of its host."""
+    try:
+        address: str = importlib.import_module("distributed").get_worker().address
+    except (ImportError, ValueError):
+        return platform.node()
+    return address
+
+
+def connected(client: Any) -> None:
+    """Ends the waiting for a client of Dask that has lost its scheduler. It cancels what it had handed over, and what is
+    handed over while it tries to come back never ends."""
+    if client.status != "running":
+        raise InputError(f"the scheduler is gone (the client is {client.status})")
+
+
 #: Seconds between two looks at whether to go on.
 LOOK_S = 0.1
 
 
 def in_order_of_end(
-    numbers: Iterable[int], submit: Callable[[int], Any], in_flight: int, look: Callable[[], object] | None = None
+    numbers: Iterable[int],
+    submit: Callable[[int], Any],
+    in_flight: int,
+    look: Callable[[], int | None] | None = None,
 ) -> Iterator[tuple[int, Any]]:
     """Hands over calls, at most ``in_flight`` at a time, and gives each number with its result, or the exception that
-    was raised, as they end. What was not begun is cancelled when the caller leaves. ``look`` is called while nothing ends;
-    what it raises ends the waiting."""
+    was raised, as they end. What was not begun is cancelled when the caller leaves. ``look`` is called while nothing ends
+    and where a call failed; what it raises ends the waiting, and a number is how many may be under way from then on."""
     done: queue.SimpleQueue[Any] = queue.SimpleQueue()
     running: dict[Any, int] = {}
     left = iter(numbers)
     try:
         while True:
-            for k in itertools.islice(left, in_flight - len(running)):
+            for k in itertools.islice(left, max(in_flight - len(running), 0)):
                 try:
                     future = submit(k)
                 except Exception as error:
+                    if look is not None:
+                        in_flight = look() or in_flight
                     # A pool whose processes have ended takes nothing more.
                     yield k, error
                     continue
@@ -214,12 +252,15 @@ def in_order_of_end(
                 future = done.get(timeout=None if look is None else LOOK_S)
             except queue.Empty:
                 assert look is not None
-                look()
+                in_flight = look() or in_flight
                 continue
             k = running.pop(future)
             try:
                 outcome = future.result()
             except Exception as error:
+                # A lost scheduler is told as what it is, and not as what became of this call.
+                if look is not None:
+                    in_flight = look() or in_flight
                 outcome = error
             yield k, outcome
     finally:
@@ -254,8 +295,42 @@ def _failed(error: Exception, seconds: float) -> Row:
     return {**row, "warnings": [], "seconds": seconds, "error": f"{type(error).__name__}: {error}"}
 
 
-def _hash_of_inputs(job: Job) -> str:
-    """A hash of what a job is, apart from its settings: arrays, and the contents of files."""
+class _Contents:
+    """Hashes of what a job is apart from its settings: its arrays, and the contents of the files that it reads."""
+
+    def __init__(self, job: Job) -> None:
+        self._arrays = _hash_of_arrays(job)
+        self._files: dict[str, bytes] = {}
+        self._lists: dict[tuple[tuple[str, str], ...], list[str]] = {}
+
+    def of(self, job: Job) -> str:
+        """The hash of a job with the arrays of the first."""
+        digest = hashlib.sha256(self._arrays)
+        for path in self._list(job):
+            digest.update(os.path.basename(path).encode(errors="surrogateescape"))
+            if path not in self._files:
+                self._files[path] = _hash_of_file(path)
+            digest.update(self._files[path])
+        return digest.hexdigest()
+
+    def _list(self, job: Job) -> list[str]:
+        # Headers of scans are opened to find the files that they name. Only text names files, and how a scan is opened
+        # stands in [shape], so that a sweep over numbers opens them once.
+        rows = tuple(row for row in job._spec.rows() if row[0].startswith("shape.") or not _is_number(row[1]))
+        if rows not in self._lists:
+            self._lists[rows] = job._spec.files()
+        return self._lists[rows]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _hash_of_arrays(job: Job) -> bytes:
     digest = hashlib.sha256()
     if isinstance(job.shape, Volume):
         volume = job.shape
@@ -265,9 +340,10 @@ def _hash_of_inputs(job: Job) -> str:
     elif isinstance(job.shape, LayerStack):
         digest.update(b"layers" + job.shape.to_bytes())
     elif isinstance(job.shape, Mesh):
-        digest.update(job.shape.vertices.tobytes())
-        digest.update(job.shape.faces.tobytes())
-        digest.update(repr((job.shape.unit_mm, job.shape.bodies, job.shape._data.painted())).encode())
+        words, arrays = job.shape._parts()
+        digest.update(repr((words, [array.shape for array in arrays])).encode())
+        for array in arrays:
+            digest.update(array.tobytes())
     for image in job._photos or []:
         digest.update(repr((image.name, image.array.shape, image.array.dtype.str)).encode())
         digest.update(image.array.tobytes())
@@ -275,21 +351,17 @@ def _hash_of_inputs(job: Job) -> str:
         digest.update(job._file)
     if job._stress is not None:
         digest.update(job._stress.points.tobytes() + job._stress.tensors.tobytes())
-    settings = job.settings
-    names: list[str] = [settings.get(name) or "" for name in FILES]
-    for section in ("shape.photo.files", "guide.image.files"):
-        names += settings.get(section) or []
-    if job._field is None:
-        names.append(settings.get("guide.field.path") or "")
-    for name in names:
-        path = os.path.join(job._folder, name)
-        if name and os.path.exists(path):
-            digest.update(name.encode())
-            for file in _files(path):
-                digest.update(os.path.relpath(file, path).encode())
-                with open(file, "rb") as stream:
-                    digest.update(hashlib.file_digest(stream, "sha256").digest())
-    return digest.hexdigest()
+    return digest.digest()
+
+
+def _hash_of_file(path: str) -> bytes:
+    """The hash of a file, or of the files of a folder. What is missing has one too: it may come."""
+    digest = hashlib.sha256()
+    for file in _files(path) if os.path.exists(path) else []:
+        digest.update(os.path.relpath(file, path).encode(errors="surrogateescape"))
+        with open(file, "rb") as stream:
+            digest.update(hashlib.file_digest(stream, "sha256").digest())
+    return digest.digest()
 
 
 def _files(path: str) -> list[str]:
@@ -302,10 +374,11 @@ def _files(path: str) -> list[str]:
     return [os.path.join(path, name) for name in names if os.path.isfile(os.path.join(path, name))]
 
 
-def _key(job: Job, of_inputs: str, point: Mapping[str, Any]) -> str:
+def _key(job: Job, contents: _Contents, point: Mapping[str, Any]) -> str:
     made = job.with_(**{name.replace(".", "__"): value for name, value in point.items()}) if _sound(job, point) else job
-    said = (_grainpath.__version__, of_inputs, sorted(made.settings.items()), sorted(COLUMNS), repr(sorted(point.items())))
-    # The text of the job has what its settings do not show: loads and fixtures.
+    settings = sorted(made.settings.items())
+    said = (_grainpath.__version__, contents.of(made), settings, sorted(COLUMNS), repr(sorted(point.items())))
+    # The text of the job has what its settings do not show: loads, fixtures and regions.
     return hashlib.sha256(repr((said, job._text, sorted(map(repr, job._sets.items())))).encode()).hexdigest()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -74,11 +74,21 @@ class Volume:
         flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
         return flat
 
-    def _given(self) -> tuple[list[int], str, list[float] | None, Any]:
+    def _missing(self, window: Callable[[], list[int] | None]) -> int:
+        """How many chunks of the planes in the job's window its store has not; 0 for arrays without a store of chunks."""
+        count = getattr(self.array, "_missing_chunks", None)
+        if count is None:
+            return 0
+        first, last = window() or (0, self.shape[0] - 1)
+        # A window beyond the scan is an error of the plan, which names it.
+        found: int = count(first, min(last + 1, self.shape[0]))
+        return found
+
+    def _given(self, missing: int = 0) -> tuple[list[int], str, list[float] | None, Any, int]:
         planes, rows, columns = self.shape
         sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f32")
         spacing = None if self.spacing is None else list(reversed(self.spacing))
-        return [columns, rows, planes], sample, spacing, self._slices
+        return [columns, rows, planes], sample, spacing, self._slices, missing
 
     def _repr_html_(self) -> str:
         spacing = "none" if self.spacing is None else " x ".join(f"{s:.6g}" for s in self.spacing) + " mm"
