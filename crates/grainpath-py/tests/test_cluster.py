@@ -2,8 +2,10 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
+import threading
 
 import pytest
 
@@ -111,6 +113,78 @@ def test_a_scheduler_that_is_gone_is_an_error(folder, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
     with pytest.raises(gp.InputError, match="tcp://127.0.0.1:9: no scheduler answers"):
         cluster.run_folder(folder, scheduler="tcp://127.0.0.1:9")
+
+
+@pytest.fixture
+def killable(monkeypatch):
+    """A client whose scheduler and worker are processes of their own, and the scheduler's process."""
+    distributed = pytest.importorskip("distributed")
+    started = []
+
+    def start(*words):
+        command = [sys.executable, "-m", *words]
+        started.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
+        return started[-1]
+
+    scheduler = start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+    address = None
+    while address is None:
+        line = scheduler.stderr.readline()
+        assert line, "the scheduler ended"
+        found = re.search(r"tcp://[\d.]+:\d+", line)
+        address = found and found.group()
+    worker = start("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny")
+    # Their pipes are read to the end, so that they never wait for a reader.
+    for process in (scheduler, worker):
+        threading.Thread(target=process.stderr.read, daemon=True).start()
+    # The time for which a client tries to come back.
+    client = distributed.Client(address, timeout=5)
+    yield client, scheduler
+    client.close()
+    for process in started:
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
+def test_a_folder_ends_where_its_scheduler_is_killed(folder, killable, tmp_path):
+    client, scheduler = killable
+    with pytest.raises(gp.InputError, match=r"the scheduler (is gone|does not answer).*; [12] of 3 jobs were done"):
+        cluster.run_folder(
+            folder, client=client, out=tmp_path / "out", note=lambda row: (scheduler.kill(), scheduler.wait())
+        )
+    assert (tmp_path / "out" / "job0" / "plate.gcode").exists()
+
+
+def test_a_sweep_ends_where_its_scheduler_is_killed(plate, killable, tmp_path, monkeypatch):
+    client, scheduler = killable
+    write, written = sweeps._write, []
+
+    def kill(path, row):
+        write(path, row)
+        written.append(path)
+        scheduler.kill()
+        scheduler.wait()
+
+    monkeypatch.setattr(sweeps, "_write", kill)
+    job, settings = gp.Job(plate, **QUICK), {"process.walls": list(range(1, 30))}
+    with pytest.raises(gp.InputError, match="the scheduler is gone"):
+        gp.sweep(job, settings, executor=client, cache=tmp_path, in_flight=2)
+    assert written
+    monkeypatch.setattr(sweeps, "_write", write)
+    again = gp.sweep(job, settings, cache=tmp_path)
+    assert sum(row["cached"] for row in again) == len(written) and not again.failed
+
+
+def test_a_worker_of_another_version_that_comes_later_refuses(folder, plate, client, monkeypatch):
+    monkeypatch.setattr(cluster, "same_version", lambda client: None)
+    monkeypatch.setattr(cluster._grainpath, "__version__", "9.9.9")
+    for table in (
+        cluster.run_folder(folder, client=client),
+        gp.sweep(gp.Job(plate, **QUICK), {"process.walls": [1, 2]}, executor=client),
+    ):
+        words = r"here is grainpath 9\.9\.9, but tcp://127\.0\.0\.1:\d+ has "
+        assert len(table.failed) == len(table) and all(re.search(words, row["error"]) for row in table)
 
 
 def test_folders_without_jobs_are_refused(tmp_path):

@@ -225,14 +225,94 @@ def test_a_corrupt_chunk_is_one_error_and_workers_live_on(client, scan, tmp_path
     assert again.to_gcode() == expected
 
 
-def test_a_chunk_that_is_missing_has_the_fill_value(client, scan, tmp_path):
-    path = store(tmp_path / "c.zarr", scan, (7, 60, 70))
+@pytest.mark.parametrize("packed", ["chunks", "shards"])
+def test_a_chunk_that_is_missing_has_the_fill_value_and_is_warned_of(client, scan, tmp_path, packed):
+    path = tmp_path / "c.zarr"
+    shape = {"chunks": (7, 30, 70)} if packed == "chunks" else {"chunks": (7, 15, 35), "shards": (7, 30, 70)}
+    array = zarr.create_array(path, shape=scan.shape, dtype=scan.dtype, **shape)
+    array[...] = scan
     chunks = sorted((f for f in path.rglob("*") if f.is_file() and f.name != "zarr.json"), key=str)
-    chunks[-1].unlink()
+    assert len(chunks) == 14
+    for chunk in chunks[-3:]:
+        chunk.unlink()
     gone = zarr.open(path, mode="r")[...]
     assert not np.array_equal(gone, scan)
-    plan = gp.dask.plan_zarr(path, gp.Job(**SETTINGS), client=client, spacing=SPACING)
-    assert plan.to_gcode() == gp.Job(gp.Volume(gone, spacing=SPACING), **SETTINGS).plan().to_gcode()
+    expected = gp.Job(gp.Volume(gone, spacing=SPACING), **SETTINGS).plan()
+    dask = gp.dask.plan_zarr(path, gp.Job(**SETTINGS), client=client, spacing=SPACING)
+    read = gp.Job(gp.read_zarr(path, spacing=SPACING), **SETTINGS).plan()
+    for plan in (dask, read):
+        assert plan.to_gcode() == expected.to_gcode()
+        (warning,) = [w for w in plan.warnings if w.id == "scan-chunks-missing"]
+        assert isinstance(warning, gp.Warning) and warning.text.startswith("3 chunks of the scan are not there")
+        assert "scan-chunks-missing" in [w["id"] for w in plan.report["warnings"]]
+    assert "scan-chunks-missing" not in [w.id for w in expected.warnings]
+    # Planes 0 to 27 are in the first eight chunks, which are all there.
+    window = {"shape__ct__window": [0, 27]}
+    for plan in (
+        gp.dask.plan_zarr(path, gp.Job(**SETTINGS, **window), client=client, spacing=SPACING),
+        gp.Job(gp.read_zarr(path, spacing=SPACING), **SETTINGS, **window).plan(),
+    ):
+        assert "scan-chunks-missing" not in [w.id for w in plan.warnings]
+
+
+def test_the_only_worker_is_killed_while_it_fills(stores, expected):
+    client = cluster.connect("local", 1)
+    try:
+        (worker,) = client.run(os.getpid).values()
+        killed = threading.Event()
+
+        def progress(stage, done, total):
+            if stage == "fill" and done == total // 2 and not killed.is_set():
+                killed.set()
+                os.kill(worker, signal.SIGKILL)
+
+        plan = gp.dask.plan_zarr(
+            stores["planes"], gp.Job(**SETTINGS), client=client, spacing=SPACING, window_layers=3, progress=progress
+        )
+        assert killed.is_set() and plan.to_gcode() == expected
+    finally:
+        cluster.close(client)
+
+
+def empty():
+    """A cluster without workers, as one that was told to grow is at first, and its client."""
+    local = distributed.LocalCluster(n_workers=0, threads_per_worker=1, processes=True, dashboard_address=":0")
+    return local, distributed.Client(local)
+
+
+def test_workers_may_come_after_the_call(stores, expected):
+    local, client = empty()
+    try:
+        local.scale(2)
+        plan = gp.dask.plan_zarr(stores["bricks"], gp.Job(**SETTINGS), client=client, spacing=SPACING)
+        assert plan.to_gcode() == expected
+    finally:
+        client.close()
+        local.close()
+
+
+def test_workers_that_do_not_come_are_told_with_the_time(stores):
+    local, client = empty()
+    try:
+        with pytest.raises(gp.InputError, match=r"the scheduler has no workers after 0\.2 s.*wait_s"):
+            gp.dask.plan_zarr(stores["bricks"], gp.Job(**SETTINGS), client=client, spacing=SPACING, wait_s=0.2)
+        token = threading.Event()
+        token.set()
+        with pytest.raises(gp.Cancelled):
+            gp.dask.plan_zarr(
+                stores["bricks"], gp.Job(**SETTINGS), client=client, spacing=SPACING, wait_s=600, cancel=token
+            )
+    finally:
+        client.close()
+        local.close()
+
+
+def test_a_worker_of_another_version_that_comes_later_refuses(client, stores, monkeypatch):
+    # What is asked of all workers at first says nothing of those that come later.
+    monkeypatch.setattr(gp.dask, "same_version", lambda client: None)
+    monkeypatch.setattr(cluster._grainpath, "__version__", "9.9.9")
+    with pytest.raises(gp.InputError, match=r"here is grainpath 9\.9\.9, but tcp://127\.0\.0\.1:\d+ has "):
+        gp.dask.plan_zarr(stores["planes"], gp.Job(**SETTINGS), client=client, spacing=SPACING)
 
 
 def test_workers_of_another_version_are_refused_by_name(client, stores, monkeypatch):

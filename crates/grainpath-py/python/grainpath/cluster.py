@@ -20,7 +20,7 @@ from typing import Any
 
 from . import _grainpath
 from .errors import GrainpathError, InputError, JobError
-from .sweeps import Row, Sweep, in_order_of_end
+from .sweeps import GONE, LOOK_S, Row, Sweep, as_same, connected, in_order_of_end
 
 #: What the table at the end says of a job: the name in the report of ``grainpath run --json``.
 COLUMNS = ("mass_g", "time_s", "printed_mm")
@@ -29,8 +29,13 @@ PER_WORKER = 2
 #: Memory that a worker keeps between two slices of a scan, bytes, as glibc reads it. Dask gives every freed block back to the
 #: system, and a slice is as large as one; cutting a scan then takes 1.7 times the processor time (measured, slices of 16 MB).
 MEMORY = {"MALLOC_TRIM_THRESHOLD_": str(256 << 20), "MALLOC_MMAP_THRESHOLD_": str(64 << 20)}
+#: Seconds between two questions of how many workers there are: workers come by the minute, and each answer is a message.
+LIMIT_S = 2.0
 #: Seconds until a scheduler that does not answer is given up.
 PATIENCE_S = 10.0
+#: Seconds until a scheduler without workers is given up, where nothing else is asked for: processes on the same machine
+#: are there in a few; whoever stands in the queue of a cluster says how long to wait.
+WAIT_S = 60.0
 
 
 def jobs_of(folder: str | os.PathLike[str]) -> list[str]:
@@ -77,8 +82,9 @@ def keeping_memory() -> Any:
     return dask.config.set({key: {**dask.config.get(key, {}), **MEMORY}})
 
 
-def connect(scheduler: str, workers: int | None = None) -> Any:
-    """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused."""
+def connect(scheduler: str, workers: int | None = None, wait_s: float = WAIT_S) -> Any:
+    """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused. The
+    first worker has ``wait_s`` seconds to come."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -98,6 +104,7 @@ def connect(scheduler: str, workers: int | None = None) -> Any:
         except (OSError, ValueError) as error:
             raise InputError(f"{scheduler}: no scheduler answers ({error})") from error
     try:
+        wait_for_workers(client, wait_s)
         same_version(client)
     except BaseException:
         close(client)
@@ -126,15 +133,50 @@ def workers_of(client: Any) -> list[str]:
     return list(client.nthreads())
 
 
+def wait_for_workers(client: Any, wait_s: float, look: Callable[[], object] | None = None) -> None:
+    """Waits for the first worker: a cluster that was told to grow has none yet. ``look`` is called meanwhile."""
+    end = time.monotonic() + wait_s
+    while not workers_of(client):
+        if time.monotonic() >= end:
+            raise InputError(
+                f"the scheduler has no workers after {wait_s:g} s; start some, or wait longer for them with wait_s"
+            )
+        if look is not None:
+            look()
+        time.sleep(LOOK_S)
+
+
 def same_version(client: Any) -> None:
-    """Refuses workers of another version, by name: their results would differ without a word."""
-    if not workers_of(client):
-        raise InputError("the scheduler has no workers; start some, or wait until they are there")
+    """Refuses workers of another version, by name: their results would differ without a word. Workers that come later look
+    themselves, see :func:`grainpath.sweeps.as_same`."""
     found: dict[str, str] = client.run(_version)
     here = _grainpath.__version__
     others = sorted(f"{worker} has {version}" for worker, version in found.items() if version != here)
     if others:
         raise InputError(f"here is grainpath {here}, but {', '.join(others)}; install the same version everywhere")
+
+
+class Limit:
+    """How many tasks may be under way: some for each worker, of which more may come or some may be lost."""
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._asked, self._workers = client, -LIMIT_S, 1
+
+    def __call__(self) -> int:
+        if time.monotonic() - self._asked >= LIMIT_S:
+            self._asked = time.monotonic()
+            self._workers = len(reachable(workers_of, self._client))
+        return PER_WORKER * max(self._workers, 1)
+
+
+def reachable(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+    """A call of the scheduler, whose silence is told as what it is."""
+    try:
+        return call(*arguments, **options)
+    except Exception as error:
+        if not isinstance(error, (OSError, TimeoutError)) and type(error).__name__ not in GONE:
+            raise
+        raise InputError(f"the scheduler does not answer ({error or type(error).__name__})") from error
 
 
 def run_folder(
@@ -147,18 +189,24 @@ def run_folder(
     sets: Sequence[str] = (),
     threads: int = 1,
     note: Callable[[Row], object] | None = None,
+    wait_s: float = WAIT_S,
 ) -> Sweep:
     """Runs all jobs of a folder, as ``grainpath run`` runs each, and gives a table with a row for each.
 
     ``scheduler`` is the address of a Dask scheduler, or ``local`` for ``workers`` processes here; ``client`` is one that
     is there already. ``out`` is the folder for outputs, in which each job gets a folder of its name; without it outputs
-    lie beside the jobs. ``sets`` are settings as ``section.key=value``. ``note`` is called with each row as it ends.
+    lie beside the jobs. ``sets`` are settings as ``section.key=value``. ``note`` is called with each row as it ends. The
+    first worker has ``wait_s`` seconds to come, and more may come while jobs run.
+
+    A job that fails is a row. Where the scheduler is lost :class:`InputError` says how many jobs were done; their outputs
+    are there.
     """
     jobs = jobs_of(folder)
     own = client is None
-    client = connect(scheduler, workers) if own else client
+    client = connect(scheduler, workers, wait_s) if own else client
     try:
         if not own:
+            wait_for_workers(client, wait_s)
             same_version(client)
         waiting = []
         for job in jobs:
@@ -169,14 +217,22 @@ def run_folder(
                 stem = os.path.splitext(os.path.basename(job))[0]
                 options += ["--out", os.path.abspath(os.path.join(os.fspath(out), stem))]
             waiting.append((job, options))
-        in_flight = PER_WORKER * max(len(workers_of(client)), 1)
+        limit = Limit(client)
         rows: list[Row | None] = [None] * len(jobs)
 
         def submit(k: int) -> Any:
             # Jobs read and write files, so a call with the same arguments is not the same result.
-            return client.submit(run_job, *waiting[k], pure=False, retries=2)
+            return client.submit(as_same, _grainpath.__version__, run_job, *waiting[k], pure=False, retries=2)
 
-        for k, outcome in in_order_of_end(range(len(jobs)), submit, in_flight):
+        def look() -> int:
+            try:
+                connected(client)
+                return limit()
+            except InputError as error:
+                done = sum(row is not None for row in rows)
+                raise InputError(f"{error}; {done} of {len(jobs)} jobs were done before") from error.__cause__
+
+        for k, outcome in in_order_of_end(range(len(jobs)), submit, limit(), look):
             if isinstance(outcome, Exception):
                 failed = dict.fromkeys(COLUMNS) | {"warnings": [], "code": 1, "seconds": 0.0}
                 row = {"job": os.path.basename(jobs[k]), **failed, "error": f"{type(outcome).__name__}: {outcome}"}
@@ -202,6 +258,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", help="folder for outputs; each job gets a folder of its name")
     parser.add_argument("--set", action="append", default=[], metavar="SECTION.KEY=VALUE", help="override a setting")
     parser.add_argument("--threads", type=int, default=1, help="threads of each job")
+    parser.add_argument("--wait", type=float, default=WAIT_S, help="seconds for the first worker to come [default: 60]")
     parser.add_argument("--json", action="store_true", help="print the table as one JSON object")
     args = parser.parse_args(arguments)
     done: list[Row] = []
@@ -224,6 +281,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sets=args.set,
             threads=args.threads,
             note=note,
+            wait_s=args.wait,
         )
     except GrainpathError as error:
         print(f"grainpath: {error}", file=sys.stderr)

@@ -9,30 +9,26 @@ another with the same result. A few are handed over at a time, which bounds the 
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 from . import _grainpath
-from .cluster import close, connect, same_version, workers_of
+from .cluster import WAIT_S, Limit, close, connect, reachable, same_version, wait_for_workers
 from .errors import Cancelled, InputError, JobError
 from .job import Cancel, Job, Progress
 from .layers import LayerStack
 from .omezarr import ZarrPlanes, read_zarr
 from .plan import Plan
-from .sweeps import in_order_of_end
+from .sweeps import GONE, as_same, connected, in_order_of_end
 from .volume import Volume
 
-#: Tasks that a worker has at hand: the next is there when one ends, and few results wait.
-PER_WORKER = 2
 #: Slabs that a scan is cut in, where nothing else is asked for: a worker that is lost then costs little.
 SLABS = 64
 #: Layers that are filled at a time, where nothing else is asked for. Each window makes the masks of its neighbours anew.
 WINDOW = 32
 #: How often a task is tried again whose worker was lost.
 RETRIES = 3
-
-#: What Dask raises where the scheduler or the client is gone, by name, since Dask itself is not imported here.
-GONE = ("CancelledError", "FutureCancelledError", "FuturesCancelledError", "CommClosedError", "ClosedClientError")
 
 #: Grey values and the height of the part's begin, as the module has them.
 Found = tuple[float, float, float, float | None]
@@ -52,6 +48,7 @@ def plan_zarr(
     window_layers: int | None = None,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
+    wait_s: float = WAIT_S,
 ) -> Plan:
     """Plans a job whose part is a scan in Zarr, on the workers of a Dask cluster.
 
@@ -59,8 +56,9 @@ def plan_zarr(
     and slabs. ``path`` has to be the same on all workers, and they need the same version of grainpath. ``client`` is a
     client of Dask; without one ``workers`` processes of one thread are started here. ``slab_planes`` slices are cut at a
     time: whole rows of chunks, unless said otherwise. ``window_layers`` layers are filled at a time; jobs with a stress, a
-    field, supports, regions, fibre, a mass or the pattern ``continuous`` are filled here instead. Other arguments are those
-    of :func:`grainpath.read_zarr` and :meth:`grainpath.Job.plan`.
+    field, supports, regions, fibre, a mass or the pattern ``continuous`` are filled here instead. The first worker has
+    ``wait_s`` seconds to come, and more may come while the plan is made. Other arguments are those of
+    :func:`grainpath.read_zarr` and :meth:`grainpath.Job.plan`.
     """
     for name, value in (("slab_planes", slab_planes), ("window_layers", window_layers)):
         if value is not None and value < 1:
@@ -75,9 +73,15 @@ def plan_zarr(
             "guide.kind = grain: the texture of a scan is not found in slabs; plan it with gp.read_zarr(path), or name photographs"
         )
     own = client is None
-    client = connect("local", workers) if own else client
+    client = connect("local", workers, wait_s) if own else client
+
+    def look() -> None:
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("cancelled; nothing was written")
+
     try:
         if not own:
+            _reachable(wait_for_workers, client, wait_s, look)
             _reachable(same_version, client)
         return _Run(client, whole, volume, progress, cancel).plan(slab_planes, window_layers)
     finally:
@@ -93,6 +97,7 @@ class _Run:
     ) -> None:
         self._client, self._job, self._volume = client, job, volume
         self._progress, self._cancel = progress, cancel
+        self._limit = Limit(client)
 
     def plan(self, slab_planes: int | None, window_layers: int | None) -> Plan:
         job = self._job
@@ -104,29 +109,34 @@ class _Run:
         slabs = list(zip(borders[:-1], borders[1:], strict=True))
         parts = self._all("slice", len(slabs), lambda k: self._submit(cut, job, found, slabs[k], first))
         spec, handover = job._given()
-        array = self._volume._given()[:3]
-        scan = _grainpath.scan_join(spec, array, found, parts, (None, None, self._cancel))
+        array, missing = handover[1][:3], handover[1][4]
+        scan = _grainpath.scan_join(spec, array, found, parts, (None, None, self._cancel), missing)
         filled = None
         if _grainpath.fills_in_windows(spec):
             stack = LayerStack._of(scan.stack())
             step = window_layers or WINDOW
             windows = [(k, min(k + step, len(stack))) for k in range(0, len(stack), step)]
-            # The settings travel without the scan, and the sections once to each worker.
+            # The settings travel without the scan, and the sections once to each worker. They are the result of a task:
+            # where the worker that has them is lost, the scheduler lets another make them again. Data that were scattered
+            # would be lost with it.
             settings = job._without_shape()
-            sections = _reachable(self._client.scatter, stack.to_bytes(), broadcast=True)
+            with warnings.catch_warnings():
+                # Dask warns of large arguments, since most are better read by the worker; sections are nowhere but here.
+                warnings.filterwarnings("ignore", "Sending large graph", UserWarning)
+                sections = _reachable(self._submit, same, stack.to_bytes())
             filled = self._all("fill", len(windows), lambda k: self._submit(fill, settings, sections, windows[k]))
         data = _grainpath.plan_parted(spec, scan, filled, handover, (None, self._progress, self._cancel))
         return Plan._of(job, data)
 
     def _submit(self, call: Callable[..., Any], *arguments: Any) -> Any:
-        return self._client.submit(call, *arguments, pure=False, retries=RETRIES)
+        arguments = (_grainpath.__version__, call, *arguments)
+        return self._client.submit(as_same, *arguments, pure=False, retries=RETRIES)
 
     def _all(self, stage: str, n: int, submit: Callable[[int], Any]) -> list[Any]:
         """The results of a stage, in the order of their numbers."""
-        in_flight = PER_WORKER * max(len(_reachable(workers_of, self._client)), 1)
         results: list[Any] = [None] * n
         done = 0
-        for k, outcome in in_order_of_end(range(n), submit, in_flight, self._look):
+        for k, outcome in in_order_of_end(range(n), submit, _reachable(self._limit), self._look):
             if isinstance(outcome, Exception):
                 raise _told(outcome) from outcome.__cause__
             results[k] = outcome
@@ -136,12 +146,13 @@ class _Run:
             self._look()
         return results
 
-    def _look(self) -> None:
-        """Ends the plan where it was cancelled, or no results can come any more."""
+    def _look(self) -> int:
+        """Ends the plan where it was cancelled, or no results can come any more; else how many tasks may be under way."""
         if self._cancel is not None and self._cancel.is_set():
             raise Cancelled("cancelled; nothing was written")
-        if self._client.status not in ("running", "connecting"):
-            raise InputError(f"the scheduler is gone (the client is {self._client.status}); nothing was written")
+        _reachable(connected, self._client)
+        limit: int = _reachable(self._limit)
+        return limit
 
 
 def slab_of(volume: Volume, n_planes: int) -> int:
@@ -153,19 +164,24 @@ def slab_of(volume: Volume, n_planes: int) -> int:
 
 def survey(job: Job) -> tuple[Found, tuple[int, int]]:
     """What has to be known of the whole scan before a slab is cut. Workers call this."""
-    found, taken = _grainpath.scan_survey(job._given()[0], _array(job), (1, None, None))
+    found, taken = _grainpath.scan_survey(job._spec, _array(job), (1, None, None))
     return found, (taken[0], taken[1])
 
 
 def cut(job: Job, found: Found, planes: tuple[int, int], first: int) -> bytes:
     """The layers of a slab. Workers call this."""
-    return _grainpath.scan_part(job._given()[0], _array(job), found, (*planes, first), (1, None, None))
+    return _grainpath.scan_part(job._spec, _array(job), found, (*planes, first), (1, None, None))
+
+
+def same(sections: bytes) -> bytes:
+    """What it is given, as the result of a task. Workers call this."""
+    return sections
 
 
 def fill(job: Job, sections: bytes, window: tuple[int, int]) -> bytes:
     """The walls and the infill of a window of layers. Workers call this."""
     stack = LayerStack.from_bytes(sections)
-    return _grainpath.fill_window(job._given()[0], stack._data, window, (1, None, None))
+    return _grainpath.fill_window(job._spec, stack._data, window, (1, None, None))
 
 
 def _array(job: Job) -> Any:
@@ -174,14 +190,12 @@ def _array(job: Job) -> Any:
     return shape._given()
 
 
-def _reachable(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+def _reachable(call: Callable[..., Any], *arguments: Any) -> Any:
     """A call of the scheduler, whose silence is told as what it is."""
     try:
-        return call(*arguments, **options)
-    except Exception as error:
-        if not isinstance(error, (OSError, TimeoutError)) and type(error).__name__ not in GONE:
-            raise
-        raise InputError(f"the scheduler does not answer ({error or type(error).__name__}); nothing was written") from error
+        return reachable(call, *arguments)
+    except InputError as error:
+        raise InputError(f"{error}; nothing was written") from error.__cause__
 
 
 def _told(error: Exception) -> Exception:
