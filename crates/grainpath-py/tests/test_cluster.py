@@ -156,7 +156,8 @@ def test_a_folder_ends_where_its_scheduler_is_killed(folder, killable, tmp_path)
     assert (tmp_path / "out" / "job0" / "plate.gcode").exists()
 
 
-def test_a_sweep_ends_where_its_scheduler_is_killed(plate, killable, tmp_path, monkeypatch):
+@pytest.mark.parametrize("of", [lambda client: client, lambda client: client.get_executor()], ids=["client", "executor"])
+def test_a_sweep_ends_where_its_scheduler_is_killed(plate, killable, tmp_path, monkeypatch, of):
     client, scheduler = killable
     write, written = sweeps._write, []
 
@@ -169,7 +170,7 @@ def test_a_sweep_ends_where_its_scheduler_is_killed(plate, killable, tmp_path, m
     monkeypatch.setattr(sweeps, "_write", kill)
     job, settings = gp.Job(plate, **QUICK), {"process.walls": list(range(1, 30))}
     with pytest.raises(gp.InputError, match="the scheduler is gone"):
-        gp.sweep(job, settings, executor=client, cache=tmp_path, in_flight=2)
+        gp.sweep(job, settings, executor=of(client), cache=tmp_path, in_flight=2)
     assert written
     monkeypatch.setattr(sweeps, "_write", write)
     again = gp.sweep(job, settings, cache=tmp_path)

@@ -206,8 +206,8 @@ def run_folder(
     client = connect(scheduler, workers, wait_s) if own else client
     try:
         if not own:
-            wait_for_workers(client, wait_s)
-            same_version(client)
+            reachable(wait_for_workers, client, wait_s)
+            reachable(same_version, client)
         waiting = []
         for job in jobs:
             options = ["--threads", str(threads)]

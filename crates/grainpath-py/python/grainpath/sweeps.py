@@ -166,7 +166,9 @@ def _measured(
     def submit(i: int) -> Any:
         return hand_over(as_same, _grainpath.__version__, measure, job, points[waiting[i][0]], of_job)
 
-    look = functools.partial(connected, executor) if hasattr(executor, "scheduler_info") else None
+    # `get_executor()` of a client has it inside.
+    client = getattr(executor, "_client", executor)
+    look = functools.partial(connected, client) if hasattr(client, "scheduler_info") else None
     for i, outcome in in_order_of_end(range(len(waiting)), submit, in_flight, look):
         k, entry = waiting[i]
         # The worker itself was lost: its process ended, or its host.
