@@ -20,6 +20,8 @@ const BATCH_RECORDS = 65_536;
 const canvas = byId<HTMLCanvasElement>("view");
 const welcome = byId("welcome");
 let viewer: Viewer | null = null;
+/** Low and high corner of what the program on screen prints. */
+let printed: [number[], number[]] | null = null;
 let loading: AbortController | null = null;
 let current = 0;
 /** The run whose program is in the view. */
@@ -39,7 +41,7 @@ const from = byId<HTMLInputElement>("from");
 const to = byId<HTMLInputElement>("to");
 
 const job = new JobPanel(byId("panel-job"), { run, say, renamed: (path) => entitle(path, "job") });
-const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
+const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, printed: () => printed, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
 const shape: ShapePanel = new ShapePanel(byId("panel-shape"), { run, say, viewer: () => viewer, job, openLoads: () => tab("loads"), turning: () => loads.turning() });
 const loads: LoadsPanel = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
 job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); shape.showPoses(loads.inFile()); } };
@@ -195,7 +197,8 @@ async function show(id: number, isDone = true): Promise<void> {
   current = id;
   const [index, result] = await Promise.all([api.index(id), isDone ? api.result(id) : null]);
   if (current !== id || own.signal.aborted) return;
-  if (index.layers.length === 0) { say("Nothing is printed in this program.", true); return; }
+  printed = index.layers.length === 0 ? null : index.part_mm;
+  if (!printed) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
   tellPaths(index, result);
   overlays();

@@ -5,11 +5,13 @@ import { chart } from "./chart";
 import { gradient, ramp, type CrackBy } from "./colours";
 import { byId, el, fixed, player } from "./dom";
 import { quoted } from "./job";
-import { CELL, type Side, type Slab, type Viewer } from "./viewer";
+import { CELL, slabOf, type Box, type Side, type Slab, type Viewer } from "./viewer";
 
 interface Parts {
   run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
-  viewer: () => Viewer | null; job: () => Record<string, unknown> | null; showPaths: () => void; show: (id: number) => Promise<void>;
+  viewer: () => Viewer | null;
+  /** Low and high corner of what the program on screen prints, also where nothing can be drawn; null where it prints nothing. */
+  printed: () => Box | null; job: () => Record<string, unknown> | null; showPaths: () => void; show: (id: number) => Promise<void>;
   /** Gives beads and legend the colours of the paths again. */
   recolour: () => void;
   /** Shows the last two runs side by side. */
@@ -61,7 +63,7 @@ export class StrengthPanel {
   async forProgram(path: string): Promise<void> {
     this.program = path;
     this.crack = null;
-    const part = this.parts.viewer()?.beads?.index.part_mm;
+    const part = this.parts.printed();
     if (!part) { this.empty("Nothing is printed in this program, so nothing can be tested."); return; }
     // The longest side is the one that parts are pulled along.
     const spans = [0, 1, 2].map((k) => part[1][k]! - part[0][k]!);
@@ -81,6 +83,7 @@ export class StrengthPanel {
     const side = (name: "hold" | "load") => {
       const select = el("select", { id: `${name}-side`, onchange: () => { this[name] = select.value as Side; this.draw(); } }, ...SIDES.map(([k, words]) => el("option", { value: k, selected: k === this[name] }, words)));
       const pick = el("button", { type: "button", id: `${name}-pick`, "aria-pressed": "false", onclick: () => this.setMode(this.mode === name ? null : name) }, "Pick in the view");
+      pick.hidden = !this.parts.viewer();
       return el("div", { class: "row" }, el("label", {}, name === "hold" ? "Held at" : "Loaded at", select), pick);
     };
     const number = (label: string, value: number, min: number, then: (v: number) => void) => {
@@ -138,13 +141,13 @@ export class StrengthPanel {
 
   /** The job that is run: what the command line gets with `grainpath strength FILE --job JOB`. */
   private job(): string {
-    const viewer = this.parts.viewer();
-    if (!viewer) return "";
+    const printed = this.parts.printed();
+    if (!printed) return "";
     // A little more than the box of the part, so that the widths of beads at its border are inside.
     // The test counts heights from the bottom of the part, which a raft lifts from the plate.
-    const bottom = viewer.beads?.index.part_mm[0][2] ?? 0;
+    const bottom = printed[0][2] ?? 0;
     const box = (side: Side) => {
-      const [a, b] = viewer.slab(side, this.depth);
+      const [a, b] = slabOf(printed, side, this.depth);
       const text = (p: number[], by: number) => `[${p.map((v, k) => fixed(v + by - (k === 2 ? bottom : 0), 3)).join(", ")}]`;
       return `{ box_mm = [${text(a, -0.05)}, ${text(b, 0.05)}] }`;
     };
@@ -153,12 +156,12 @@ export class StrengthPanel {
   }
 
   private draw(): void {
+    const shown = document.getElementById("strength-job");
+    if (shown) shown.textContent = this.job();
     const viewer = this.parts.viewer();
     if (!viewer?.beads) return;
     const slabs: Slab[] = this.isActive && this.program ? [{ side: this.hold, depth_mm: this.depth, colour: HELD }, { side: this.load, depth_mm: this.depth, colour: LOADED, arrow: this.vector }] : [];
     viewer.setPlaces(slabs);
-    const shown = document.getElementById("strength-job");
-    if (shown) shown.textContent = this.job();
     if (this.isActive) this.crack?.();
     else { this.setMode(null); viewer.showCrack(null, 0); }
   }

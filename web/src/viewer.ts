@@ -136,7 +136,18 @@ void main() {
 }`;
 
 export type Side = "x-" | "x+" | "y-" | "y+" | "z-" | "z+";
+/** The low and the high corner of a box, mm. */
+export type Box = [number[], number[]];
 export interface Slab { side: Side; depth_mm: number; colour: number; arrow?: [number, number, number] }
+
+/** The two corners of a slab of a box at one of its sides. */
+export function slabOf([low, high]: Box, side: Side, depth_mm: number): Box {
+  const [a, b] = [[...low], [...high]];
+  const axis = "xyz".indexOf(side[0]!);
+  if (side[1] === "-") b[axis] = Math.min(b[axis]!, a[axis]! + depth_mm);
+  else a[axis] = Math.max(a[axis]!, b[axis]! - depth_mm);
+  return [a, b];
+}
 
 /** Numbers of a broken element: x, y, z, the share lost, the state in which it broke. */
 export const CELL = 5;
@@ -645,12 +656,9 @@ export class Viewer {
   }
 
   /** The two corners of a slab at a side of the part. */
-  slab(side: Side, depth_mm: number): [[number, number, number], [number, number, number]] {
+  private slab(side: Side, depth_mm: number): Box {
     const [low, high] = this.box;
-    const axis = side[0] as "x" | "y" | "z";
-    if (side[1] === "-") high[axis] = Math.min(high[axis], low[axis] + depth_mm);
-    else low[axis] = Math.max(low[axis], high[axis] - depth_mm);
-    return [[low.x, low.y, low.z], [high.x, high.y, high.z]];
+    return slabOf([low.toArray(), high.toArray()], side, depth_mm);
   }
 
   /** Draws where the part is held and loaded. */

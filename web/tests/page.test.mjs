@@ -179,6 +179,27 @@ test("without WebGL 2 the numbers, faces and loads of a part are there", async (
   await close();
 });
 
+test("without WebGL 2 a program is broken between two of its sides", async () => {
+  const { page, close } = await visit(browser, server.address, {}, () => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
+  });
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "squares.gcode");
+  await page.click("#tab-strength");
+  await page.waitForSelector("#break");
+  assert.ok(await page.isHidden("#hold-pick"), "nothing can be picked in a view that is not there");
+  await page.click("#panel-strength details summary");
+  const job = await page.textContent("#strength-job");
+  const boxes = [...job.matchAll(/box_mm = (\[\[.*?\]\])/g)].map((found) => JSON.parse(found[1]));
+  assert.equal(boxes.length, 2, job);
+  // Both boxes have the depth that the panel states, and a margin of 0.05 mm on either side.
+  const depth = await page.$eval("#panel-strength input[type=number]", (input) => input.valueAsNumber);
+  for (const [low, high] of boxes) assert.ok(Math.abs(high[0] - low[0] - depth - 0.1) < 2e-3, job);
+  assert.ok(boxes[1][0][0] > boxes[0][1][0], job);
+  await close();
+});
+
 test("dark is dark, light is light, and the choice is kept", async () => {
   const { page, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
