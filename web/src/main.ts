@@ -468,7 +468,9 @@ document.addEventListener("keydown", (event) => {
   const pace = event.shiftKey ? 10 : 1;
   const key = event.key.toLowerCase();
   const isChoosing = active === "loads" && Boolean(viewer?.isPartShown);
+  const step = VIEW_KEYS[key];
   if (event.key in views) viewer?.view(views[event.key]!);
+  else if (viewer && step) { if (event.shiftKey && step.shifted) step.shifted(viewer); else step.plain(viewer); }
   else if (event.key === "Escape" && viewer && viewer.dragging !== "turn") { loads.setGesture("turn"); shape.supports.setPaint(null); }
   else if (event.key === "Escape" && shape.chosen.length > 0) shape.choose(-1, false);
   else if (isChoosing && key in HELD_KEYS) { if (!event.repeat) loads.setGesture(HELD_KEYS[key]!); }
@@ -491,13 +493,24 @@ document.addEventListener("keydown", (event) => {
   event.preventDefault();
 });
 
+/** Keys that turn the view, with shift move it, and those that bring it nearer. */
+const VIEW_KEYS: Record<string, { plain: (v: Viewer) => void; shifted?: (v: Viewer) => void }> = {
+  a: { plain: (v) => v.turn(-15, 0), shifted: (v) => v.pan(-0.1, 0) },
+  d: { plain: (v) => v.turn(15, 0), shifted: (v) => v.pan(0.1, 0) },
+  w: { plain: (v) => v.turn(0, 15), shifted: (v) => v.pan(0, 0.1) },
+  s: { plain: (v) => v.turn(0, -15), shifted: (v) => v.pan(0, -0.1) },
+  "+": { plain: (v) => v.zoom(0.8) },
+  "=": { plain: (v) => v.zoom(0.8) },
+  "-": { plain: (v) => v.zoom(1.25) },
+};
+
 /** Keys that say what a drag does while they are held. */
 const HELD_KEYS: Record<string, "box" | "brush"> = { r: "box", b: "brush" };
 document.addEventListener("keyup", (event) => { if (HELD_KEYS[event.key.toLowerCase()] === viewer?.dragging) loads.setGesture("turn"); });
 
 function help(): void {
   const keys: [string, string][] = [
-    ["o", "open a file"], ["1 2 3 4", "look from the top, the front, the side, obliquely"], ["↑ ↓", "highest layer; with shift ten at a time"], ["PageUp PageDown", "lowest layer"],
+    ["o", "open a file"], ["1 2 3 4", "look from the top, the front, the side, obliquely"], ["A D W S", "turn the view; with shift move it"], ["+ -", "nearer, and farther away"], ["↑ ↓", "highest layer; with shift ten at a time"], ["PageUp PageDown", "lowest layer"],
     ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["Ctrl+Z Ctrl+Shift+Z", "undo and redo a change of the job"], ["R B", "hold and drag: choose the faces in a box, or all that are touched"], ["G", "neighbours over smooth edges too; with shift all neighbours"], ["Esc", "choose no face"], ["h", "runs, and two side by side"], ["?", "this page"],
   ];
   const dialog = byId<HTMLDialogElement>("keys");

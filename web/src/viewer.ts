@@ -472,6 +472,44 @@ export class Viewer {
     this.draw();
   }
 
+  /** Turns the view about its middle, by degrees to the right and upwards. */
+  turn(right_deg: number, up_deg: number): void {
+    const { target } = this.controls;
+    const from = this.camera.position.clone().sub(target);
+    // Angles of the view: about the vertical, and from it. At the vertical itself the view would have no upper side.
+    const around = Math.atan2(from.y, from.x) + (right_deg * Math.PI) / 180;
+    const polar = Math.acos(from.z / from.length()) - (up_deg * Math.PI) / 180;
+    const down = Math.min(Math.max(polar, 1e-3), Math.PI - 1e-3);
+    const unit = new Vector3(Math.sin(down) * Math.cos(around), Math.sin(down) * Math.sin(around), Math.cos(down));
+    this.camera.position.copy(target).addScaledVector(unit, from.length());
+    this.moved();
+  }
+
+  /** Brings the view nearer to its middle; a factor above 1 takes it away. */
+  zoom(factor: number): void {
+    const { target } = this.controls;
+    this.camera.position.sub(target).multiplyScalar(factor).add(target);
+    this.moved();
+  }
+
+  /** Moves the view by shares of its height, to the right and upwards. */
+  pan(right: number, up: number): void {
+    const { target } = this.controls;
+    const height_mm = 2 * this.camera.position.distanceTo(target) * Math.tan((this.camera.fov * Math.PI) / 360);
+    this.camera.updateMatrixWorld();
+    const axis = (k: number) => new Vector3().setFromMatrixColumn(this.camera.matrixWorld, k);
+    const by = axis(0).multiplyScalar(right * height_mm).addScaledVector(axis(1), up * height_mm);
+    this.camera.position.add(by);
+    target.add(by);
+    this.moved();
+  }
+
+  private moved(): void {
+    this.controls.update();
+    this.fitted = null;
+    this.draw();
+  }
+
   /** Looks at a point from the side that it is on, near enough to see `around` mm about it. */
   lookAt(point: Vector3, around: number): void {
     const [low, high] = this.box;

@@ -214,6 +214,32 @@ test("dark is dark, light is light, and the choice is kept", async () => {
   await close();
 });
 
+test("keys turn, move and zoom the view", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "squares.gcode");
+  await page.waitForFunction(() => document.documentElement.dataset.shown);
+  const at = () => page.evaluate(() => { const v = window.studio.viewer; return { eye: v.camera.position.toArray(), middle: v.controls.target.toArray() }; });
+  const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); return at(); };
+  const far = ({ eye, middle }) => Math.hypot(...eye.map((v, k) => v - middle[k]));
+  const first = await at();
+  const turned = await press("d", "d");
+  assert.ok(Math.abs(far(turned) - far(first)) < 1e-6 * far(first) && Math.abs(turned.eye[2] - first.eye[2]) < 1e-6 * far(first));
+  const angle = (p) => Math.atan2(p.eye[1] - p.middle[1], p.eye[0] - p.middle[0]);
+  assert.ok(Math.abs(Math.cos(angle(turned) - angle(first) - Math.PI / 6) - 1) < 1e-6, "two steps of 15 degrees");
+  assert.ok((await press("a", "a")).eye.every((v, k) => Math.abs(v - first.eye[k]) < 1e-6 * far(first)), "and back");
+  assert.ok((await press("w")).eye[2] > first.eye[2]);
+  // However often the key is pressed, the view ends above the middle and not on its head.
+  const top = await press(...Array(12).fill("w"));
+  assert.ok(top.eye[2] - top.middle[2] > 0.999 * far(top));
+  await press("s", "s");
+  const near = await press("+");
+  assert.ok(Math.abs(far(near) / far(top) - 0.8) < 1e-3);
+  const moved = await press("Shift+D");
+  assert.ok(Math.hypot(...moved.middle.map((v, k) => v - near.middle[k])) > 0.01 * far(near));
+  await close();
+});
+
 test("help lists the keys and closes by escape", async () => {
   const { page, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
