@@ -2,6 +2,7 @@
 
 import * as api from "./api";
 import { el } from "./dom";
+import { draftOf, forget, keep } from "./drafts";
 import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
 import { get, set, value } from "./toml";
@@ -45,6 +46,8 @@ export class JobPanel {
   private after: string[] = [];
   private isTyping = false;
   private changed: () => void = () => {};
+  /** What to tell of changes that were found when the job was opened. */
+  notice: string | null = null;
   /** Called with the text whenever it changes, and with null where no job is open. */
   onText: (text: string | null) => void = () => {};
 
@@ -81,6 +84,7 @@ export class JobPanel {
     const text = this.textElsewhere();
     try {
       const { path } = await api.save(/\.toml$/i.test(name) ? name.trim() : `${name.trim()}.toml`, text);
+      if (this.opened) forget(this.opened.path);
       this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
       [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
       this.put(text);
@@ -130,9 +134,25 @@ export class JobPanel {
         [this.saved, this.folder] = [text, folder];
       } else [this.saved, this.folder] = [(await api.jobFor(opened.path)).text, ""];
       await this.build();
+      this.takeDraft();
     } catch (error) {
       this.close();
       this.parts.say((error as Error).message, true);
+    }
+  }
+
+  /** Puts changes of this file that were not saved back, or offers them where the file is another one by now. */
+  private takeDraft(): void {
+    this.notice = null;
+    const draft = this.opened ? draftOf(this.opened.path) : null;
+    if (!draft || draft.text === this.saved) return;
+    const when = new Date(draft.at).toLocaleString();
+    if (draft.from === this.saved) {
+      this.put(draft.text);
+      this.notice = `Your changes of ${when}, which were not saved, are here again. Ctrl+Z takes the text of the file.`;
+    } else {
+      this.after = [draft.text];
+      this.notice = `The file was changed since your changes of ${when}, which were not saved. Ctrl+Shift+Z takes yours.`;
     }
   }
 
@@ -151,6 +171,8 @@ export class JobPanel {
     const tier = el("p", { class: "note" });
     const selects: (() => void)[] = [];
     const changed = () => {
+      // The text of the file itself may be there before a draft of it is put back.
+      if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: editor.value, from: this.saved });
       this.shown = editor.value;
       form.refresh();
       tier.textContent = this.tier(profiles, editor.value);

@@ -5,6 +5,7 @@ import { Beads, type Bead } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
+import { drafts, forget, type Draft } from "./drafts";
 import { history } from "./history";
 import { JobPanel, absolute } from "./job";
 import { LoadsPanel } from "./loads";
@@ -152,6 +153,7 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     const hasShape = text !== null && ShapePanel.has(text);
     tab(hasShape ? "shape" : "job");
     if (hasShape) await shape.load();
+    if (job.notice) say(job.notice);
   }
 }
 
@@ -586,6 +588,7 @@ async function start(): Promise<void> {
       el("h2", {}, "Where does your print break?"),
       el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it. A photograph of a board and a scan are planned too."),
       el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
+      ...unsaved(),
       el("h3", {}, "Or begin with an example"),
       el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
@@ -593,6 +596,19 @@ async function start(): Promise<void> {
     say((error as Error).message, true);
   }
 }
+/** Jobs with changes that were not saved, to go on with. */
+function unsaved(): HTMLElement[] {
+  const all = drafts();
+  if (all.length === 0) return [];
+  const row = (draft: Draft) => {
+    const item = el("li", {},
+      el("button", { type: "button", "data-draft": draft.path, title: draft.path, onclick: () => void open(draft.path, draft.kind) }, el("b", {}, draft.path.split(/[/\\]/).pop() ?? draft.path), ` changed ${new Date(draft.at).toLocaleString()}`),
+      el("button", { type: "button", title: "Throw these changes away", onclick: () => { forget(draft.path); item.remove(); } }, "Discard"));
+    return item;
+  };
+  return [el("h3", {}, "Or go on with changes that were not saved"), el("ul", { class: "plain examples" }, ...all.map(row))];
+}
+
 const tour = new Tour(byId("tour"));
 void start().then(() => tour.first());
 

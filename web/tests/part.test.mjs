@@ -186,6 +186,36 @@ test("a pull begins at its face, and the arrow turns with the numbers", async ()
   await close();
 });
 
+test("changes that were not saved are there again after the tab was closed", async () => {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 } });
+  // Tabs of one browser keep things together, which visits of other tests do not.
+  const tab = async () => {
+    const { page } = await visit({ newContext: () => context }, server.address);
+    await page.waitForSelector("#welcome h2");
+    return page;
+  };
+  const text = (page) => page.inputValue("#panel-job textarea");
+  const first = await tab();
+  await choose(first, "bar.stl");
+  await shaped(first);
+  const before = await text(first);
+  await first.click("#tab-job");
+  await first.fill("#panel-job textarea", `${before}# mine\n`);
+  await first.close();
+  const second = await tab();
+  await second.click("[data-draft]");
+  await shaped(second);
+  assert.equal(await text(second), `${before}# mine\n`);
+  await second.waitForFunction(() => /not saved, are here again/.test(document.getElementById("progress").textContent));
+  await second.keyboard.press("Control+z");
+  assert.equal(await text(second), before);
+  await second.close();
+  // What was undone is no change any more.
+  const third = await tab();
+  assert.equal(await third.locator("[data-draft]").count(), 0);
+  await context.close();
+});
+
 test("changes are undone and done again, typed ones too", async () => {
   const { page, close } = await opened("bar.stl");
   const first = await text(page);
