@@ -26,6 +26,7 @@ use args::{Args, Command};
 pub use commands::compare::{compared, tested_json};
 pub use commands::inspect::inspect_file;
 pub use commands::inspect_faces::list_faces;
+pub use commands::orient::poses_json;
 pub use commands::render::tell_directions;
 pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};

@@ -33,7 +33,7 @@ mod _grainpath {
     #[pymodule_export]
     use crate::mesh::{MeshData, mesh_from_file, mesh_from_parts};
     #[pymodule_export]
-    use crate::plan::{PlanData, ScanData, check, plan, plan_parted};
+    use crate::plan::{PlanData, ScanData, check, orient, plan, plan_parted};
     #[pymodule_export]
     use crate::program::{ProgramData, program_from_bytes};
     #[pymodule_export]

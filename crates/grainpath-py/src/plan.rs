@@ -376,6 +376,24 @@ pub(crate) fn plan_parted<'py>(
     Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
 }
 
+/// The stable poses of a job's part, the best first. Returns them and the warnings as `grainpath orient --json` prints
+/// them.
+#[pyfunction]
+pub(crate) fn orient<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    handover: Handover<'py>,
+    watch: Watch<'py>,
+) -> PyResult<String> {
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
+    worker::run(py, &caller, move |diagnostics, requests| {
+        let given = work.given(requests)?;
+        let path = work.shape_path(&given)?;
+        let poses = grainpath_cli::poses_json(&work.settings, given, &path, &work.folder, diagnostics)?;
+        Ok(serde_json::json!({ "poses": poses, "warnings": diagnostics.warnings() }).to_string())
+    })
+}
+
 /// Solves the loads of a job without planning it. Returns the nodes that each load selected and the stress, as
 /// `grainpath run --check --json` prints them.
 #[pyfunction]

@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -224,3 +225,27 @@ def test_loads_are_checked_as_the_command_checks_them(bar, stl, tmp_path):
         gp.Job(gp.box(40, 8, 1)).check()
     with pytest.raises(gp.JobError, match="mesh or an outline"):
         bar.with_(gp.Volume(np.zeros((4, 5, 6), "u1"), spacing=1)).check()
+
+
+def test_poses_are_those_of_the_command(bar, stl, tmp_path):
+    job = tmp_path / "job.toml"
+    text = TEXT.replace("40, 8, 1", "30, 20, 1").replace("34, 0", "24, 0")
+    job.write_text(f'[shape]\nmesh = "{stl.name}"\n' + text)
+    theirs = json.loads(command_line("orient", job, "--json").stdout)["poses"]
+    ours = gp.Job.from_toml(job).orient()["poses"]
+    assert ours == theirs and len(ours) >= 2
+    # The same part as arrays.
+    assert gp.Job.from_toml(job).with_(gp.read(stl)).orient()["poses"] == theirs
+    assert {"rotate_deg", "reserve", "support_g", "height_mm", "time_s"} <= set(ours[0])
+    # Without loads there is no reserve, and the flattest pose is the best.
+    flat = gp.Job(gp.box(40, 8, 1)).orient()["poses"]
+    assert "reserve" not in flat[0] and flat[0]["height_mm"] == 1
+
+
+def test_what_cannot_be_oriented_is_refused(bar):
+    with pytest.raises(gp.JobError, match="mesh or an outline"):
+        bar.with_(gp.Volume(np.zeros((4, 5, 6), "u1"), spacing=1)).orient()
+    stop = threading.Event()
+    stop.set()
+    with pytest.raises(gp.Cancelled):
+        bar.orient(cancel=stop)

@@ -1,10 +1,8 @@
 //! `grainpath orient`: ranks the stable poses of a part by the loads that it carries in them.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
-use grainpath::guide::KnownStress;
 use grainpath::orient::{self, BeadDirections, Pose, PoseReserve};
 use grainpath::run::config;
 use grainpath::run::placed_mesh;
@@ -29,7 +27,7 @@ const MOST_POSES: usize = 10;
 
 /// A pose and the values by which it is ranked.
 #[derive(Debug)]
-pub(super) struct Ranked {
+struct Ranked {
     rotate_deg: [f64; 3],
     /// The factor on the loads at which the part first fails; `None` if it cannot be computed.
     reserve: Option<PoseReserve>,
@@ -44,7 +42,7 @@ pub(super) struct Ranked {
 }
 
 impl Ranked {
-    pub(super) fn json(&self) -> Value {
+    fn json(&self) -> Value {
         let mut value = json!({
             "rotate_deg": self.rotate_deg, "support_g": self.support_g, "height_mm": self.height_mm,
             "time_s": self.time_s, "flat_mm2": self.flat_mm2, "tilt_deg": self.tilt_deg,
@@ -67,7 +65,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
         )));
     }
     let diagnostics = progress::diagnostics();
-    let (ranked, solve_s) = ranked(&settings, &shape, &folder, None, &diagnostics)?;
+    let (ranked, solve_s) = ranked(&settings, Given::default(), &shape, &folder, &diagnostics)?;
     let warnings = diagnostics.warnings();
     drop(diagnostics);
     args.common.refuse(&warnings, false)?;
@@ -108,20 +106,40 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The poses of a job's part, the best first, and the seconds that solving the loads took. Without fixtures and loads,
-/// poses are ranked by support and height.
-pub(super) fn ranked(
+/// The poses of a job's part, the best first, as `grainpath orient --json` prints them. The part is read from the job's
+/// file if it is not given.
+///
+/// # Errors
+/// [`Failure`] if the part is neither a mesh nor an outline, has no flat to stand on, or its loads cannot be solved.
+pub fn poses_json(
     settings: &Settings,
+    given: Given,
     shape: &Path,
     folder: &Path,
-    known: Option<Arc<KnownStress>>,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Value>, Failure> {
+    let (ranked, _) = ranked(settings, given, shape, folder, diagnostics)?;
+    Ok(ranked.iter().map(Ranked::json).collect())
+}
+
+/// The poses of a job's part, the best first, and the seconds that solving the loads took. Without fixtures and loads,
+/// poses are ranked by support and height.
+fn ranked(
+    settings: &Settings,
+    given: Given,
+    shape: &Path,
+    folder: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<Ranked>, f64), Failure> {
-    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
-        return Err(Failure::usage("orient needs a part from a mesh or an outline"));
-    }
-    let (file, _) = read_body(settings, shape, diagnostics)?;
+    let needed = || Failure::usage("orient needs a part from a mesh or an outline");
+    let file = match given.shape {
+        Some(Handed::Mesh(file)) => file,
+        Some(Handed::Scan(_) | Handed::Layers(_)) => return Err(needed()),
+        None if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() => return Err(needed()),
+        None => read_body(settings, shape, diagnostics)?.0,
+    };
     let start = Instant::now();
+    let known = given.known;
     let given = || Given { shape: Some(Handed::Mesh(file.clone())), known, ..Given::default() };
     let guide = if is_loaded(settings) {
         Some(checked(settings, given(), shape, folder, diagnostics)?)

@@ -25,7 +25,7 @@ use super::inspect_faces::face_json;
 use super::orient;
 use super::support::supported;
 use crate::Failure;
-use crate::inputs::{read_body, read_deck, read_stress};
+use crate::inputs::{Given, read_body, read_deck, read_stress};
 
 /// Most faces that are listed with name and measures. Source: chosen; a part with a thousand faces is rare, and the time
 /// for naming n faces grows with n squared.
@@ -169,8 +169,8 @@ pub(super) fn orient(
     known: Arc<KnownStress>,
     diagnostics: &Diagnostics,
 ) -> Result<Finished, Failure> {
-    let (poses, _) = orient::ranked(settings, path, base, Some(known), diagnostics)?;
-    let poses: Vec<Value> = poses.iter().map(orient::Ranked::json).collect();
+    let given = Given { known: Some(known), ..Given::default() };
+    let poses = orient::poses_json(settings, given, path, base, diagnostics)?;
     let report = json!({ "ok": true, "kind": "orient", "poses": poses });
     Ok(Finished { report, warnings: diagnostics.warnings(), ..Finished::default() })
 }

@@ -216,6 +216,25 @@ class Job:
         watch = (_threads(threads), progress, cancel)
         return Report("Loads", json.loads(_grainpath.check(*self._given(), watch)))
 
+    def orient(
+        self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
+    ) -> Report:
+        """Ranks the stable poses of the part: ``poses``, the best first, and ``warnings``.
+
+        A pose has its ``rotate_deg``, the ``reserve`` under the loads of the job, ``support_g``, ``height_mm``, ``time_s``
+        and the flat that the part stands on, as in ``docs/json.md``. Without loads, poses are ranked by support and
+        height. It takes a part from a mesh or an outline, as ``grainpath orient`` does; loads that should turn with the
+        part need ``guide__frame="part"``.
+
+        >>> import grainpath as gp
+        >>> job = gp.Job(gp.box(20, 10, 1))
+        >>> best = job.orient()["poses"][0]
+        >>> best["height_mm"], job.with_(shape__rotate_deg=best["rotate_deg"]).plan().report["layers"]
+        (1.0, 5)
+        """
+        watch = (_threads(threads), progress, cancel)
+        return Report("Poses", json.loads(_grainpath.orient(*self._given(), watch)))
+
     def strength(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
     ) -> Strength:
