@@ -92,6 +92,9 @@ warning_ids! {
     MeshRepaired = "mesh-repaired",
         "Defects of the mesh were repaired before slicing.",
         "repair the mesh where it was made, or set shape.repair = \"strict\" to refuse it";
+    MeshStray = "mesh-stray",
+        "The mesh holds facets or sheets without volume beside its bodies; they were left out before it was placed.",
+        "delete them where the mesh was made, or set shape.repair = \"strict\" to refuse them";
     MeshOpen = "mesh-open",
         "The surface of the mesh has holes; the outlines of the sections were closed across them.",
         "look at the layers concerned, or close the holes in the mesh";

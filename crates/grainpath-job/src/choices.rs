@@ -399,7 +399,7 @@ impl Choice for LengthUnit {
 /// Unit of a mesh or drawing (`shape.unit`): `auto`, or a unit that replaces the file's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileUnit(
-    /// The unit; `None` for `auto`, the unit of the file or else mm.
+    /// The unit; `None` for `auto`, the unit of the file or else one that fits the size.
     pub Option<LengthUnit>,
 );
 
@@ -417,7 +417,7 @@ impl Choice for FileUnit {
     const WORDS: &'static [Word] = &[
         Word {
             name: "auto",
-            help: "the unit stated in the file; mm where it states none, with a warning if the size then looks wrong.",
+            help: "the unit stated in the file; where it states none, m for a part less than 0.6 long and else mm, with a warning if the size leaves a doubt.",
         },
         plain_word("mm"),
         plain_word("cm"),

@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use grainpath::shape::{Repair, mend};
+use grainpath::shape::{Repair, mend_counting, united_volume};
 use grainpath_core::math::atan2;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_core::slices::SampleType;
-use grainpath_core::{DVec2, Diagnostics, Warning, WarningId};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Warning, WarningId};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
@@ -161,8 +161,10 @@ fn directions_json(name: &str, samples: &DirectionSamples) -> Value {
 fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     let all: Vec<MeshHealth> = file.bodies.iter().filter_map(|b| diagnose(&b.mesh)).collect();
     let sum = |f: &dyn Fn(&MeshHealth) -> usize| all.iter().map(f).sum::<usize>();
-    let low = all.iter().map(|h| h.bounds.0).reduce(|a, b| a.min(b)).unwrap_or_default();
-    let high = all.iter().map(|h| h.bounds.1).reduce(|a, b| a.max(b)).unwrap_or_default();
+    let Inspected { volume, volume_problem, bounds, stray_shells, warnings: told } = inspected(file);
+    // Of a mesh that cannot be mended, the size is that of everything in the file.
+    let read = all.iter().map(|h| h.bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = bounds.or(read).unwrap_or_default();
     let open = sum(&|h| h.open_edges);
     // Open edges may be mere seams, which close when vertices within a millionth of the size are merged.
     // Edges that are still open after merging belong to holes.
@@ -181,43 +183,95 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     };
     let likely = match file.unit {
         Some(unit) => format!("{} (the file says so)", unit.name()),
-        None => format!("{} (by its size)", grainpath::shape::likely_unit((high - low).max_element()).name()),
+        None => by_size((high - low).max_element()),
     };
-    let (volume, volume_problem) = volume(file);
+    let mut warnings = file.warnings.clone();
+    warnings.extend(told);
     json!({
         "ok": true, "file": name, "kind": "mesh", "format": format,
         "bodies": file.bodies.len(), "triangles": sum(&|h| h.n_triangles), "vertices": sum(&|h| h.n_vertices),
-        "shells": sum(&|h| h.shells), "open_edges": open, "open_edges_after_merging": open_after,
+        "shells": sum(&|h| h.shells), "stray_shells": stray_shells, "open_edges": open, "open_edges_after_merging": open_after,
         "nonmanifold_edges": sum(&|h| h.nonmanifold_edges), "badly_wound_edges": sum(&|h| h.badly_wound_edges),
         "zero_area_facets": sum(&|h| h.zero_area_facets), "closed": all.iter().all(MeshHealth::is_closed),
         "volume": volume, "volume_problem": volume_problem,
         "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
-        "likely_unit": likely, "warnings": file.warnings,
+        "likely_unit": likely, "warnings": warnings,
     })
 }
 
-/// The volume of a mesh in the cube of its unit. As in slicing, facets and shells that are inside out are
-/// turned first. The text states that, or the reason if there is no volume.
-fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
-    let as_read: f64 = file.bodies.iter().map(|b| b.mesh.signed_volume()).sum();
-    let bodies = file.bodies.iter().map(|b| b.mesh.clone()).collect();
-    let mended = match mend(bodies, Repair::Auto, &Diagnostics::default()) {
-        Ok(mended) => mended,
-        Err(e) => return (None, Some(e.to_string())),
+/// The likely unit of a mesh whose file states none, and what slicing takes where that is another.
+fn by_size(longest: f64) -> String {
+    let (likely, taken) = (grainpath::shape::likely_unit(longest), grainpath::shape::assumed_unit(longest));
+    let but = if likely == taken {
+        String::new()
+    } else {
+        format!("; slicing takes {} unless shape.unit = \"{}\"", taken.name(), likely.name())
     };
-    let n_open = diagnose(&mended).map_or(0, |h| h.open_edges);
+    format!("{} (by its size{but})", likely.name())
+}
+
+/// What mending a mesh shows, in the unit of the file.
+#[derive(Default)]
+struct Inspected {
+    /// Volume in the cube of the unit; `None` for a surface that is not closed.
+    volume: Option<f64>,
+    /// What was assumed for the volume, or the reason if there is none.
+    volume_problem: Option<String>,
+    /// Lowest and highest corner of the part, without stray shells.
+    bounds: Option<(DVec3, DVec3)>,
+    /// Number of shells without volume beside the part.
+    stray_shells: usize,
+    /// The warning of slicing about them.
+    warnings: Vec<Warning>,
+}
+
+/// Share by which the volume of the united bodies must differ from the sum of volumes to be told instead of it.
+/// Source: derived; it is the error of `united_volume`.
+const UNITED_SHARE: f64 = 0.005;
+
+/// The volume and the size of a mesh. As in slicing, shells without volume are left out, and facets and shells that are
+/// inside out are turned first.
+fn inspected(file: &MeshFile) -> Inspected {
+    let bodies = file.bodies.iter().map(|b| b.mesh.clone()).collect();
+    let diagnostics = Diagnostics::default();
+    let (mended, changed) = match mend_counting(bodies, Repair::Auto, &diagnostics) {
+        Ok(found) => found,
+        Err(e) => return Inspected { volume_problem: Some(e.to_string()), ..Inspected::default() },
+    };
+    let told = diagnostics.warnings().into_iter().filter(|w| w.id == WarningId::MeshStray);
+    let mut found = Inspected {
+        bounds: mended.bounds(),
+        stray_shells: changed.stray_shells,
+        warnings: told.collect(),
+        ..Inspected::default()
+    };
+    let health = diagnose(&mended);
+    let shells_left = health.as_ref().map_or(0, |h| h.shells);
+    let n_open = health.map_or(0, |h| h.open_edges);
     if n_open > 0 {
         let text =
             format!("none: the surface is not closed ({n_open} open edges); slicing closes each section");
-        return (None, Some(text));
+        found.volume_problem = Some(text);
+        return found;
     }
     let volume = mended.signed_volume();
-    // Turning a shell changes the sign of its volume; merging vertices changes the volume by rounding
-    // only.
-    let turned = (volume - as_read).abs() > 1e-6 * volume.abs();
     let text =
         "facets or shells are inside out; slicing turns them, and this is the volume after they are turned";
-    (Some(volume), turned.then(|| text.to_owned()))
+    found.volume = Some(volume);
+    found.volume_problem = (changed.turned > 0).then(|| text.to_owned());
+    // Sections are cut only where bodies can overlap at all.
+    if shells_left > 1 {
+        let united = united_volume(&mended);
+        if volume - united > UNITED_SHARE * volume {
+            let also = found.volume_problem.map_or_else(String::new, |turned| format!("; {turned}"));
+            let text = format!(
+                "bodies overlap; slicing unites them, and this is the volume of their union to 0.5 % (their sum is {}){also}",
+                digits(volume)
+            );
+            (found.volume, found.volume_problem) = (Some(united), Some(text));
+        }
+    }
+    found
 }
 
 fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
@@ -466,7 +520,7 @@ fn digits(number: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::{DVec3, TriMesh};
+    use grainpath_core::TriMesh;
     use grainpath_io::MeshBody;
 
     /// A cube of side 1 at a place; turned inside out where asked.
@@ -515,6 +569,10 @@ mod tests {
 
     #[test]
     fn the_volume_is_that_of_the_part_or_none() {
+        let volume = |f: &MeshFile| {
+            let Inspected { volume, volume_problem, .. } = inspected(f);
+            (volume, volume_problem)
+        };
         let (volume_of_two, problem) = volume(&file(vec![cube(0.0, false), cube(3.0, false)]));
         assert!(volume_of_two.is_some_and(|v| (v - 2.0).abs() < 1e-12) && problem.is_none());
         for inverted in [vec![cube(0.0, true)], vec![cube(0.0, false), cube(3.0, true)]] {
@@ -527,5 +585,43 @@ mod tests {
         open.triangles.truncate(11);
         let (found, problem) = volume(&file(vec![open]));
         assert!(found.is_none() && problem.is_some_and(|p| p.contains("3 open edges")));
+        // Bodies that overlap, and a body with a cavity, both right and inside out.
+        let inner = |inverted: bool| {
+            let mut small = cube(0.0, inverted);
+            small.vertices.iter_mut().for_each(|p| *p = 0.25 + 0.5 * *p);
+            small
+        };
+        for inverted in [false, true] {
+            for (other, expected) in [(cube(0.5, inverted), 1.5), (inner(!inverted), 1.0 - 0.125)] {
+                for bodies in [vec![cube(0.0, inverted), other.clone()], vec![other, cube(0.0, inverted)]] {
+                    let mut one = TriMesh::default();
+                    for body in &bodies {
+                        let first = one.vertices.len() as u32;
+                        one.vertices.extend(&body.vertices);
+                        one.triangles.extend(body.triangles.iter().map(|t| t.map(|i| i + first)));
+                    }
+                    let (found, _) = volume(&file(vec![one]));
+                    let found = found.expect("a volume");
+                    assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn facets_beside_a_body_are_counted_and_change_neither_size_nor_volume() {
+        let mut mesh = cube(0.0, false);
+        for i in 0..50 {
+            let at = DVec3::new(f64::from(i), 4.0, -7.0);
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend([at, at + 0.1 * DVec3::X, at + 0.1 * DVec3::ONE]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        let value = mesh_json("part.stl", "binary STL", &file(vec![mesh]));
+        assert_eq!((&value["stray_shells"], &value["shells"]), (&json!(50), &json!(51)));
+        assert_eq!(value["extents"], json!([1.0, 1.0, 1.0]));
+        assert!(value["volume"].as_f64().is_some_and(|v| (v - 1.0).abs() < 1e-12), "{value}");
+        assert_eq!(value["warnings"][0]["id"], "mesh-stray");
+        assert!(value["volume_problem"].is_null(), "nothing is turned: {value}");
     }
 }

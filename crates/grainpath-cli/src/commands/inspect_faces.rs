@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use grainpath::shape::{Repair, mend};
+use grainpath::shape::{Repair, assumed_unit, mend};
 use grainpath_core::faces::{Face, Faces, Surface};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
@@ -27,8 +27,9 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let bytes = files::read(&args.file)?;
     let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
-    let unit = file.unit.map_or("mm (assumed)".to_owned(), |u| format!("{} (the file says so)", u.name()));
-    let (mesh, faces) = of_file(file, &name)?;
+    let by = if file.unit.is_some() { "the file says so" } else { "assumed" };
+    let (mesh, faces, unit) = of_file(file, &name)?;
+    let unit = format!("{} ({by})", unit.name());
     let shown = faces.len().min(LISTED);
     let mut rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
     if let Some(path) = &args.image {
@@ -58,18 +59,17 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The mended mesh of a file in mm, and its faces.
-fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces), Failure> {
-    let mm = file.unit.unwrap_or(LengthUnit::Millimetre).mm();
-    let bodies = file.bodies.into_iter().map(|mut body| {
-        body.mesh.vertices.iter_mut().for_each(|p| *p *= mm);
-        body.mesh
-    });
+/// The mended mesh of a file in mm, its faces, and the unit of the file.
+fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces, LengthUnit), Failure> {
+    let bodies = file.bodies.into_iter().map(|body| body.mesh).collect();
     // The mesh is mended as in a run, since facets that are inside out would have reversed normals.
-    let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
+    let mut mesh = mend(bodies, Repair::Auto, &Diagnostics::default())
         .map_err(|source| grainpath::Error::Shape { path: name.to_owned(), source })?;
+    let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
+    let unit = file.unit.unwrap_or_else(|| assumed_unit(longest));
+    mesh.vertices.iter_mut().for_each(|p| *p *= unit.mm());
     let faces = Faces::segment(&mesh);
-    Ok((mesh, faces))
+    Ok((mesh, faces, unit))
 }
 
 /// All faces of a mesh, largest first, each as `--json` prints it.
@@ -77,7 +77,7 @@ fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces), Failure> {
 /// # Errors
 /// For a mesh that cannot be mended.
 pub fn list_faces(file: MeshFile) -> Result<Value, Failure> {
-    let (_, faces) = of_file(file, "the mesh")?;
+    let (_, faces, _) = of_file(file, "the mesh")?;
     Ok((0..faces.len()).map(|i| face_json(&faces, i)).collect())
 }
 

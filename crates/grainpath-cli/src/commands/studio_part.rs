@@ -14,7 +14,6 @@ use grainpath::support::tree::{Kind as NodeKind, Node};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::faces::Faces;
 use grainpath_core::mesh::{EdgeUses, MeshHealth, examine};
-use grainpath_core::units::LengthUnit;
 use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
 use grainpath_job::Settings;
 use grainpath_job::choices::{LoadFrame, SupportStyle};
@@ -67,8 +66,6 @@ pub(super) fn shape(
     let span = |h: &MeshHealth| (h.bounds.1 - h.bounds.0).max_element();
     let longest = found.iter().map(span).fold(0.0, f64::max);
     let placing = config::placing(settings);
-    let unit =
-        if placing.unit_of_file { stated.unwrap_or(LengthUnit::Millimetre) } else { placing.placement.unit };
     let likely = likely_unit(longest * settings.shape.scale);
     // A drawing is in mm once it is read.
     let is_asked = placing.unit_of_file && stated.is_none() && settings.shape.outline.is_empty();
@@ -76,11 +73,15 @@ pub(super) fn shape(
         "ok": true, "kind": "shape", "bodies": found.len(), "shells": sum(&|h| h.shells),
         "open_edges": sum(&|h| h.open_edges), "nonmanifold_edges": sum(&|h| h.nonmanifold_edges),
         "badly_wound_edges": sum(&|h| h.badly_wound_edges), "zero_area_facets": sum(&|h| h.zero_area_facets),
-        "unit": unit.name(), "unit_is_stated": !is_asked,
+        "unit_is_stated": !is_asked,
         "likely_unit": if is_asked { Value::from(likely.name()) } else { Value::Null },
     });
     let source = |source| grainpath::Error::Shape { path: path.display().to_string(), source };
-    let Placed { mesh, lowered_mm, .. } = placed_mesh(&placing, file, diagnostics).map_err(source)?;
+    let placed = placed_mesh(&placing, file, diagnostics).map_err(source)?;
+    let Placed { mesh, lowered_mm, assumed_unit, .. } = placed;
+    let of_file = assumed_unit.or(stated).filter(|_| placing.unit_of_file);
+    let unit = of_file.unwrap_or(placing.placement.unit);
+    report["unit"] = unit.name().into();
     diagnostics.begin(Stage::Slice, 0);
     diagnostics.check().map_err(grainpath::Error::from)?;
     let standing = config::standing(settings, lowered_mm);

@@ -106,6 +106,12 @@ impl EdgeUses {
         self.by_edge().filter(|(_, uses)| uses.len() != 2).map(|(low, uses)| [low, uses[0].high])
     }
 
+    /// Edges with a single triangle, as pairs of vertices with that triangle.
+    pub fn open(&self) -> impl Iterator<Item = ([u32; 2], usize)> + '_ {
+        let open = self.by_edge().filter(|(_, uses)| uses.len() == 1);
+        open.map(|(low, uses)| ([low, uses[0].high], (uses[0].triangle / 2) as usize))
+    }
+
     /// Edges, as pairs of vertices, that do not belong to exactly two triangles running along them in opposite
     /// directions: those of [`EdgeUses::faulty`], and those between triangles wound against each other.
     pub fn unsound(&self) -> impl Iterator<Item = [u32; 2]> + '_ {

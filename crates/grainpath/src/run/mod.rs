@@ -516,7 +516,7 @@ fn plan_stack(
 ) -> Result<Planned, Error> {
     // Warnings about the job come first, so that they are shown even if the run fails later.
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
-    let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
+    let Sliced { stack, mesh, lowered_mm, painted, assumed_unit, scan } = sliced;
     let part = part_bounds(&stack);
     let config = config::writing(settings);
     let plate_from_part_mm = plate_from_part(&config.machine, settings.shape.position_mm, part);
@@ -530,7 +530,9 @@ fn plan_stack(
     let areas = if settings.regions.is_empty() {
         None
     } else {
-        let (unit_mm, slicing) = (placing.placement.unit.mm(), placing.slicing);
+        // The files of regions are taken to be in the unit that was assumed for the part.
+        let unit_mm = assumed_unit.unwrap_or(placing.placement.unit).mm();
+        let slicing = placing.slicing;
         let unit_of_file = placing.unit_of_file;
         let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
         Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)

@@ -19,6 +19,8 @@ pub struct Sliced {
     pub lowered_mm: f64,
     /// Support enforcers and blockers painted on its surface.
     pub painted: PaintedSupports,
+    /// The unit that was assumed for a mesh whose file states none.
+    pub assumed_unit: Option<LengthUnit>,
     pub(super) scan: Option<grainpath_imaging::scan::CtReport>,
 }
 
@@ -46,9 +48,12 @@ pub struct Placed {
     pub lowered_mm: f64,
     /// Support enforcers and blockers painted on it.
     pub painted: PaintedSupports,
+    /// The unit that was assumed, if the file states none and the settings leave it to the file.
+    pub assumed_unit: Option<LengthUnit>,
 }
 
-/// Places the bodies of a mesh file on the bed and repairs them.
+/// Repairs the bodies of a mesh file and places them on the bed. Shells without volume are left out first,
+/// so that they decide neither the unit nor where the part stands.
 ///
 /// ```
 /// use grainpath::run::{config, placed_mesh};
@@ -68,18 +73,41 @@ pub fn placed_mesh(
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<Placed, shape::ShapeError> {
-    let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
-    // The last two bodies are the painted enforcers and blockers, which were placed with the others.
-    let blockers = bodies.pop().unwrap_or_default();
-    let enforcers = bodies.pop().unwrap_or_default();
+    file.warnings.into_iter().for_each(|w| diagnostics.push(w));
+    let mut painted = PaintedSupports::default();
+    let mut bodies = Vec::with_capacity(file.bodies.len());
+    for mut body in file.bodies {
+        for (all, more) in painted.each_mut().into_iter().zip(body.painted_supports.each_mut()) {
+            let first = all.vertices.len() as u32;
+            all.vertices.append(&mut more.vertices);
+            all.triangles.extend(more.triangles.iter().map(|t| t.map(|i| i + first)));
+        }
+        bodies.push(body.mesh);
+    }
+    let mesh = shape::mend(bodies, settings.repair, diagnostics)?;
+    // Painted facets are placed together with the part, so that they stay on the surface.
+    let mut all = [mesh, painted.enforcers, painted.blockers];
+    let mut placement = settings.placement;
+    let mut assumed_unit = None;
+    if settings.unit_of_file {
+        placement.unit = match file.unit {
+            Some(stated) => stated,
+            None => {
+                let unit = assume_unit(&all[0], placement.scale, diagnostics)?;
+                assumed_unit = Some(unit);
+                unit
+            }
+        };
+    }
+    let mut lowered_mm = shape::place(&mut all, &placement)?;
+    let [mut mesh, enforcers, blockers] = all;
     let mut painted = PaintedSupports { enforcers, blockers };
     if settings.lift_mm > 0.0 {
-        let all = bodies.iter_mut().chain(painted.each_mut());
+        let all = std::iter::once(&mut mesh).chain(painted.each_mut());
         all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += settings.lift_mm);
         lowered_mm -= settings.lift_mm;
     }
-    let mesh = shape::mend(bodies, settings.repair, diagnostics)?;
-    Ok(Placed { mesh, lowered_mm, painted })
+    Ok(Placed { mesh, lowered_mm, painted, assumed_unit })
 }
 
 /// Places the bodies of a mesh file on the bed, repairs them and cuts them into layers.
@@ -101,48 +129,34 @@ pub fn mesh_and_layers(
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<Sliced, shape::ShapeError> {
-    let Placed { mesh, lowered_mm, painted } = placed_mesh(settings, file, diagnostics)?;
+    let Placed { mesh, lowered_mm, painted, assumed_unit } = placed_mesh(settings, file, diagnostics)?;
     let stack = shape::slice(&mesh, &settings.slicing, diagnostics)?;
-    Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
+    Ok(Sliced { stack, mesh, lowered_mm, painted, assumed_unit, scan: None })
 }
 
-/// Places the bodies of a file on the bed. Returns them in millimetres, then the painted support
-/// enforcers and blockers as two more bodies, and the distance in mm by which all were lowered.
-fn place_bodies(
-    settings: &PlaceSettings,
-    file: MeshFile,
+/// The unit that is assumed for a mesh whose file states none. A warning says what was assumed, unless the
+/// size leaves no doubt that it is mm.
+fn assume_unit(
+    mesh: &TriMesh,
+    scale: f64,
     diagnostics: &Diagnostics,
-) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
-    file.warnings.into_iter().for_each(|w| diagnostics.push(w));
-    let mut painted = PaintedSupports::default();
-    let mut bodies = Vec::with_capacity(file.bodies.len() + 2);
-    for mut body in file.bodies {
-        for (all, more) in painted.each_mut().into_iter().zip(body.painted_supports.each_mut()) {
-            let first = all.vertices.len() as u32;
-            all.vertices.append(&mut more.vertices);
-            all.triangles.extend(more.triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-        bodies.push(body.mesh);
+) -> Result<LengthUnit, shape::ShapeError> {
+    let (low, high) = mesh.bounds().ok_or(shape::ShapeError::Empty)?;
+    // The longest extent in the file's own numbers tells a likely unit: a part 0.1 long, for
+    // example, is unlikely to be meant in millimetres.
+    let longest = (high - low).max_element() * scale;
+    let (likely, unit) = (shape::likely_unit(longest), shape::assumed_unit(longest));
+    if likely != LengthUnit::Millimetre {
+        let text = format!(
+            "the file states no unit and the mesh is {longest:.3} long; that is taken for {}, {:.3} mm",
+            unit.name(),
+            longest * unit.mm()
+        );
+        let other = if unit == likely { LengthUnit::Millimetre } else { likely };
+        let remedy = format!("if it is in {0}, set shape.unit = \"{0}\"", other.name());
+        diagnostics.push(Warning::new(WarningId::UnitAssumed, text).with_remedy(remedy));
     }
-    // Painted facets are placed together with the bodies, so that they stay on the surface.
-    bodies.extend([painted.enforcers, painted.blockers]);
-    let mut placement = settings.placement;
-    let bounds = bodies.iter().filter_map(TriMesh::bounds);
-    let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
-    if settings.unit_of_file {
-        placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
-        // The longest extent in the file's own numbers tells a likely unit: a part 0.1 long, for
-        // example, is unlikely to be meant in millimetres.
-        let longest = (all.1 - all.0).max_element() * settings.placement.scale;
-        let likely = shape::likely_unit(longest);
-        if file.unit.is_none() && likely != LengthUnit::Millimetre {
-            let text = format!("the mesh is {longest:.3} long and its unit is taken for mm");
-            let remedy = format!("if it is in {0}, set shape.unit = \"{0}\"", likely.name());
-            diagnostics.push(Warning::new(WarningId::UnitAssumed, text).with_remedy(remedy));
-        }
-    }
-    let lowered_mm = shape::place(&mut bodies, &placement)?;
-    Ok((bodies, lowered_mm))
+    Ok(unit)
 }
 
 pub(super) fn part_bounds(stack: &LayerStack) -> Bounds2 {
@@ -204,5 +218,45 @@ pub(super) fn outside_bed(source: GcodeError, stack: &LayerStack, part: Bounds2)
     match source {
         GcodeError::OutsideBed { .. } => Error::OutsideBed { size_mm: [size.x, size.y, height_mm], source },
         other => other.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+
+    #[test]
+    fn a_unit_is_assumed_by_the_size_and_told() {
+        let settings = super::super::config::placing(&Settings::default());
+        for (longest, unit, told) in [
+            (20.0, LengthUnit::Millimetre, None),
+            (0.15, LengthUnit::Metre, Some("taken for m, 150.000 mm")),
+            (0.599, LengthUnit::Metre, Some("taken for m,")),
+            // Small parts in mm are as usual as parts in inches, so mm stays.
+            (0.61, LengthUnit::Millimetre, Some("taken for mm")),
+            (6.0, LengthUnit::Millimetre, Some("taken for mm")),
+        ] {
+            let mut file = grainpath_parts::file_of_a_box();
+            file.unit = None;
+            file.bodies[0].mesh.vertices.iter_mut().for_each(|p| *p *= longest / 20.0);
+            // A stray facet far away changes neither the unit nor the place.
+            let mesh = &mut file.bodies[0].mesh;
+            let n = mesh.vertices.len() as u32;
+            mesh.vertices
+                .extend([[0.0, 0.0, -9.0], [1.0, 0.0, -9.0], [0.0, 1.0, -8.0]].map(DVec3::from_array));
+            mesh.triangles.push([n, n + 1, n + 2]);
+            let diagnostics = Diagnostics::default();
+            let placed = placed_mesh(&settings, file, &diagnostics).expect("a box");
+            let (low, high) = placed.mesh.bounds().expect("a box");
+            assert_eq!(placed.assumed_unit, Some(unit));
+            assert!(low.z == 0.0 && placed.lowered_mm == 0.0, "{low} {}", placed.lowered_mm);
+            assert!((high.x - low.x - longest * unit.mm()).abs() < 1e-9, "{longest}: {low} {high}");
+            let warnings = diagnostics.warnings();
+            let found = warnings.iter().find(|w| w.id == WarningId::UnitAssumed);
+            assert_eq!(found.is_some(), told.is_some(), "{longest}");
+            assert!(told.is_none_or(|t| found.is_some_and(|w| w.text.contains(t))), "{found:?}");
+            assert!(warnings.iter().any(|w| w.id == WarningId::MeshStray));
+        }
     }
 }

@@ -3,35 +3,72 @@
 //! The steps, each counted in a warning:
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
-//! 2. facets are turned so that neighbours agree, beginning at the first facet of each shell;
-//! 3. shells of negative volume are turned as a whole, unless they may be cavities, which lie inside
-//!    the bounds of a larger shell of positive volume. Only the 200 largest such shells are compared,
-//!    so that the cost does not grow with the square of thousands of specks;
-//! 4. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
+//! 2. shells without volume beside a body are left out ([`super::stray`]);
+//! 3. facets are turned so that neighbours agree, beginning at the first facet of each shell;
+//! 4. shells are turned by nesting ([`super::nesting`]): an outermost shell of negative volume is turned
+//!    with all shells inside it, so that outer shells face outward and cavities inward;
+//! 5. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
 //!
 //! No triangle is added: closing holes in sections needs no surface, and a wrong cap would be cut
 //! like a true surface. A mesh most of whose edges are open has no volume and is refused.
-//! [`Repair::Strict`] refuses every defect. Cost: linear in the triangles, and shells of negative
-//! volume times 200.
+//! [`Repair::Strict`] refuses every defect. Lengths are in any unit. Cost: linear in the triangles, and
+//! what nesting takes.
 
-use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, examine, weld_within};
-use grainpath_core::{DVec3, Diagnostics, TriMesh, WarningId};
+use grainpath_core::mesh::{EdgeUses, MeshHealth};
+use grainpath_core::{Diagnostics, TriMesh, WarningId};
 
 use super::ShapeError;
+use super::examined::Examined;
+use super::nesting::turn_outward;
+use super::stray;
 pub use grainpath_job::choices::Repair;
 
 /// Joins bodies into one mesh that is wound outward as far as possible. Near vertices are merged
-/// where edges are open. Shells with inconsistent winding are turned face by face, and shells
-/// inside out are turned whole unless they are cavities. Holes that remain are closed in the
-/// sections. Every change is counted in a warning.
+/// where edges are open. Shells without volume beside a body are left out. Shells with inconsistent
+/// winding are turned face by face, and outermost shells that are inside out are turned whole, with
+/// the shells inside them. Holes that remain are closed in the sections. Every change is counted in a
+/// warning.
 ///
 /// # Errors
 /// [`ShapeError::Defects`] under [`Repair::Strict`]; [`ShapeError::NoVolume`] when most edges are open;
 /// [`ShapeError::Interrupted`] when a stop was asked for.
 pub fn mend(bodies: Vec<TriMesh>, repair: Repair, diagnostics: &Diagnostics) -> Result<TriMesh, ShapeError> {
-    let mut whole = TriMesh::default();
+    mend_counting(bodies, repair, diagnostics).map(|(mesh, _)| mesh)
+}
+
+/// What was changed in a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mended {
+    /// Number of shells without volume beside the part that were left out.
+    pub stray_shells: usize,
+    /// Number of facets and shells that were turned.
+    pub turned: usize,
+}
+
+/// As [`mend`]; returns in addition what was changed.
+///
+/// # Errors
+/// As [`mend`].
+pub fn mend_counting(
+    bodies: Vec<TriMesh>,
+    repair: Repair,
+    diagnostics: &Diagnostics,
+) -> Result<(TriMesh, Mended), ShapeError> {
     let mut found = Found::default();
+    let mut examined = Vec::with_capacity(bodies.len());
     for body in bodies {
+        examined.extend(Examined::new(body, diagnostics)?);
+    }
+    found.welded = examined.iter().map(|body| body.n_welded).sum();
+    let strays = stray::find(&examined);
+    found.stray = strays.n_shells;
+    if repair == Repair::Strict && strays.n_shells > 0 {
+        let defects = format!("{} shells without volume beside the part", strays.n_shells);
+        return Err(ShapeError::Defects { defects });
+    }
+    let mut whole = TriMesh::default();
+    for (body, is_stray) in examined.into_iter().zip(strays.facets) {
+        let Some(body) = body.without(&is_stray, diagnostics)? else { continue };
         let body = mend_body(body, repair, &mut found, diagnostics)?;
         if whole.triangles.is_empty() {
             whole = body;
@@ -42,13 +79,15 @@ pub fn mend(bodies: Vec<TriMesh>, repair: Repair, diagnostics: &Diagnostics) -> 
         }
     }
     found.warn(diagnostics);
-    if whole.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(whole) }
+    let changed = Mended { stray_shells: found.stray, turned: found.turned_facets + found.turned_shells };
+    if whole.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok((whole, changed)) }
 }
 
 /// Counts over all bodies.
 #[derive(Default)]
 struct Found {
     welded: usize,
+    stray: usize,
     open: usize,
     nonmanifold: usize,
     turned_facets: usize,
@@ -63,6 +102,7 @@ impl Found {
             }
         };
         warn(WarningId::MeshRepaired, self.welded, "open edges closed by merging near vertices");
+        warn(WarningId::MeshStray, self.stray, "shells without volume beside the part left out");
         warn(WarningId::MeshOpen, self.open, "open edges; the sections were closed where they are cut");
         warn(
             WarningId::MeshNonManifold,
@@ -75,31 +115,12 @@ impl Found {
 }
 
 fn mend_body(
-    mut mesh: TriMesh,
+    body: Examined,
     repair: Repair,
     found: &mut Found,
     diagnostics: &Diagnostics,
 ) -> Result<TriMesh, ShapeError> {
-    diagnostics.check()?;
-    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    let Some((mut health, mut edges, mut shells)) = examine(&mesh, diagnostics)? else {
-        return Ok(TriMesh::default());
-    };
-    diagnostics.check()?;
-    if health.open_edges > 0 {
-        let open = health.open_edges;
-        let (low, high) = health.bounds;
-        // The distance is a millionth of the part's size. Rounding of single-precision coordinates
-        // in a file is about a sixteenth of that.
-        let welded = weld_within(&mesh, 1e-6 * (high - low).max_element(), || diagnostics.check())?;
-        // Merging is kept only if it closes edges; otherwise it would only move vertices.
-        if let Some(better) = examine(&welded, diagnostics)?.filter(|(h, ..)| h.open_edges < open) {
-            found.welded += open - better.0.open_edges;
-            mesh = welded;
-            (health, edges, shells) = better;
-        }
-        diagnostics.check()?;
-    }
+    let Examined { mut mesh, health, edges, shells, .. } = body;
     // Each triangle has three edges, each shared by two triangles unless it is open.
     let n_edges = (3 * health.n_triangles + health.open_edges) / 2;
     if 2 * health.open_edges > n_edges {
@@ -181,51 +202,4 @@ fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
         }
     }
     n
-}
-
-/// Turns shells of negative volume that do not lie in a shell of positive volume. Returned is their
-/// number.
-fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
-    struct Shell {
-        id: usize,
-        volume: f64,
-        low: DVec3,
-        high: DVec3,
-    }
-    let mut all: Vec<Shell> = Vec::new();
-    let mut slot = vec![u32::MAX; mesh.triangles.len()];
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        let id = shells.shell(t);
-        if slot[id] == u32::MAX {
-            slot[id] = all.len() as u32;
-            all.push(Shell { id, volume: 0.0, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY });
-        }
-        let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
-        let shell = &mut all[slot[id] as usize];
-        // Signed volume of the tetrahedron from the triangle to the origin. Summed over a closed
-        // shell, the parts outside the shell cancel.
-        shell.volume += a.dot(b.cross(c)) / 6.0;
-        shell.low = shell.low.min(a).min(b).min(c);
-        shell.high = shell.high.max(a).max(b).max(c);
-    }
-    let hold = |outer: &Shell, inner: &Shell| {
-        outer.low.cmple(inner.low).all() && outer.high.cmpge(inner.high).all() && outer.volume > -inner.volume
-    };
-    let mut outer: Vec<usize> = (0..all.len()).filter(|&i| all[i].volume > 0.0).collect();
-    // Only the largest shells can contain others. The bound keeps thousands of specks from costing
-    // the square of their number.
-    outer.sort_by(|&i, &j| all[j].volume.total_cmp(&all[i].volume).then(i.cmp(&j)));
-    outer.truncate(200);
-    let inverted = |s: &&Shell| s.volume < 0.0 && !outer.iter().any(|&o| hold(&all[o], s));
-    let turned: Vec<usize> = all.iter().filter(inverted).map(|s| s.id).collect();
-    if !turned.is_empty() {
-        let mut marked = vec![false; mesh.triangles.len()];
-        turned.iter().for_each(|&id| marked[id] = true);
-        for t in 0..mesh.triangles.len() {
-            if marked[shells.shell(t)] {
-                mesh.triangles[t].swap(1, 2);
-            }
-        }
-    }
-    turned.len()
 }

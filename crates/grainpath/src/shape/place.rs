@@ -102,6 +102,16 @@ pub fn likely_unit(longest: f64) -> LengthUnit {
     }
 }
 
+/// The unit that is assumed for a mesh whose file states none: the likely one where mm is out of the question.
+pub fn assumed_unit(longest: f64) -> LengthUnit {
+    // A part of less than 0.6 mm is about a bead wide and cannot be meant. Parts of 0.6 to 8 mm are
+    // printed, so numbers of that size stay mm although inches are likely.
+    match likely_unit(longest) {
+        LengthUnit::Metre => LengthUnit::Metre,
+        _ => LengthUnit::Millimetre,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
