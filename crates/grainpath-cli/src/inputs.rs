@@ -445,6 +445,16 @@ fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
     Ok(Box::new(fs::File::open(name)?))
 }
 
+/// Whether the file `other`, once links are followed, lies neither in the folder of the header `name` nor below. A file
+/// that is not there lies nowhere; opening it tells.
+fn leads_outside(name: &str, other: &str) -> bool {
+    let folder = Path::new(name).parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (fs::canonicalize(folder), fs::canonicalize(other)) {
+        (Ok(folder), Ok(other)) => !other.starts_with(folder),
+        _ => false,
+    }
+}
+
 /// Opens a scan: the files of a folder are its slices. With `outside_folder` a header may name a file in
 /// another folder.
 pub(crate) fn open_scan(
@@ -464,17 +474,22 @@ fn opened_scan(
 ) -> Result<Box<dyn SliceSource>, Failure> {
     let shown = path.display().to_string();
     let wrong = |e: io::Error| Failure::of_file(path, files::plain(&e));
+    let as_text = |path: &Path| {
+        let no_text =
+            || Failure::of_file(path, "the name of a file of a scan should be UTF-8 text; rename the file");
+        path.to_str().map(str::to_owned).ok_or_else(no_text)
+    };
     let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
         let mut names = Vec::new();
         for entry in fs::read_dir(path).map_err(wrong)? {
             let entry = entry.map_err(wrong)?;
             if entry.path().is_file() {
-                names.push(entry.path().display().to_string());
+                names.push(as_text(&entry.path())?);
             }
         }
         Files::folder(shown.clone(), names, open)
     } else {
-        Files::single(shown.clone(), open)
+        Files::single(as_text(path)?, open).staying_within(leads_outside)
     };
     open_volume(all.allowing_outside(outside_folder), raw).map_err(|e| grainpath::Error::from(e).into())
 }

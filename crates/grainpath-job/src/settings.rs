@@ -132,7 +132,7 @@ sections! {
         sample: SampleType = SampleType::U8, "", Any, "Number type of a voxel in raw data.";
         byte_order: ByteOrder = ByteOrder::Little, "", Any, "Byte order of raw data.";
         offset_bytes: usize = 0, "", Range(0.0, 1e12), "Number of bytes before the first voxel in raw data.";
-        outside_folder: bool = false, "", Any, "Whether the header of an NRRD or MHD file may name a data file outside its own folder.";
+        outside_folder: bool = false, "", Any, "Whether the header of an NRRD or MHD file may name a data file outside its own folder, or a link that leads there.";
     }
     /// The printer.
     PrinterSection "printer" {

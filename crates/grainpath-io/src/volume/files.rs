@@ -10,6 +10,7 @@ use super::{VolumeError, VolumeProblem, damaged, error, io_error};
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
+type LeadsOutside = dyn Fn(&str, &str) -> bool + Send + Sync;
 type Open = dyn Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync;
 
 /// Names of files and a function that opens them. A header file may name other files beside it.
@@ -20,6 +21,7 @@ pub struct Files {
     folder: bool,
     outside_allowed: bool,
     open: Arc<Open>,
+    leads_outside: Arc<LeadsOutside>,
 }
 
 impl Files {
@@ -35,6 +37,7 @@ impl Files {
             folder: false,
             outside_allowed: false,
             open: Arc::new(open),
+            leads_outside: Arc::new(|_, _| false),
         }
     }
 
@@ -45,7 +48,7 @@ impl Files {
         open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
     ) -> Self {
         names.sort_by(|a, b| natural_order(a, b));
-        Self { place: place.into(), names, folder: true, outside_allowed: false, open: Arc::new(open) }
+        Self { names, folder: true, ..Self::single(place, open) }
     }
 
     /// The name of the volume in messages.
@@ -104,6 +107,17 @@ impl Files {
         Ok(Some(bytes))
     }
 
+    /// Refuses files beside a header that are links to places outside its folder. `leads_outside` is given the names of
+    /// the header and of the other file; this crate knows no links.
+    #[must_use]
+    pub fn staying_within(
+        mut self,
+        leads_outside: impl Fn(&str, &str) -> bool + Send + Sync + 'static,
+    ) -> Self {
+        self.leads_outside = Arc::new(leads_outside);
+        self
+    }
+
     /// Allows headers to name files outside their own folder.
     #[must_use]
     pub fn allowing_outside(mut self, allowed: bool) -> Self {
@@ -121,10 +135,15 @@ impl Files {
         if !self.outside_allowed && (absolute || parts.any(|part| part == "..")) {
             return Err(error(name, VolumeProblem::Outside { name: other.to_owned() }));
         }
-        Ok(match name.rsplit_once(['/', '\\']) {
+        let path = match name.rsplit_once(['/', '\\']) {
             Some((folder, _)) if !absolute => format!("{folder}/{other}"),
             _ => other.to_owned(),
-        })
+        };
+        if !self.outside_allowed && (self.leads_outside)(name, &path) {
+            let name_of_target = format!("the file that {other} links to");
+            return Err(error(name, VolumeProblem::Outside { name: name_of_target }));
+        }
+        Ok(path)
     }
 }
 

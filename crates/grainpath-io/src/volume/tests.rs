@@ -475,6 +475,19 @@ fn headers_name_files_in_their_own_folder_only() {
         format!("NDims = 3\nDimSize = 3 2 4\nElementType = MET_SHORT\nElementDataFile = {name}\n")
     };
     says(single(&[("d/a.mhd", mhd("../b.raw").into_bytes())]), "d/a.mhd", "outside the folder");
+    // A file in the folder may be a link that leads out of it.
+    for name in ["d/a.nhdr", "d/a.mhd"] {
+        let header = if name.ends_with("mhd") { mhd("b.raw").into_bytes() } else { head("b.raw") };
+        let held = [(name, header), ("d/b.raw", little())];
+        let link = |header: &str, other: &str| header.starts_with("d/a.") && other == "d/b.raw";
+        says(
+            open_volume(files(&held, false).staying_within(link), None),
+            name,
+            "the file that b.raw links to lies outside",
+        );
+        let asked = files(&held, false).staying_within(link).allowing_outside(true);
+        check(&mut *open_volume(asked, None).expect("asked for"));
+    }
     let below = [("d/a.nhdr", head("e/b.raw")), ("d/e/b.raw", little())];
     check(&mut *single(&below).expect("a folder below"));
     let asked =
