@@ -1,5 +1,6 @@
 //! Writes the outputs of a run: G-code, report, pictures, and files for other programs.
 
+use std::ffi::{OsStr, OsString};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,6 +24,14 @@ use grainpath_view::strength::{damage_png, index_png};
 use crate::claims::Claims;
 use crate::{Failure, files, memory};
 
+/// The name of an output that is named after an input: the input's name without its ending, and `end`. Names need not be
+/// text, and keep their bytes.
+pub(crate) fn named_after(input: &Path, end: &str) -> OsString {
+    let mut name = input.file_stem().map_or_else(|| "part".into(), OsStr::to_owned);
+    name.push(end);
+    name
+}
+
 /// The paths of the outputs.
 pub(crate) struct Paths {
     gcode: PathBuf,
@@ -43,11 +52,7 @@ impl Paths {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
         // G-code is always written; if the job names no file, it gets the name of the shape's file.
-        let gcode = given(&o.gcode).unwrap_or_else(|| {
-            let name =
-                mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
-            out.join(format!("{name}.gcode"))
-        });
+        let gcode = given(&o.gcode).unwrap_or_else(|| out.join(named_after(mesh, ".gcode")));
         let paths = Self {
             gcode,
             report: given(&o.report),
@@ -70,6 +75,11 @@ impl Paths {
             return Err(Failure::usage(format!("output.lines = {:?} should end in .svg or .vtp", o.lines)));
         }
         Ok(paths)
+    }
+
+    /// The same paths with the program at another one, whose name need not be text.
+    pub(crate) fn with_gcode(self, gcode: PathBuf) -> Self {
+        Self { gcode, ..self }
     }
 
     /// Whether the program goes to standard output, which must then hold nothing else.
@@ -604,4 +614,37 @@ fn joined(bodies: &[&TriMesh]) -> TriMesh {
         all.triangles.extend(body.triangles.iter().map(|t| t.map(|i| i + first)));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_outputs_keep_the_bytes_of_the_input() {
+        assert_eq!(named_after(Path::new("a/b.c.stl"), "_x.stl"), "b.c_x.stl");
+        assert_eq!(named_after(Path::new("/"), ".gcode"), "part.gcode");
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::{OsStrExt, OsStringExt};
+            let input = OsString::from_vec(b"br\xfccke.stl".to_vec());
+            assert_eq!(named_after(Path::new(&input), ".gcode").as_bytes(), b"br\xfccke.gcode");
+        }
+    }
+
+    #[test]
+    fn names_of_pictures_are_told_from_other_files() {
+        for name in [
+            "part.png",
+            "layer_0001.svg",
+            "layer_12345.png",
+            "grain_1_photograph.png",
+            "support_overhangs.png",
+        ] {
+            assert!(is_picture_name(name), "{name}");
+        }
+        for name in ["part.stl", "layer_0001.stl", "job.toml", "board.png", "report.html", "part.gcode"] {
+            assert!(!is_picture_name(name), "{name}");
+        }
+    }
 }

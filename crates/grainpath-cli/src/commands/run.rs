@@ -36,7 +36,8 @@ pub(crate) fn run(args: &RunArguments) -> Result<(), Failure> {
     if args.check {
         return check(&settings, &shape, &folder, &out, claims, &args.common);
     }
-    execute(&settings, &shape, &folder, &out, truth.as_deref(), claims, &args.common)
+    let paths = outputs::Paths::new(&settings, &shape, &out)?;
+    execute(&settings, &shape, &folder, &paths, truth.as_deref(), claims, &args.common)
 }
 
 /// Runs the jobs of a folder on a cluster, by starting the Python package.
@@ -151,20 +152,19 @@ pub fn checked(
     Ok(grainpath::run::check_loads(settings, inputs, diagnostics)?)
 }
 
-/// Plans a job and writes its outputs. Input paths are relative to `base`, output paths to `out`; `claims`
-/// holds the files that were read already.
+/// Plans a job and writes its outputs. Input paths are relative to `base`; `claims` holds the files that were read
+/// already.
 pub(crate) fn execute(
     settings: &Settings,
     shape: &Path,
     base: &Path,
-    out: &Path,
+    paths: &outputs::Paths,
     truth: Option<&[Dimension]>,
     mut claims: Claims,
     common: &Common,
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::new(settings, shape, out)?;
     claim_inputs(settings, shape, base, &mut claims);
     paths.claim(&mut claims);
     claims.check()?;
@@ -173,7 +173,7 @@ pub(crate) fn execute(
     // writing can only be reported afterwards.
     common.refuse(&diagnostics.warnings(), false)?;
     let report =
-        outputs::write(settings, planned, &paths, read_s, common.json, truth, &|_, _| {}, &diagnostics)?;
+        outputs::write(settings, planned, paths, read_s, common.json, truth, &|_, _| {}, &diagnostics)?;
     // The progress line is cleared before anything is printed.
     drop(diagnostics);
     let refused = common.strict && !report.warnings.is_empty();

@@ -10,7 +10,7 @@ use crate::claims::Claims;
 use crate::commands::inspect_scan;
 use crate::commands::run::execute;
 use crate::inputs::settings;
-use crate::{Failure, files};
+use crate::{Failure, files, outputs};
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
@@ -147,6 +147,12 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     } else if is_picture(&args.model) {
         return Err(Failure::input(format!("{name}: no such file or directory")));
     }
+    // The job names the photographs as text.
+    if is_picture(&args.model) && args.model.to_str().is_none() {
+        return Err(Failure::input(format!(
+            "{name}: the name of a photograph should be UTF-8 text; rename the file"
+        )));
+    }
     let (mut job, mut assumed) = job_of(&args.model)?;
     if !args.loads.is_empty() {
         if assumed.is_some() {
@@ -170,7 +176,9 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
             return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
         }
     }
-    execute(&settings, &args.model, Path::new(""), Path::new(""), None, Claims::default(), &args.common)?;
+    let here = Path::new("");
+    let paths = outputs::Paths::new(&settings, &args.model, here)?.with_gcode(output);
+    execute(&settings, &args.model, here, &paths, None, Claims::default(), &args.common)?;
     if let Some(assumed) = assumed
         && !args.common.json
     {

@@ -151,6 +151,5 @@ pub(super) fn supported(
 }
 
 fn default_output(model: &Path) -> PathBuf {
-    let name = model.file_stem().map_or_else(|| "part".into(), |s| s.to_string_lossy().into_owned());
-    model.with_file_name(format!("{name}_support.stl"))
+    model.with_file_name(outputs::named_after(model, "_support.stl"))
 }
