@@ -4,6 +4,7 @@
 //! they lead to, so `part.stl`, `./part.stl`, a symbolic link and a hard link to it count as one. Devices
 //! and pipes are not compared: several outputs may go to `/dev/null`.
 
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -82,6 +83,20 @@ impl Claims {
     pub(crate) fn write(&mut self, what: impl Into<String>, path: &Path) {
         self.paths.1.push(path.to_owned());
         self.written.extend(claim(what, path));
+    }
+
+    /// Adds a folder into which files are written whose names `is_written` knows. Which of them a run writes is not known
+    /// before it is planned, so any of them counts: those that are in the folder already, which may be links to other
+    /// files, and those with the names of other files that are read or written. It is added last for that reason.
+    pub(crate) fn write_into(&mut self, what: &str, folder: &Path, is_written: impl Fn(&str) -> bool) {
+        let named = self.read.iter().chain(&self.written).filter_map(|c| c.path.file_name());
+        let mut names: BTreeSet<OsString> = named.map(ToOwned::to_owned).collect();
+        // A folder that cannot be read holds no file that could be lost, or writing into it fails.
+        names.extend(fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name()));
+        self.write(what, folder);
+        for name in names.iter().filter(|name| name.to_str().is_some_and(&is_written)) {
+            self.written.extend(claim(what, &folder.join(name)));
+        }
     }
 
     /// The paths that are read, and those that are written.
@@ -170,6 +185,46 @@ mod tests {
         claims.write("output.plan", &at("later/./part.html"));
         let error = claims.check().expect_err("one file twice");
         assert!(error.message.contains("output.report and output.plan"), "{}", error.message);
+    }
+
+    #[test]
+    fn files_written_into_a_folder_replace_no_input_and_no_other_output() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| dir.path().join(name);
+        let is_written = |name: &str| name.starts_with("layer_");
+        fs::create_dir(at("pictures")).expect("a folder");
+        fs::write(at("layer_1.png"), "a photograph").expect("a file");
+        fs::write(at("pictures/layer_1.png"), "of an earlier run").expect("a file");
+        fs::write(at("pictures/other.stl"), "no picture").expect("a file");
+        let claims = |input: &str, output: &str, folder: &str| {
+            let mut claims = Claims::default();
+            claims.read("of [shape]", &at(input));
+            claims.write("output.plan", &at(output));
+            claims.write_into("output.preview", &at(folder), is_written);
+            claims.check().map_err(|failure| failure.message)
+        };
+        for (input, output, folder) in [
+            ("layer_1.png", "plan.json", "pictures"),
+            ("pictures/other.stl", "pictures/plan.json", "pictures"),
+            ("layer_1.png", "plan.json", "not/yet"),
+        ] {
+            claims(input, output, folder).expect("files of their own");
+        }
+        for (input, output, folder, says) in [
+            ("layer_1.png", "plan.json", ".", "of [shape]"),
+            ("layer_1.png", "plan.json", "pictures/..", "of [shape]"),
+            ("a.stl", "layer_7.svg", "", "output.plan"),
+            ("a.stl", "not/yet/layer_7.svg", "not/yet", "output.plan"),
+            ("a.stl", "pictures/layer_1.png", "./pictures", "output.plan"),
+        ] {
+            let message = claims(input, output, folder).expect_err(folder);
+            assert!(message.contains("output.preview") && message.contains(says), "{message}");
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("pictures/other.stl"), at("pictures/layer_9.png")).expect("a link");
+            claims("pictures/other.stl", "plan.json", "pictures").expect_err("a link to the input");
+        }
     }
 
     #[test]

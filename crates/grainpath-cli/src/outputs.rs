@@ -87,12 +87,11 @@ impl Paths {
         ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
     }
 
-    /// Adds all files that are written.
+    /// Adds all files that are written. Called after the files that are read were added.
     pub(crate) fn claim(&self, claims: &mut Claims) {
         let all = [
             ("output.gcode", Some(&self.gcode)),
             ("output.report", self.report.as_ref()),
-            ("output.preview", self.preview.as_ref()),
             ("output.plan", self.plan.as_ref()),
             ("output.support", self.support.as_ref()),
             ("output.surface", self.surface.as_ref()),
@@ -104,7 +103,31 @@ impl Paths {
         for (what, path) in all {
             path.into_iter().for_each(|path| claims.write(what, path));
         }
+        if let Some(folder) = &self.preview {
+            claims.write_into("output.preview", folder, is_picture_name);
+        }
     }
+}
+
+/// Pictures of a part in the folder of `output.preview`, by their names.
+const PICTURES: [&str; 6] =
+    ["part.png", "density.png", "damage.png", "index.png", "loads.png", "deformed.png"];
+/// Pictures of a layer or of a step, by the beginnings of their names.
+const PICTURES_OF: [&str; 6] = ["layer_", "stress_", "field_", "texture_", "grain_", "support_"];
+
+/// Whether a run may write a picture of this name into the folder of `output.preview`.
+fn is_picture_name(name: &str) -> bool {
+    let is_picture = name.ends_with(".png") || name.ends_with(".svg");
+    PICTURES.contains(&name) || is_picture && PICTURES_OF.iter().any(|start| name.starts_with(start))
+}
+
+/// Writes a picture into the folder of `output.preview`, under a name that was checked against all other files.
+fn save_picture(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    let path = folder.join(name);
+    if !is_picture_name(name) {
+        return Err(Failure::usage(format!("{}: no picture has this name", path.display())));
+    }
+    save(&path, bytes)
 }
 
 /// Writes the outputs of a job and returns the report. `ready` is called with the program as soon as it is read back,
@@ -368,14 +391,15 @@ fn previews(
         pictures.push(page::Picture { title, png, of: page::Of::Layer, scale: None });
     }
     if let Some(folder) = &paths.preview {
-        save(&folder.join("part.png"), &pictures[0].png)?;
+        save_picture(folder, "part.png", &pictures[0].png)?;
         // The first picture shows the whole part; those of layers follow from the second on.
         for (i, p) in shown(all.len()).into_iter().zip(&pictures[1..]) {
-            save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
-            save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
+            let svg = layer_svg(&all[i], &options);
+            save_picture(folder, &format!("layer_{:04}.png", i + 1), &p.png)?;
+            save_picture(folder, &format!("layer_{:04}.svg", i + 1), svg.as_bytes())?;
         }
         for (name, picture) in drawn {
-            save(&folder.join(name), &picture.png)?;
+            save_picture(folder, name, &picture.png)?;
         }
         report.outputs.insert("preview", folder.display().to_string());
     }
@@ -429,6 +453,9 @@ fn strength(
     Ok((tested, start.elapsed().as_secs_f64()))
 }
 
+/// The names of [`strength_pictures`].
+pub(crate) const STRENGTH_PICTURES: [&str; 2] = ["damage.png", "index.png"];
+
 /// Pictures of the damage and of the failure index.
 pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
     let picture = |title: &str, (png, where_is): (Vec<u8>, String)| page::Picture {
@@ -439,11 +466,11 @@ pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)>
     };
     vec![
         (
-            "damage.png".into(),
+            STRENGTH_PICTURES[0].into(),
             picture("Share of the material that broke, blue none, red all", damage_png(tested, GUIDE_PX)),
         ),
         (
-            "index.png".into(),
+            STRENGTH_PICTURES[1].into(),
             picture("Failure index when the first ply broke, red 1", index_png(tested, GUIDE_PX)),
         ),
     ]
@@ -519,7 +546,7 @@ pub(crate) fn write_check(guide: &Guide, paths: &Paths) -> Result<Vec<(&'static 
     let mut written = Vec::new();
     if let Some(folder) = &paths.preview {
         for (name, picture) in load_pictures(guide) {
-            save(&folder.join(name), &picture.png)?;
+            save_picture(folder, &name, &picture.png)?;
         }
         written.push(("preview", folder.display().to_string()));
     }

@@ -160,3 +160,96 @@ fn leftovers_of_killed_runs_go_with_the_next() {
     fs::File::open(dir.join("part.gcode")).and_then(|mut f| f.read_to_string(&mut text)).expect("a program");
     assert!(text.contains("G1"));
 }
+
+#[test]
+fn pictures_of_the_preview_replace_no_input_and_no_output() {
+    let dir = part("files-preview");
+    for name in ["layer_0001.png", "part.png"] {
+        fs::write(dir.join(name), "a photograph").expect("a file");
+        let size = "shape.photo.size_mm=[20,20]";
+        let sets = ["--set", size, "--set", "shape.photo.thickness_mm=1", "--set", "output.preview=."];
+        fails(&dir, &[&["slice", name][..], &sets].concat(), "an output never replaces an input");
+        assert_eq!(fs::read_to_string(dir.join(name)).expect("there"), "a photograph");
+    }
+    fs::create_dir(dir.join("pictures")).expect("a folder");
+    symlink("../part.stl", dir.join("pictures/layer_0003.svg")).expect("a link");
+    let before = fs::read(dir.join("part.stl")).expect("there");
+    let preview = ["slice", "part.stl", "--set", "output.preview=pictures"];
+    fails(&dir, &preview, "an output never replaces an input");
+    assert_eq!(fs::read(dir.join("part.stl")).expect("there"), before);
+    fs::remove_file(dir.join("pictures/layer_0003.svg")).expect("removed");
+    for (set, name) in [("output.plan", "part.png"), ("output.layers_svg", "layer_0002.svg")] {
+        let set = format!("{set}=pictures/{name}");
+        fails(&dir, &[&preview[..], &["--set", &set]].concat(), "name the same file");
+    }
+    fails(&dir, &[&preview[..], &["-o", "pictures/./layer_0001.png"]].concat(), "name the same file");
+    works(&grainpath(&dir, &preview));
+    // The pictures of the run before are written again.
+    works(&grainpath(&dir, &preview));
+    let fills = ["support", "part.stl", "--with-model", "-o", "trees_side.stl", "--preview", "."];
+    fs::rename(dir.join("part.stl"), dir.join("overhangs.png")).expect("renamed");
+    symlink("overhangs.png", dir.join("part.stl")).expect("a link");
+    fails(&dir, &fills, "an output never replaces an input");
+}
+
+#[test]
+fn names_that_are_no_text_keep_their_bytes() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let dir = part("files-names");
+    let slice = |input: &[u8]| {
+        let program = env!("CARGO_BIN_EXE_grainpath");
+        let mut command = Command::new(program);
+        command.current_dir(&dir).arg("slice").arg(OsStr::from_bytes(input)).output().expect("the program")
+    };
+    for input in [&b"br\xfccke.stl"[..], b"\xff\xfe.x.stl"] {
+        fs::copy(dir.join("part.stl"), dir.join(OsStr::from_bytes(input))).expect("a copy");
+        works(&slice(input));
+        let program = [&input[..input.len() - 3], b"gcode"].concat();
+        assert!(dir.join(OsStr::from_bytes(&program)).is_file(), "{}", input.escape_ascii());
+    }
+    let names = fs::read_dir(&dir).expect("a folder").map(|entry| entry.expect("a file").file_name());
+    assert_eq!(names.filter(|name| name.to_string_lossy().ends_with(".gcode")).count(), 2);
+    // A job names photographs and scans as text, so these are refused with what to do.
+    for input in [&b"br\xfccke.nrrd"[..], b"br\xfccke.mhd"] {
+        fs::write(dir.join(OsStr::from_bytes(input)), "NRRD0004\n").expect("a file");
+        let out = slice(input);
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.code() == Some(3) && stderr.contains("UTF-8"), "{stderr}");
+    }
+}
+
+#[test]
+fn headers_of_scans_follow_no_link_out_of_their_folder() {
+    let dir = folder("files-headers");
+    for folder in ["scan/below", "elsewhere"] {
+        fs::create_dir_all(dir.join(folder)).expect("a folder");
+    }
+    let voxels: Vec<u8> = (0..20 * 20 * 20).map(|i| if (i / 20) % 20 < 10 { 200 } else { 10 }).collect();
+    for place in ["scan/below/own.raw", "elsewhere/secret.raw"] {
+        fs::write(dir.join(place), &voxels).expect("voxels");
+    }
+    symlink("below/own.raw", dir.join("scan/inside.raw")).expect("a link");
+    symlink("../elsewhere/secret.raw", dir.join("scan/outside.raw")).expect("a link");
+    symlink("../elsewhere", dir.join("scan/folder")).expect("a link");
+    for (data, is_inside) in
+        [("inside.raw", true), ("below/own.raw", true), ("outside.raw", false), ("folder/secret.raw", false)]
+    {
+        let mhd = format!(
+            "NDims = 3\nDimSize = 20 20 20\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = {data}\n"
+        );
+        let nhdr = format!(
+            "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nspacings: 1 1 1\nencoding: raw\ndata file: {data}\n"
+        );
+        for (name, text) in [("scan/a.mhd", mhd), ("scan/a.nhdr", nhdr)] {
+            fs::write(dir.join(name), text).expect("a header");
+            let out = grainpath(&dir, &["inspect", name]);
+            let stderr = String::from_utf8_lossy(&out.stderr);
+            assert_eq!(out.status.code(), Some(if is_inside { 0 } else { 3 }), "{name} {data}: {stderr}");
+            assert!(is_inside || stderr.contains("outside_folder = true"), "{stderr}");
+            let out =
+                grainpath(&dir, &["slice", name, "--set", "shape.ct.outside_folder=true", "-o", "a.gcode"]);
+            works(&out);
+        }
+    }
+}

@@ -28,6 +28,9 @@ const SIZE: f64 = 1100.0;
 // Source: chosen by eye; only the picture depends on it.
 const MARGIN: f64 = 24.0;
 
+/// The names of all [`pictures`].
+pub const NAMES: [&str; 3] = ["overhangs", "trees_front", "trees_side"];
+
 /// The pictures of all steps; none for a part without triangles.
 pub fn pictures(mesh: &TriMesh, support: &Support) -> Vec<StepPicture> {
     let Some((low, high)) = mesh.bounds() else { return Vec::new() };
@@ -48,7 +51,7 @@ pub fn pictures(mesh: &TriMesh, support: &Support) -> Vec<StepPicture> {
     };
     vec![
         StepPicture {
-            name: "overhangs",
+            name: NAMES[0],
             title: format!(
                 "From below: {} regions beyond the critical angle (red), {} contacts: of facets (yellow), edges (cyan), \
                  lowest points (white); not reached (magenta)",
@@ -57,8 +60,8 @@ pub fn pictures(mesh: &TriMesh, support: &Support) -> Vec<StepPicture> {
             ),
             png: overhangs(mesh, support, &below),
         },
-        StepPicture { name: "trees_front", title: tree_title("front"), png: trees(mesh, support, &front) },
-        StepPicture { name: "trees_side", title: tree_title("right"), png: trees(mesh, support, &side) },
+        StepPicture { name: NAMES[1], title: tree_title("front"), png: trees(mesh, support, &front) },
+        StepPicture { name: NAMES[2], title: tree_title("right"), png: trees(mesh, support, &side) },
     ]
 }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::strength::{Done, is_job, job_of, test_one};
+use super::strength::{Done, claims_of, is_job, job_of, test_one};
 use crate::args::Compare;
 use crate::inputs::{read_job, read_settings, set_threads};
 use crate::{Failure, files, memory, outputs};
@@ -26,6 +26,16 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
         }
         std::fs::metadata(input)
             .map_err(|e| Failure::input(format!("{}: {}", input.display(), files::plain(&e))))?;
+    }
+    if let Some(folder) = &args.preview {
+        for input in &args.inputs {
+            let mut claims = claims_of(input, args.job.as_deref(), &args.common)?;
+            args.inputs.iter().for_each(|other| claims.read("program", other));
+            claims.write_into("--preview", folder, |name| {
+                outputs::STRENGTH_PICTURES.iter().any(|picture| name.ends_with(&format!("-{picture}")))
+            });
+            claims.check()?;
+        }
     }
     let mut all: Vec<Done> = Vec::new();
     for input in &args.inputs {

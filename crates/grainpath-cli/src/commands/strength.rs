@@ -39,6 +39,14 @@ pub struct Done {
 pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let deck = args.deck.as_deref();
+    if let Some(folder) = &args.preview {
+        let mut claims = claims_of(&args.input, args.job.as_deref(), &args.common)?;
+        deck.into_iter().for_each(|deck| claims.write("--deck", deck));
+        claims.write_into("--preview", folder, |name| {
+            name == "curve.svg" || outputs::STRENGTH_PICTURES.contains(&name)
+        });
+        claims.check()?;
+    }
     let done = test_one(&args.input, args.job.as_deref(), &args.common, None, deck, &|_| {})?;
     args.common.refuse(&done.warnings, false)?;
     let mut written = Value::Null;
@@ -105,6 +113,18 @@ pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a P
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
+/// The files that a test reads.
+pub(super) fn claims_of(input: &Path, job: Option<&Path>, common: &Common) -> Result<Claims, Failure> {
+    let job = job_of(input, job)?;
+    let (settings, folder) = read_settings(job, &common.sets)?;
+    let mut claims = Claims::default();
+    claims.read("job", job);
+    claims.read("program", input);
+    let shape = shape_of(&settings, &folder).unwrap_or_default();
+    claim_inputs(&settings, &shape, &folder, &mut claims);
+    Ok(claims)
+}
+
 /// Tests a job, or a program with the job it belongs to. `mass_g` is the mass to which the job's infill is adjusted, and
 /// `deck` the file to which the caller will write the plate; `note` receives a first result early.
 pub(crate) fn test_one(
@@ -119,11 +139,7 @@ pub(crate) fn test_one(
     let (mut settings, folder) = read_settings(job, &common.sets)?;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     if let Some(deck) = deck {
-        let mut claims = Claims::default();
-        claims.read("job", job);
-        claims.read("program", input);
-        let shape = shape_of(&settings, &folder).unwrap_or_default();
-        claim_inputs(&settings, &shape, &folder, &mut claims);
+        let mut claims = claims_of(input, Some(job), common)?;
         claims.write("--deck", deck);
         claims.check()?;
     }

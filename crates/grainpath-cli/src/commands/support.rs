@@ -35,7 +35,11 @@ pub(crate) fn support(args: &Support) -> Result<(), Failure> {
     let mut claims = Claims::default();
     claims.read("model", &args.model);
     claims.write("--output", &output);
-    args.preview.iter().for_each(|folder| claims.write("--preview", folder));
+    if let Some(folder) = &args.preview {
+        claims.write_into("--preview", folder, |name| {
+            name.strip_suffix(".png").is_some_and(|name| grainpath_view::support::NAMES.contains(&name))
+        });
+    }
     claims.check()?;
     let diagnostics = progress::diagnostics();
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
