@@ -16,8 +16,10 @@ mod outputs;
 mod progress;
 
 use std::ffi::OsString;
+use std::io::IsTerminal;
 use std::path::Path;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use grainpath_core::Warning;
 
@@ -107,7 +109,11 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     if let Ok(constant) = std::env::var("GRAINPATH_SWEEP") {
         grainpath_core::tuned::sweep(&constant);
     }
-    let args = Args::parse_from(args);
+    let args = with_help_command(args.into_iter().collect());
+    let args = match Args::try_parse_from(&args) {
+        Ok(args) => args,
+        Err(error) => return not_parsed(&error, &args),
+    };
     // Read before the arguments move into the command: a failure must be printed as JSON too.
     let json = args.command.json();
     interrupt::set_json(json);
@@ -132,6 +138,73 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
         #[cfg(feature = "studio")]
         Command::Studio(a) => commands::studio::studio(&a),
     };
+    end(outcome, json)
+}
+
+/// `grainpath help COMMAND` as `grainpath COMMAND --help`.
+fn with_help_command(mut args: Vec<OsString>) -> Vec<OsString> {
+    if args.get(1).is_some_and(|first| first == "help") {
+        args.remove(1);
+        args.truncate(2);
+        args.push("--help".into());
+    }
+    args
+}
+
+/// Ends a command whose arguments ask for help or the version, or are wrong. Returns the exit code.
+fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
+    let text = error.render();
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            let styled = std::io::stdout().is_terminal();
+            files::print(&if styled { text.ansi().to_string() } else { text.to_string() });
+            end(Ok(()), false)
+        }
+        // Without any arguments the help is the answer, and an error nevertheless.
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            eprint!(
+                "{}",
+                if std::io::stderr().is_terminal() { text.ansi().to_string() } else { text.to_string() }
+            );
+            ExitCode::Usage.number()
+        }
+        _ => {
+            let json = args.iter().any(|arg| arg == "--json");
+            let named =
+                |arg: &&OsString| arg.to_str().is_some_and(|arg| command().find_subcommand(arg).is_some());
+            let command =
+                args.get(1).filter(named).map(|name| format!(" {}", name.display())).unwrap_or_default();
+            let what = one_line(&text.to_string());
+            end(
+                Err(Failure::usage(format!("{what} (`grainpath{command} --help` shows what is right)"))),
+                json,
+            )
+        }
+    }
+}
+
+/// The message of an error of clap without the usage, and without the pointer to the help that ends it.
+fn one_line(text: &str) -> String {
+    let is_last = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
+    let lines = text.lines().map(str::trim).take_while(|line| !is_last(line)).filter(|line| !line.is_empty());
+    let mut all = String::new();
+    for line in lines {
+        let line = line.strip_prefix("error: ").or_else(|| line.strip_prefix("tip: ")).unwrap_or(line);
+        let link = if all.is_empty() {
+            ""
+        } else if all.ends_with(':') || line.starts_with('[') {
+            " "
+        } else {
+            "; "
+        };
+        all.push_str(link);
+        all.push_str(line);
+    }
+    all
+}
+
+/// Prints the failure of a command. Returns the exit code.
+fn end(outcome: Result<(), Failure>, json: bool) -> u8 {
     // If standard output is redirected to a full disk, the error is found here: a command whose result
     // was not printed has failed.
     let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
@@ -162,6 +235,26 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn errors_of_arguments_are_one_line_that_keeps_what_helps() {
+        for (text, line) in [
+            (
+                "error: unexpected argument '--jsn' found\n\n  tip: a similar argument exists: '--json'\n\nUsage: grainpath run --json <JOB>\n\nFor more information, try '--help'.\n",
+                "unexpected argument '--jsn' found; a similar argument exists: '--json'",
+            ),
+            (
+                "error: the following required arguments were not provided:\n  <MODEL>\n  --size <PX>\n\nUsage: grainpath slice <MODEL>\n",
+                "the following required arguments were not provided: <MODEL>; --size <PX>",
+            ),
+            (
+                "error: invalid value 'mauve' for '--color <BY>'\n  [possible values: role, width]\n\nFor more information, try '--help'.\n",
+                "invalid value 'mauve' for '--color <BY>' [possible values: role, width]",
+            ),
+        ] {
+            assert_eq!(super::one_line(text), line);
+        }
+    }
+
     /// The table of docs/python.md says how each command and option is called from Python.
     #[test]
     fn every_command_and_option_is_on_the_page_of_python() {

@@ -166,6 +166,44 @@ fn usage_errors_exit_2() {
     for args in [&["slice"][..], &["nonsense"], &["render", "a.gcode", "--color", "mauve"], &[]] {
         assert_eq!(grainpath(&dir, args).status.code(), Some(2), "{args:?}");
     }
+    for (args, says) in [
+        (&["slice"][..], "`grainpath slice --help`"),
+        (&["nonsense"], "`grainpath --help`"),
+        (&["run", "a.toml", "--jsn"], "'--json'"),
+        (&["render", "a.gcode", "--color", "mauve"], "possible values: "),
+        (&["help", "nonsense"], "nonsense"),
+        (&["slice", "a.stl", "--threads", "x\ny"], "--threads"),
+    ] {
+        let out = grainpath(&dir, args);
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert_eq!((out.status.code(), stderr.lines().count()), (Some(2), 1), "{args:?}: {stderr}");
+        assert!(stderr.starts_with("grainpath: ") && stderr.contains(says), "{args:?}: {stderr}");
+    }
+    let said = json(&grainpath(&dir, &["slice", "--json"]));
+    assert_eq!((said["ok"].as_bool(), said["code"].as_i64()), (Some(false), Some(2)));
+}
+
+#[test]
+fn help_is_a_command_too() {
+    let dir = folder("help");
+    for (args, as_if) in [(&["help"][..], &["--help"][..]), (&["help", "slice"], &["slice", "--help"])] {
+        let (out, same) = (grainpath(&dir, args), grainpath(&dir, as_if));
+        assert!(out.status.success() && out.stderr.is_empty());
+        assert!(!out.stdout.is_empty() && out.stdout == same.stdout);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_printed_is_an_error() {
+    for args in [&["--help"][..], &["--version"], &["help"], &["slice", "--help"], &["profiles"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let program = env!("CARGO_BIN_EXE_grainpath");
+        let out = Command::new(program).args(args).stdout(full).output().expect("the program");
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert_eq!((out.status.code(), stderr.lines().count()), (Some(2), 1), "{args:?}: {stderr}");
+        assert!(stderr.contains("standard output"), "{stderr}");
+    }
 }
 
 #[cfg(unix)]
