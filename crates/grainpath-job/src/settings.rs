@@ -214,7 +214,7 @@ sections! {
         adaptive_max_mm: f64 = 0.28, "mm", Range(0.01, 5.0), "Largest adaptive layer height.";
         adaptive_cusp_mm: f64 = 0.1, "mm", Range(0.001, 1.0), "Largest distance between the stair steps of the layers and the surface (cusp height) for adaptive layers.";
         bead_width_mm: f64 = 0.45, "mm", Range(0.05, 10.0), "Full width of a bead.";
-        min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "Width of the narrowest single bead that is laid in thin places.";
+        min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "Width of the narrowest bead that is laid in thin places and by a graded density.";
         walls: WallCount = WallCount::Even(2), "", Range(0.0, 1000.0), "Number of walls; or from `min` to as many as `max` where the stress is highest, as `{ min = 2, max = 6, by = \"stress\" }`.";
         stagger_walls: bool = false, "", Any, "Print every other wall half a layer higher than its neighbours, as bricks are laid: the second, fourth and so on from outside.";
         wall_order: WallOrder = WallOrder::InnerFirst, "", Any, "Order in which the walls of a contour are printed.";

@@ -32,6 +32,7 @@ fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> 
         z_mid_mm,
         height_mm: 0.2,
         bead_width_mm: 0.45,
+        min_bead_width_mm: 0.2,
         density: Density::new(density),
         angle_rad,
         part: Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) },

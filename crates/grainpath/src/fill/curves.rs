@@ -501,6 +501,7 @@ mod tests {
             z_mid_mm: 0.1,
             height_mm: 0.2,
             bead_width_mm: 0.45,
+            min_bead_width_mm: 0.2,
             density,
             angle_rad: 0.0,
             part: Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 20.0) },

@@ -325,6 +325,8 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
     let area = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
     let Some(bounds) = area.bounds() else { return };
     let (h, nominal) = (context.height_mm, context.bead_width_mm);
+    // The narrowest bead of the job counts where it is wider than the narrowest that a nozzle lays well.
+    let narrowest_mm = (NARROWEST * nominal).max(context.min_bead_width_mm).min(nominal);
     let mask = Mask::from_region(MaskGrid::over(bounds, 0.5), &area);
     let grid = MaskGrid::over(bounds, 0.5);
     let ([nx, ny], cell_mm, origin) = (grid.size(), grid.cell_mm(), grid.origin());
@@ -360,7 +362,7 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
                 let (q, half) = ((*p - origin) / cell_mm, 0.5 * WINDOW_MM / cell_mm);
                 let factor = asked.around(q, half) / laid.around(q, half).max(1e-9);
                 let strip = (factor * bead_spacing_mm(*width, h)).clamp(0.01, 10.0 * nominal);
-                *width = bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
+                *width = bead_width_mm(strip, h).clamp(narrowest_mm, WIDEST * nominal);
             }
         }
     }
@@ -414,6 +416,7 @@ mod tests {
             z_mid_mm,
             height_mm: 0.2,
             bead_width_mm: 0.45,
+            min_bead_width_mm: 0.2,
             density: Density::Sparse(0.5),
             angle_rad: std::f64::consts::FRAC_PI_4,
             part: Bounds2 { min: DVec2::ZERO, max: DVec2::new(80.0, 50.0) },
@@ -480,6 +483,37 @@ mod tests {
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    #[test]
+    fn no_bead_is_narrower_than_the_job_allows() {
+        let map = ramp();
+        let region = &Region::rectangle(DVec2::ZERO, DVec2::new(80.0, 50.0)).polygons[0];
+        // The widest of these is that of a usual bead, and the narrowest has no effect.
+        for (allowed_mm, narrowest_mm) in [(0.1, 0.6 * 0.45), (0.36, 0.36), (0.45, 0.45)] {
+            for pattern in [
+                Pattern::Rectilinear,
+                Pattern::Grid,
+                Pattern::Gyroid,
+                Pattern::Streamlines,
+                Pattern::Continuous,
+            ] {
+                let context = FillContext { min_bead_width_mm: allowed_mm, ..context(0.1) };
+                let mut paths = Vec::new();
+                if pattern == Pattern::Continuous {
+                    one_path(&Continuous::FOR_TESTS, &context, &map, &[region], &mut paths, &mut Vec::new());
+                } else {
+                    fill(pattern, &context, &map, region, &mut paths);
+                }
+                let widths = paths.iter().flat_map(|p| (0..p.points.len()).map(move |k| p.width_at(k)));
+                let found_mm = widths.fold(f64::INFINITY, f64::min);
+                let name = pattern.name();
+                assert!(
+                    found_mm >= narrowest_mm - 1e-9,
+                    "{name}: {found_mm} mm where {narrowest_mm} is allowed"
+                );
+            }
+        }
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub struct FillContext<'a> {
     pub height_mm: f64,
     /// Full width of a bead, mm.
     pub bead_width_mm: f64,
+    /// Width of the narrowest bead that the job allows, mm.
+    pub min_bead_width_mm: f64,
     /// Density of the infill; the fraction is above 0.
     pub density: Density,
     /// Direction of the lines from +X, radians.
@@ -143,6 +145,7 @@ mod tests {
             z_mid_mm,
             height_mm: 0.2,
             bead_width_mm: 0.45,
+            min_bead_width_mm: 0.2,
             density: Density::new(density),
             angle_rad,
             part,

@@ -997,6 +997,7 @@ impl<'a> Steps<'a> {
             z_mid_mm: self.z_mid_mm(layer_idx),
             height_mm: layer.height_mm(),
             bead_width_mm: self.settings.walls.bead_width_mm,
+            min_bead_width_mm: self.settings.walls.min_bead_width_mm,
             density,
             angle_rad: self.angle_rad(layer_idx, density),
             part: self.part,

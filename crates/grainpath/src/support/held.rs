@@ -181,6 +181,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         z_mid_mm: 0.0,
         height_mm: stack.layers()[k].height_mm(),
         bead_width_mm: settings.bead_width_mm,
+        min_bead_width_mm: settings.min_bead_width_mm,
         density: Density::Dense,
         angle_rad: 0.0,
         part: Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO },

@@ -32,6 +32,7 @@ fn the_figure_of_strips_and_cells() {
         z_mid_mm: 0.1,
         height_mm: 0.2,
         bead_width_mm: width_mm,
+        min_bead_width_mm: 0.2,
         density: Density::Dense,
         angle_rad: 0.0,
         part: part.bounds().expect("not empty"),

@@ -36,6 +36,7 @@ pub(super) fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionFie
         z_mid_mm: 0.1,
         height_mm: HEIGHT,
         bead_width_mm: width,
+        min_bead_width_mm: 0.2,
         density: grainpath_core::Density::Dense,
         angle_rad: 0.0,
         part: part.bounds().expect("not empty"),

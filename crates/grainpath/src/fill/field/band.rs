@@ -129,6 +129,7 @@ mod tests {
             z_mid_mm: 0.1,
             height_mm: 0.2,
             bead_width_mm: 0.44,
+            min_bead_width_mm: 0.2,
             density: Density::new(1.0),
             angle_rad: 0.0,
             part: region.bounds().expect("a region"),

@@ -124,6 +124,7 @@ fn the_figure_of_stripes() {
         z_mid_mm: 0.1,
         height_mm: 0.2,
         bead_width_mm: width_mm,
+        min_bead_width_mm: 0.2,
         density: Density::Dense,
         angle_rad: 0.0,
         part: part.bounds().expect("not empty"),
