@@ -160,3 +160,24 @@ fn walls_are_added_where_the_plate_is_bent_most() {
         assert!(out.status.code() == Some(2) && text.contains(message), "{sets:?}: {text}");
     }
 }
+
+#[test]
+fn what_is_assumed_about_a_file_of_densities_is_told() {
+    let dir = plate("assumed densities");
+    let table =
+        |name: &str, ends: f64| format!("x,y,{name}\n0,0,0.3\n{ends},0,0.5\n0,20,0.3\n{ends},20,0.5\n");
+    fs::write(dir.join("whole.csv"), table("rho", 60.0)).expect("written");
+    fs::write(dir.join("half.csv"), table("foo", 30.0)).expect("written");
+    let told = |file: &str, more: &str| -> Vec<String> {
+        let density = format!("fill.density={{min=0.15,max=0.9,by=\"file\",file=\"{file}\"{more}}}");
+        let report = run(&dir, &["guide.kind=angle", "guide.fixture=[]", "guide.load=[]", &density]);
+        let all = report["warnings"].as_array().cloned().unwrap_or_default();
+        all.iter().filter_map(|w| w["id"].as_str()).map(str::to_owned).collect()
+    };
+    let has = |all: &[String], id: &str| all.iter().any(|found| found == id);
+    let whole = told("whole.csv", "");
+    assert!(!has(&whole, "density-assumed") && !has(&whole, "density-too-small"), "{whole:?}");
+    let half = told("half.csv", "");
+    assert!(has(&half, "density-assumed") && has(&half, "density-too-small"), "{half:?}");
+    assert!(!has(&told("half.csv", ",array=\"foo\""), "density-assumed"));
+}

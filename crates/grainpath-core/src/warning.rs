@@ -221,6 +221,12 @@ warning_ids! {
     FillLinesSeparate = "fill-lines-separate",
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";
+    DensityAssumed = "density-assumed",
+        "A file of densities has a single value whose name does not say that it is a density; it was taken for one.",
+        "name it in the job, as in fill.density.array = \"rho\", or call it density in the file";
+    DensityTooSmall = "density-too-small",
+        "The part reaches beyond the densities of its file; those of the nearest place were used there.",
+        "give densities for the whole part, or check the unit of positions and shape.rotate_deg";
     DensityOff = "density-off",
         "Over cells of 5 mm, the density of graded infill differs from the density asked for by more than 3 percentage points on average, or by more than 10 at worst.",
         "look at the map of densities in the report; raise fill.density.min, or use the pattern rectilinear or stripes, which follow the density more closely";

@@ -6,7 +6,7 @@
 //! places out has them at 0.
 
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{DVec2, DVec3};
+use grainpath_core::{DVec2, DVec3, Warning, WarningId};
 
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points};
 use super::grid::DirectionGrid;
@@ -37,6 +37,16 @@ const USUAL: [&str; 5] = ["density", "rho", "densities", "infill", "fill"];
 #[derive(Debug, Clone)]
 pub struct DensitySamples(DirectionSamples);
 
+/// A name that was not asked for and is not usual for a density, but the only one.
+struct Assumed<'a>(Option<&'a str>);
+
+impl Assumed<'_> {
+    fn warnings(&self) -> Vec<Warning> {
+        let text = |name: &str| format!("{name:?}, the only value of the file, is taken for the density");
+        self.0.map(|name| Warning::new(WarningId::DensityAssumed, text(name))).into_iter().collect()
+    }
+}
+
 impl DensitySamples {
     /// Whether the densities are the same at all heights.
     pub fn is_plane(&self) -> bool {
@@ -51,6 +61,11 @@ impl DensitySamples {
     /// Lowest and highest corner of the box around the samples, mm; `None` for a grid that was not placed.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.0.bounds()
+    }
+
+    /// What was assumed while the file was read.
+    pub fn warnings(&self) -> &[Warning] {
+        self.0.warnings()
     }
 
     /// Lays a grid without a place of its own over the box between two corners, mm.
@@ -122,13 +137,15 @@ fn checked(value: f64, place: impl FnOnce() -> String) -> Result<f64, DirectionE
     }
 }
 
-/// Index of the name that is the density: the one asked for, one with a usual name, or the only one.
-fn chosen(names: &[&str], array: Option<&str>) -> Result<usize, DirectionError> {
+/// Index of the name that is the density: the one asked for, one with a usual name, or the only one, which is then told.
+fn chosen<'a>(names: &[&'a str], array: Option<&str>) -> Result<(usize, Assumed<'a>), DirectionError> {
     let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
-    let found = match array {
+    let named = match array {
         Some(array) => find(array),
-        None => USUAL.iter().find_map(|n| find(n)).or_else(|| (names.len() == 1).then_some(0)),
+        None => USUAL.iter().find_map(|n| find(n)),
     };
+    let only = || (array.is_none() && names.len() == 1).then(|| (0, Assumed(Some(names[0]))));
+    let found = named.map(|i| (i, Assumed(None))).or_else(only);
     found.ok_or_else(|| {
         let what = array.map_or("no density".to_owned(), |a| format!("no array {a:?}"));
         invalid(what, DirectionProblem::NoDensity(names.iter().map(|n| (*n).to_owned()).collect()))
@@ -190,7 +207,8 @@ fn columns(
         return Err(invalid("the table", DirectionProblem::NoPosition(names)));
     };
     let others: Vec<usize> = (0..all.len()).filter(|i| !at.contains(&Some(*i))).collect();
-    let values = &all[others[chosen(&others.iter().map(|&i| names[i]).collect::<Vec<_>>(), array)?]].1;
+    let (found, assumed) = chosen(&others.iter().map(|&i| names[i]).collect::<Vec<_>>(), array)?;
+    let values = &all[others[found]].1;
     let unit = length_unit_of(names[x]).unwrap_or(LengthUnit::Millimetre);
     let sample = |i: usize| {
         let p = DVec3::new(all[x].1[i], all[y].1[i], at[2].map_or(0.0, |z| all[z].1[i])) * unit.mm();
@@ -202,13 +220,14 @@ fn columns(
     };
     let samples = (0..n).map(sample).collect::<Result<Vec<_>, _>>()?;
     let summary = summary(format, format!("{n} points"), n, unit.name().to_owned());
-    Ok(DensitySamples(DirectionSamples::new(of_points(samples, true), summary, Vec::new())))
+    Ok(DensitySamples(DirectionSamples::new(of_points(samples, true), summary, assumed.warnings())))
 }
 
 fn mesh(file: &FeFile, array: Option<&str>) -> Result<DensitySamples, DirectionError> {
     let scalars: Vec<&FeArray> = file.arrays.iter().filter(|a| a.components == 1).collect();
     let names: Vec<&str> = scalars.iter().map(|a| a.name.as_str()).collect();
-    let array = scalars[chosen(&names, array)?];
+    let (found, assumed) = chosen(&names, array)?;
+    let array = scalars[found];
     let value = |i: usize| {
         let density = array.values.get(i).copied().unwrap_or(f64::NAN);
         checked(density, || {
@@ -262,7 +281,7 @@ fn mesh(file: &FeFile, array: Option<&str>) -> Result<DensitySamples, DirectionE
         Carrier::Cloud(Box::new(Cloud::new(nodes, elements, true, plane)))
     };
     let summary = summary(file.format.name(), layout, sums.len(), LengthUnit::Millimetre.name().to_owned());
-    Ok(DensitySamples(DirectionSamples::new(carrier, summary, Vec::new())))
+    Ok(DensitySamples(DirectionSamples::new(carrier, summary, assumed.warnings())))
 }
 
 #[cfg(test)]
@@ -278,6 +297,22 @@ mod tests {
         for (p, density) in [((5.0, 2.5), 0.1), ((15.0, 2.5), 0.3), ((5.0, 7.5), 0.5), ((10.0, 5.0), 0.4)] {
             assert!((read.at(DVec2::from(p).extend(3.0)) - density).abs() < 1e-6, "{p:?}");
         }
+    }
+
+    #[test]
+    fn a_value_with_another_name_is_taken_only_if_it_is_the_only_one_and_told() {
+        let told = |text: &str, array: Option<&str>| {
+            let read = parse_densities(text.as_bytes(), "rho.csv", array).expect("densities");
+            read.warnings().iter().map(|w| (w.id.name(), w.text.clone())).collect::<Vec<_>>()
+        };
+        for usual in ["density", "Rho", "infill"] {
+            assert!(told(&format!("x,y,{usual}\n0,0,0.5\n9,0,0.2\n"), None).is_empty(), "{usual}");
+        }
+        assert!(told("x,y,foo\n0,0,0.5\n9,0,0.2\n", Some("foo")).is_empty());
+        assert!(told("x,y,foo,density\n0,0,7,0.5\n9,0,7,0.2\n", None).is_empty());
+        let found = told("x,y,foo\n0,0,0.5\n9,0,0.2\n", None);
+        let text = "\"foo\", the only value of the file, is taken for the density";
+        assert_eq!(found, [("density-assumed", text.to_owned())]);
     }
 
     #[test]

@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use grainpath_core::isolines::isolines;
 use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::FillRule;
-use grainpath_core::{Bounds2, DMat3, DVec2, DVec3, LayerStack, Region};
+use grainpath_core::{Bounds2, DMat3, DVec2, DVec3, Diagnostics, LayerStack, Region, WarningId, math};
 use grainpath_fea::principal::plane_principal;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_io::directions::DensitySamples;
@@ -41,6 +41,14 @@ const MOST_NODES: f64 = 300_000.0;
 /// The greatest density belongs to a stress that this share of the part does not exceed. Source: derived.
 /// Stress peaks at corners and contacts grow with a finer mesh, and 2 % of the part contain them.
 const FULL_SHARE: f64 = 0.98;
+/// A part may reach this many mean distances of samples beyond them without a warning. Source: derived: samples in the
+/// middle of cells leave half a cell at the border, and half as much again for samples that are not even.
+const UNCOVERED_CELLS: f64 = 0.75;
+/// And at most this share of its longest extent. Source: chosen; that is half a cell of a grid of ten.
+const UNCOVERED_REACH: f64 = 0.05;
+/// Share of the part that may lie further beyond the samples without a warning. Source: chosen; a rim of 1 % changes the
+/// mass by less than the error of a graded density.
+const UNCOVERED_SHARE: f64 = 0.01;
 /// Reach of the mean that smooths the stress, in nodes. Source: derived: about two beads to either
 /// side, with nodes of 1 mm.
 const SMOOTHED: usize = 1;
@@ -222,6 +230,7 @@ impl GradedDensity {
         stack: &LayerStack,
         guide: Option<&Guide>,
         samples: Option<DensitySamples>,
+        diagnostics: &Diagnostics,
     ) -> Result<Self, DensityError> {
         let grid = Nodes::over(stack);
         let [min, max] = settings.range;
@@ -230,8 +239,11 @@ impl GradedDensity {
                 let (_, to_file, shift) = to_file(&settings.place);
                 let flat = samples.is_plane() && to_file.z_axis.truncate() == DVec2::ZERO;
                 lay(&mut samples, to_file, shift, [grid.low, grid.high])?;
+                samples.warnings().iter().for_each(|w| diagnostics.push(w.clone()));
                 let map = grid.map(flat, &|p| samples.at(to_file * (p + shift)));
                 let inside = inside(&map, stack);
+                let nodes = (0..inside.len()).filter(|&i| inside[i]).map(|i| to_file * (map.node(i) + shift));
+                warn_of_uncovered(&samples, nodes, (grid.high - grid.low).max_element(), diagnostics);
                 (map, inside)
             }
             (DensityBy::Stress, Some(guide), _) => {
@@ -396,6 +408,42 @@ fn lay(
     Ok(())
 }
 
+/// Warns of places of a part that lie beyond the samples of a file. `nodes` are places of the part in the file's
+/// coordinates, mm, and `part_mm` is the part's longest extent.
+fn warn_of_uncovered(
+    samples: &DensitySamples,
+    nodes: impl Iterator<Item = DVec3>,
+    part_mm: f64,
+    diagnostics: &Diagnostics,
+) {
+    // A grid without a place of its own is laid over the whole part.
+    let Some((low, high)) = samples.bounds() else { return };
+    let axes = if samples.is_plane() { 2 } else { 3 };
+    // Samples often lie in the middle of the cells of their grid, so the outermost cover half a cell more.
+    let n = samples.summary().samples as f64;
+    let size = high - low;
+    let spread: Vec<f64> = (0..axes).map(|k| size[k]).filter(|mm| *mm > 0.0).collect();
+    let root = |v: f64| math::pow(v, 1.0 / spread.len().max(1) as f64);
+    let cell_mm = root(spread.iter().product()) / (root(n) - 1.0).max(1.0);
+    let reach = if spread.is_empty() { 0.0 } else { UNCOVERED_CELLS * cell_mm };
+    let reach = reach.min(UNCOVERED_REACH * part_mm);
+    let beyond = |p: &DVec3| (0..axes).map(|k| (low[k] - p[k]).max(p[k] - high[k])).fold(0.0, f64::max);
+    let (mut n_nodes, mut n_beyond, mut farthest_mm) = (0usize, 0usize, 0.0f64);
+    for mm in nodes.map(|p| beyond(&p)) {
+        n_nodes += 1;
+        n_beyond += usize::from(mm > reach);
+        farthest_mm = farthest_mm.max(mm);
+    }
+    let share = n_beyond as f64 / n_nodes.max(1) as f64;
+    if share > UNCOVERED_SHARE {
+        let text = format!(
+            "{:.0} % of the part lies up to {farthest_mm:.1} mm beyond the densities of the file",
+            (100.0 * share).ceil()
+        );
+        diagnostics.warn(WarningId::DensityTooSmall, text);
+    }
+}
+
 /// The share of a dense part's strength that the stress at a point takes, in the worst load case.
 fn taken(guide: &Guide, card: Option<&StrengthCard>, p: DVec3) -> f64 {
     let of_case = |stress: [f64; 6]| {
@@ -458,7 +506,48 @@ fn smooth(map: &mut DensityMap, inside: &[bool]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::Layer;
+    use grainpath_core::{Layer, Warning};
+
+    #[test]
+    fn a_file_that_covers_a_part_of_the_piece_is_told() {
+        // Samples in a grid over a part of the plate of 40 x 20 mm, at the corners of cells or in their middle.
+        let grid = |n: [usize; 2], low: [f64; 2], high: [f64; 2], middle: bool| {
+            let mut text = String::from("x,y,density\n");
+            for i in 0..n[0] * n[1] {
+                let at = [i % n[0], i / n[0]];
+                let share = |k: usize| {
+                    let (i, n) = (at[k] as f64, n[k] as f64);
+                    if middle { (i + 0.5) / n } else { i / (n - 1.0) }
+                };
+                let p = [0, 1].map(|k| low[k] + share(k) * (high[k] - low[k]));
+                text += &format!("{},{},0.4\n", p[0], p[1]);
+            }
+            let (_, warnings) = told(&text, [0.1, 0.9]).expect("a density");
+            warnings.iter().map(|w| (w.id.name(), w.text.clone())).collect::<Vec<_>>()
+        };
+        for middle in [true, false] {
+            for n in [[40, 20], [20, 10], [11, 11]] {
+                assert_eq!(grid(n, [0.0; 2], [40.0, 20.0], middle), [], "{n:?}");
+            }
+        }
+        assert_eq!(grid([2, 2], [0.0; 2], [40.0, 20.0], false), []);
+        for (low, high) in
+            [([0.0, 0.0], [20.0, 20.0]), ([0.0, 5.0], [40.0, 20.0]), ([-90.0, 0.0], [35.0, 20.0])]
+        {
+            for n in [[2, 2], [20, 10]] {
+                let found = grid(n, low, high, false);
+                assert_eq!(
+                    found.iter().map(|w| w.0).collect::<Vec<_>>(),
+                    ["density-too-small"],
+                    "{low:?} {high:?}"
+                );
+            }
+        }
+        let half = grid([20, 10], [0.0; 2], [20.0, 20.0], false);
+        assert!(half[0].1.ends_with("mm beyond the densities of the file"), "{}", half[0].1);
+        // A grid without a place of its own lies over the whole part.
+        assert!(told("0.2 0.4\n0.4 0.6\n", [0.1, 0.9]).expect("a density").1.is_empty());
+    }
 
     fn plate() -> LayerStack {
         let section = || Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0));
@@ -467,6 +556,11 @@ mod tests {
     }
 
     fn by_file(text: &str, range: [f64; 2]) -> Result<GradedDensity, DensityError> {
+        told(text, range).map(|(graded, _)| graded)
+    }
+
+    /// A density by a file, and the names of its warnings.
+    fn told(text: &str, range: [f64; 2]) -> Result<(GradedDensity, Vec<Warning>), DensityError> {
         let samples =
             grainpath_io::directions::parse_densities(text.as_bytes(), "rho.csv", None).expect("a file");
         let place = FieldSettings {
@@ -479,7 +573,9 @@ mod tests {
             plate_from_part_mm: DVec3::ZERO,
         };
         let settings = DensitySettings { range, by: DensityBy::File, spacing_mm: 0.4, card: None, place };
-        GradedDensity::new(&settings, &plate(), None, Some(samples))
+        let diagnostics = Diagnostics::default();
+        let graded = GradedDensity::new(&settings, &plate(), None, Some(samples), &diagnostics)?;
+        Ok((graded, diagnostics.warnings()))
     }
 
     #[test]

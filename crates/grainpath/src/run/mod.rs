@@ -564,7 +564,7 @@ fn plan_stack(
         clock.stop(Stage::Guide);
     }
     let graded = config::graded_density(settings, lowered_mm, plate_from_part_mm)
-        .map(|s| GradedDensity::new(&s, &stack, guide.as_ref(), source.densities))
+        .map(|s| GradedDensity::new(&s, &stack, guide.as_ref(), source.densities, diagnostics))
         .transpose()?;
     let share = |guide: &Guide| stress_share(&stack, guide, config::nominal_card(settings).as_ref());
     let graded_walls = matches!(settings.process.walls, WallCount::ByStress { .. });

@@ -424,7 +424,7 @@ impl<'a> Steps<'a> {
     /// let table = "x_mm,y_mm,density\n0,0,0.1\n20,0,0.7\n0,10,0.1\n20,10,0.7\n";
     /// let samples = parse_densities(table.as_bytes(), "densities.csv", None).unwrap();
     /// let wanted = DensitySettings { range: [0.1, 0.7], by: DensityBy::File, spacing_mm: 0.4, card: None, place };
-    /// let graded = GradedDensity::new(&wanted, &stack, None, Some(samples)).unwrap();
+    /// let graded = GradedDensity::new(&wanted, &stack, None, Some(samples), &diagnostics).unwrap();
     /// (settings.infill.pattern, settings.infill.graded) = (Pattern::Rectilinear, true);
     /// let steps = Steps::new(&settings, &stack).with_density(Some(&graded));
     /// let mut walls = steps.walls(5..6, &diagnostics).unwrap();
