@@ -1,5 +1,5 @@
 //! Shapes: from meshes, drawings and photographs to the [`LayerStack`] on which every later step
-//! works. The steps are `place` (unit, rotation, plate), `mend` (repair) and `slice` (sections).
+//! works. The steps are `mend` (repair), `place` (unit, rotation, plate) and `slice` (sections).
 //! Lengths are in mm, z = 0 is the plate.
 
 mod examined;
