@@ -3,7 +3,7 @@
 //! [`run`] copies `docs/` below the target folder, adds the pages that are generated (the options of every command,
 //! from the program's own `--help`) and those of the top folder, and has mdBook make HTML of it. Before, every
 //! relative link of every page is followed; after, every link of the HTML. [`run_blocks`] runs the `sh` blocks of every
-//! page, page by page in an empty folder; blocks that only show a line are `console`, and those that need the Python
+//! page, page by page in an empty folder, and the commands of the table of README.md; blocks that only show a line are `console`, and those that need the Python
 //! package are `sh python`.
 //!
 //! Pictures of a page are made by its own blocks: `pictures/PAGE/FILE` is the file of that path that they write, made
@@ -19,6 +19,9 @@ use std::process::Command;
 
 /// The version that the book is made with.
 const MDBOOK: &str = "0.5.4";
+
+/// The first page of the project.
+const README: &str = "README.md";
 
 /// Pages of the top folder that the book holds too.
 const TOP: [&str; 3] = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
@@ -131,7 +134,7 @@ fn options(program: &Path) -> Result<String, String> {
 fn dead_links(root: &Path) -> Result<Vec<String>, String> {
     let mut broken = Vec::new();
     let mut all = pages(&root.join("docs"))?;
-    all.push(root.join("README.md"));
+    all.push(root.join(README));
     all.extend(TOP.iter().map(|p| root.join(p)));
     for page in all {
         // The summary names pages that the book adds.
@@ -260,11 +263,58 @@ fn run_blocks(only: &[&str], renew: bool) -> Result<(), String> {
         }
         println!("docs/{name}: {} blocks", runnable.len());
     }
+    if only.is_empty() || only.contains(&README) {
+        n += run_readme(&path)?;
+    }
     if n == 0 {
         return Err("no page with such a name has blocks to run".to_owned());
     }
     println!("{n} blocks ran and {left_out} did not; they write all {n_pictures} pictures of their pages");
     Ok(())
+}
+
+/// Makes the files that stand for the reader's own in the table of README.md.
+const STAND_INS: &str = "grainpath new woodgrain wood && cp wood/board.png board.png
+grainpath new ct ct && cp ct/hub.tif scan.tif
+grainpath new tree-support trees && cp trees/ball.stl figure.stl";
+
+/// Runs the commands of the table of README.md, each as it stands there. Those of the studio wait for a browser and are
+/// named instead.
+fn run_readme(path: &str) -> Result<usize, String> {
+    let folder = crate::target().join("blocks/README");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
+    let part = crate::root().join("examples/plate/plate.stl");
+    fs::copy(&part, folder.join("part.stl")).map_err(|e| format!("{}: {e}", part.display()))?;
+    let run = |script: &str| {
+        let mut command = Command::new("bash");
+        command.args(["-c", &format!("set -e\n{script}")]).current_dir(&folder).env("PATH", path);
+        crate::output(&mut command).map_err(|e| format!("{README}: {script}: {e}"))
+    };
+    run(STAND_INS)?;
+    let (shown, runnable): (Vec<String>, Vec<String>) =
+        commands_of_tables(&read(&crate::root().join(README))?)
+            .into_iter()
+            .partition(|c| c.starts_with("grainpath studio"));
+    for command in &shown {
+        println!("NOT RUN: {README}: {command}: it waits for a browser");
+    }
+    for command in &runnable {
+        run(command)?;
+    }
+    println!("{README}: {} commands of its table", runnable.len());
+    match runnable.len() {
+        0 => Err(format!("{README} has no table with commands of grainpath")),
+        n => Ok(n),
+    }
+}
+
+/// The first command of grainpath in each row of a table.
+fn commands_of_tables(page: &str) -> Vec<String> {
+    let rows = page.lines().filter(|l| l.starts_with('|'));
+    rows.filter_map(|row| row.split('`').skip(1).step_by(2).find(|code| code.starts_with("grainpath ")))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// A block of commands.
@@ -383,6 +433,12 @@ mod tests {
             found,
             [("grainpath new plate\ncd plate".to_owned(), false), ("ls\n  x\n".to_owned(), true)]
         );
+    }
+
+    #[test]
+    fn commands_of_a_table_are_found_in_its_rows() {
+        let page = "| a | type |\n|---|---|\n| b | `x`, `grainpath slice part.stl`, then `grainpath help` |\n| c | `ls` |\n\n`grainpath run a.toml`\n";
+        assert_eq!(commands_of_tables(page), ["grainpath slice part.stl"]);
     }
 
     #[test]
