@@ -30,10 +30,13 @@ const TOP: [&str; 3] = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 pub fn run(words: &[&str]) -> Result<(), String> {
     match words {
         [] => make(),
-        ["run", pages @ ..] => run_blocks(pages, false),
+        ["run", "--allow-missing", pages @ ..] => run_blocks(pages, false).map(|left_out| {
+            println!("{left_out} blocks could not run here, which --allow-missing accepts");
+        }),
+        ["run", pages @ ..] => run_blocks(pages, false).and_then(none_left_out),
         ["json"] => crate::json::check(),
         ["axe"] => crate::page::ask_axe(&crate::target().join("book/html")),
-        ["pictures", pages @ ..] => run_blocks(pages, true),
+        ["pictures", pages @ ..] => run_blocks(pages, true).and_then(none_left_out),
         ["install"] => {
             println!("installing mdBook {MDBOOK} below {}", crate::target().display());
             let mut command = Command::new("cargo");
@@ -42,9 +45,21 @@ pub fn run(words: &[&str]) -> Result<(), String> {
             crate::run(command.arg(crate::target().join("tools")))
         }
         _ => {
-            Err("usage: cargo xtask book [install | axe | run [PAGE...] | pictures [PAGE...] | json]"
+            Err("usage: cargo xtask book [install | axe | run [--allow-missing] [PAGE...] | pictures [PAGE...] | json]"
                 .to_owned())
         }
+    }
+}
+
+/// Blocks that could not run are a failure.
+fn none_left_out(left_out: usize) -> Result<(), String> {
+    match left_out {
+        0 => Ok(()),
+        n => Err(format!(
+            "{n} blocks could not run: the Python package with Dask is missing below {}; `cargo xtask python` builds and \
+             installs it, and `book run --allow-missing` goes without",
+            crate::setup::venv().display()
+        )),
     }
 }
 
@@ -211,24 +226,23 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
 }
 
 /// Runs the `sh` blocks of every page, or of these; the first that fails ends it. `renew` copies the pictures that they
-/// write to where the pages show them.
-fn run_blocks(only: &[&str], renew: bool) -> Result<(), String> {
+/// write to where the pages show them. The result is the number of blocks that could not run.
+fn run_blocks(only: &[&str], renew: bool) -> Result<usize, String> {
     let docs = crate::root().join("docs");
     let program = crate::ci_program();
     let path = std::env::var("PATH").unwrap_or_default();
-    let path = format!("{}:{path}", program.parent().unwrap_or(Path::new(".")).display());
-    let python = crate::target().join("python/bin");
-    let path = format!("{}:{path}", python.display());
-    let has_python = Command::new("python3")
-        .args(["-c", "import grainpath, dask"])
-        .env("PATH", &path)
-        .output()
-        .is_ok_and(|o| o.status.success());
+    // The wheel brings a program of the same name; the one that was built last comes first.
+    let python = crate::setup::venv().join("bin");
+    let path =
+        format!("{}:{}:{path}", program.parent().unwrap_or(Path::new(".")).display(), python.display());
+    let has_python = crate::setup::quiet(
+        Command::new("python3").args(["-c", "import grainpath, dask, distributed"]).env("PATH", &path),
+    );
     let (mut n, mut n_pictures, mut left_out) = (0, 0, 0);
     for page in pages(&docs)? {
         let name = page.strip_prefix(&docs).map_err(|e| e.to_string())?.display().to_string();
         let text = read(&page)?;
-        let all = blocks(&text);
+        let all = blocks(&text).map_err(|e| format!("docs/{name}: {e}"))?;
         let runnable: Vec<&str> =
             all.iter().filter(|b| has_python || !b.needs_python).map(|b| b.text.as_str()).collect();
         if all.is_empty() || !(only.is_empty() || only.contains(&name.as_str())) {
@@ -266,11 +280,11 @@ fn run_blocks(only: &[&str], renew: bool) -> Result<(), String> {
     if only.is_empty() || only.contains(&README) {
         n += run_readme(&path)?;
     }
-    if n == 0 {
+    if n + left_out == 0 {
         return Err("no page with such a name has blocks to run".to_owned());
     }
     println!("{n} blocks ran and {left_out} did not; they write all {n_pictures} pictures of their pages");
-    Ok(())
+    Ok(left_out)
 }
 
 /// Makes the files that stand for the reader's own in the table of README.md.
@@ -324,8 +338,8 @@ struct Block {
     needs_python: bool,
 }
 
-/// The `sh` blocks of a page, those inside lists too.
-fn blocks(page: &str) -> Vec<Block> {
+/// The `sh` blocks of a page, those inside lists too. Commands under another name would never run, so they are refused.
+fn blocks(page: &str) -> Result<Vec<Block>, String> {
     let mut out = Vec::new();
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
@@ -333,11 +347,19 @@ fn blocks(page: &str) -> Vec<Block> {
         let Some(info) = line.trim_start().strip_prefix("```") else { continue };
         let inside = lines.by_ref().take_while(|l| l.trim() != "```");
         let inside: Vec<&str> = inside.map(|l| l.get(indent..).unwrap_or_default()).collect();
-        if let "sh" | "sh python" = info.trim() {
-            out.push(Block { text: inside.join("\n"), needs_python: info.trim() == "sh python" });
+        match info.trim() {
+            "sh" | "sh python" => {
+                out.push(Block { text: inside.join("\n"), needs_python: info.trim() == "sh python" });
+            }
+            other if other.starts_with("sh") || other == "bash" || other == "zsh" => {
+                return Err(format!(
+                    "a block of {other:?} would never run; `sh` and `sh python` run, `console` is shown"
+                ));
+            }
+            _ => {}
         }
     }
-    out
+    Ok(out)
 }
 
 /// Paths, in the folder of its blocks, of the pictures that a page shows from `pictures/SLUG`.
@@ -428,11 +450,13 @@ mod tests {
     #[test]
     fn blocks_that_only_show_a_line_are_not_run() {
         let page = "Text\n```sh\ngrainpath new plate\ncd plate\n```\n\n```console\nsudo rm\n```\n\n1. In a list\n   ```sh python\n   ls\n     x\n\n   ```\n";
-        let found: Vec<(String, bool)> = blocks(page).into_iter().map(|b| (b.text, b.needs_python)).collect();
+        let found: Vec<(String, bool)> =
+            blocks(page).unwrap().into_iter().map(|b| (b.text, b.needs_python)).collect();
         assert_eq!(
             found,
             [("grainpath new plate\ncd plate".to_owned(), false), ("ls\n  x\n".to_owned(), true)]
         );
+        assert!(blocks("```bash\nls\n```\n").is_err() && blocks("```sh dask\nls\n```\n").is_err());
     }
 
     #[test]

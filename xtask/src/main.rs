@@ -89,7 +89,8 @@ const USAGE: &str = "usage: cargo xtask <command>
                    --record adds the executions to docs/fuzzing.md
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   book             the pages of docs/ as a site below target/book, no link dead; `book install` builds mdBook,
-                   `book run [PAGE...]` runs the command blocks of the pages and the table of README.md,
+                   `book run [PAGE...]` runs the command blocks of the pages and the table of README.md
+                   (--allow-missing: blocks that need the Python package may be left out),
                    `book pictures` renews their pictures,
                    `book axe` asks axe about every page of the built site,
                    `book json` holds the page of the JSON reports against what jobs print

@@ -107,7 +107,8 @@ pub fn python() -> Command {
     Command::new(interpreter())
 }
 
-fn venv() -> PathBuf {
+/// The virtual environment.
+pub fn venv() -> PathBuf {
     crate::target().join("venv")
 }
 
