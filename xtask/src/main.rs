@@ -97,7 +97,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   deb [PROGRAM] [--root]  a Debian package of target/dist/grainpath, held against lintian; --root tries it in a bare root
   figures [--write]  the numbers that pages quote beside docs/measured.toml and the table of README.md beside
                    docs/figures.toml, or writes them
-  gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
+  gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets;
+                   `gallery check` plans all and holds pictures, jobs and page against what is committed
   licences         writes what `grainpath licences` prints, after dependencies changed
   wasm [--binary PATH]  the planner as a page of one file, below target/wasm; its G-code in Node beside the program's
   release twice|static  builds the program in two folders and compares the bytes; builds it for musl, one file that needs nothing

@@ -32,6 +32,7 @@ const CHECKS: &[Check] = &[
     ("quality beside the peers", crate::bench::quality),
     ("command blocks of the pages", || crate::book::run(&["run"])),
     ("page of the JSON reports", crate::json::check),
+    ("gallery: jobs and pinholes", || crate::gallery::run(&["check"])),
     ("planner as a page", || crate::wasm::run(&[])),
     ("book", || {
         crate::book::run(&["install"])?;
