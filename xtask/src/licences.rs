@@ -76,9 +76,15 @@ fn notices(metadata: &Value) -> Result<String, String> {
         let name = format!("{} {}", text("name"), text("version"));
         table += &format!("{name:<36} {}\n", text("license"));
         let folder = Path::new(text("manifest_path")).parent().map(Path::to_owned).unwrap_or_default();
+        let mut contents = Vec::new();
         for file in licence_files(&folder)? {
             let content = fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-            let content = String::from_utf8_lossy(&content).replace('\r', "");
+            contents.push(String::from_utf8_lossy(&content).replace('\r', ""));
+        }
+        if contents.is_empty() {
+            contents.push(standard_text(package)?);
+        }
+        for content in contents {
             let is_notice = |line: &&str| line.trim_start().to_lowercase().starts_with("copyright (c)");
             let owners: Vec<&str> = content.lines().filter(is_notice).map(str::trim).collect();
             let body: Vec<&str> = content.lines().filter(|l| !is_notice(l)).map(str::trim_end).collect();
@@ -99,7 +105,32 @@ fn notices(metadata: &Value) -> Result<String, String> {
     Ok(out)
 }
 
-/// The licence texts in a library's folder. Where the library may be used under MIT, that text is enough.
+/// The text of MIT for a package without a text of its own, in the name of the authors in its manifest.
+fn standard_text(package: &Value) -> Result<String, String> {
+    let name = &package["name"];
+    let licence = package["license"].as_str().unwrap_or_default();
+    if !allows(licence, &["MIT".to_owned()]) {
+        return Err(format!("{name} has no text of its licence {licence:?}, and MIT is not one of it"));
+    }
+    let authors: Vec<&str> =
+        package["authors"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    if authors.is_empty() {
+        return Err(format!("{name} has neither a text of its licence nor authors"));
+    }
+    // Our own text of MIT is that of SPDX.
+    let ours =
+        fs::read_to_string(crate::root().join("LICENSE-MIT")).map_err(|e| format!("LICENSE-MIT: {e}"))?;
+    let of_authors = |line: &str| match line.starts_with("Copyright (c)") {
+        true => {
+            format!("Copyright (c) {} (authors in its manifest; it ships no text of MIT)", authors.join(", "))
+        }
+        false => line.to_owned(),
+    };
+    Ok(ours.lines().map(of_authors).collect::<Vec<_>>().join("\n"))
+}
+
+/// The licence texts in a library's folder. Where the library may be used under MIT, that text is enough. Without a file of
+/// their own, texts may stand in the list of authors.
 fn licence_files(folder: &Path) -> Result<Vec<std::path::PathBuf>, String> {
     let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut files: Vec<_> = entries
@@ -113,6 +144,12 @@ fn licence_files(folder: &Path) -> Result<Vec<std::path::PathBuf>, String> {
         })
         .collect();
     files.sort();
+    let authors = folder.join("AUTHORS");
+    if files.is_empty()
+        && fs::read_to_string(&authors).is_ok_and(|t| t.contains("Permission is hereby granted"))
+    {
+        files.push(authors);
+    }
     let mit = files.iter().find(|p| p.to_string_lossy().to_uppercase().ends_with("MIT")).cloned();
     Ok(mit.map_or(files, |file| vec![file]))
 }
@@ -148,7 +185,17 @@ fn allows(expression: &str, allowed: &[String]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::allows;
+    use super::{allows, standard_text};
+
+    #[test]
+    fn a_package_without_a_text_gets_that_of_mit_in_the_name_of_its_authors() {
+        let package = serde_json::json!({"name": "a", "license": "Zlib OR MIT", "authors": ["B", "C"]});
+        let text = standard_text(&package).unwrap();
+        assert!(text.contains("Copyright (c) B, C (") && !text.contains("grainpath"), "{text}");
+        assert!(text.contains("Permission is hereby granted"));
+        let other = serde_json::json!({"name": "a", "license": "Zlib", "authors": ["B"]});
+        assert!(standard_text(&other).is_err_and(|e| e.contains("Zlib")));
+    }
 
     #[test]
     fn expressions_are_met_by_one_of_each_or_and_all_of_each_and() {
