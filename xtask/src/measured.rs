@@ -10,8 +10,10 @@
 //! `2e-6<!--KEY-->` where it is `2.1e-6`. Numbers that tests find come from lines `measured: KEY = NUMBER` of what they
 //! print ([`keep_lines`]).
 //!
-//! Tables of pages that hold measured figures without a key are counted by `cargo xtask count`, and may only become
-//! fewer ([`tables_without_keys`]).
+//! Rows of tables that hold figures without a key are counted by `cargo xtask count`, and may only become fewer
+//! ([`rows_without_keys`]). A figure that no bench measures names its origin instead, in its cell, in the first cell of its
+//! row or in the head of its column: `<!--from: ORIGIN-->`, with a key of `docs/references.bib` as `@KEY`, a file of the
+//! repository that holds the number, or a date and a commit, and the command.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -266,41 +268,121 @@ fn quotes(page: &str) -> Vec<Quote<'_>> {
     found
 }
 
-/// Tables of pages with measured figures and without a key: page and line of each. Counted are tables in which at least
-/// half of the rows hold two numbers with a decimal point or more.
-pub fn tables_without_keys(root: &Path) -> Result<Vec<String>, String> {
+/// Rows with figures that have neither a key nor an origin, in tables of pages that hold measured figures: page and line of
+/// each.
+pub fn rows_without_keys(root: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
+    let references = read(&root.join("docs/references.bib"))?;
+    let is_origin = |words: &str| is_origin(words, &references, root);
     for page in book::pages(&root.join("docs"))? {
         if GENERATED.iter().any(|name| page.ends_with(name)) {
             continue;
         }
         let text = read(&page)?;
         let name = page.strip_prefix(root).unwrap_or(&page).display().to_string();
-        found.extend(
-            tables(&text)
-                .into_iter()
-                .filter(|(_, rows)| is_bare(rows))
-                .map(|(line, _)| format!("{name}:{line}")),
-        );
+        for table in tables(&text) {
+            found.extend(bare_rows(&table, &is_origin).into_iter().map(|line| format!("{name}:{line}")));
+        }
     }
     Ok(found)
 }
 
-/// The tables of a page: the line of the head, and the rows below it.
-fn tables(page: &str) -> Vec<(usize, Vec<&str>)> {
-    let lines: Vec<&str> = page.lines().collect();
-    let is_rule = |line: &&str| line.starts_with("|---");
-    let heads = (1..lines.len()).filter(|&i| is_rule(&lines[i]));
-    heads.map(|i| (i, lines[i + 1..].iter().copied().take_while(|l| l.starts_with('|')).collect())).collect()
+/// A table of a page.
+struct PageTable<'a> {
+    /// The line of the head, from 1.
+    line: usize,
+    head: &'a str,
+    rows: Vec<&'a str>,
 }
 
-fn is_bare(rows: &[&str]) -> bool {
-    let decimals = |row: &str| {
-        let words = row.split(|c: char| !c.is_ascii_digit() && c != '.');
-        words.filter(|w| w.split_once('.').is_some_and(|(a, b)| !a.is_empty() && !b.is_empty())).count()
+/// The tables of a page.
+fn tables(page: &str) -> Vec<PageTable<'_>> {
+    let lines: Vec<&str> = page.lines().collect();
+    let heads = (1..lines.len()).filter(|&i| lines[i].starts_with("|---"));
+    let table = |i: usize| PageTable {
+        line: i,
+        head: lines[i - 1],
+        rows: lines[i + 1..].iter().copied().take_while(|l| l.starts_with('|')).collect(),
     };
-    let with_figures = rows.iter().filter(|row| decimals(row) >= 2).count();
-    with_figures > 0 && 2 * with_figures >= rows.len() && rows.iter().all(|row| quotes(row).is_empty())
+    heads.map(table).collect()
+}
+
+/// Lines of the rows of a table that hold a figure without a key or an origin.
+///
+/// A table holds measured figures if a row quotes one, or if at least half of its rows hold two numbers with a decimal point
+/// or more. In such a table every number with a decimal point outside the first column is a figure, and every number at all
+/// in a column that quotes a key or holds numbers alone.
+fn bare_rows(table: &PageTable<'_>, is_origin: &dyn Fn(&str) -> bool) -> Vec<usize> {
+    let rows = &table.rows;
+    let with_figures =
+        rows.iter().filter(|row| numbers(row).filter(|n| n.contains('.')).count() >= 2).count();
+    let quotes_any = rows.iter().any(|row| !quotes(row).is_empty());
+    if !quotes_any && (with_figures == 0 || 2 * with_figures < rows.len()) {
+        return Vec::new();
+    }
+    let head = cells(table.head);
+    let rows: Vec<Vec<&str>> = rows.iter().map(|row| cells(row)).collect();
+    let of_column = |row: &[&str], c: usize| row.get(c).copied().unwrap_or_default().to_owned();
+    let says_origin = |cell: &str| origin(cell).is_some_and(is_origin);
+    let is_measured = |c: usize| {
+        let quotes_any = rows.iter().any(|row| !quotes(&of_column(row, c)).is_empty());
+        let column: Vec<String> = rows.iter().map(|row| without_quotes(&of_column(row, c))).collect();
+        let words = |cell: &String| cell.contains(|c: char| c.is_alphabetic());
+        quotes_any || !column.iter().any(words)
+    };
+    let measured: Vec<bool> = (0..head.len()).map(is_measured).collect();
+    let is_bare = |row: &[&str], c: usize| {
+        let cell = of_column(row, c);
+        let has_origin =
+            [of_column(&head, c), cell.clone(), of_column(row, 0)].iter().any(|c| says_origin(c));
+        let rest = without_quotes(&cell);
+        !has_origin && numbers(&rest).any(|n| n.contains('.') || measured[c])
+    };
+    let bare = rows.iter().enumerate().filter(|(_, row)| (1..head.len()).any(|c| is_bare(row, c)));
+    bare.map(|(k, _)| table.line + 2 + k).collect()
+}
+
+/// The cells of a row.
+fn cells(row: &str) -> Vec<&str> {
+    row.trim().trim_start_matches('|').trim_end_matches('|').split('|').map(str::trim).collect()
+}
+
+/// A cell without the numbers that have keys, without comments and without code.
+fn without_quotes(cell: &str) -> String {
+    let mut rest = cell.to_owned();
+    for quote in quotes(cell).iter().rev() {
+        rest.replace_range(quote.start..quote.start + quote.number.len(), "");
+    }
+    while let Some((at, n)) = rest.find(OPENS).and_then(|at| Some((at, rest[at..].find(CLOSES)?))) {
+        rest.replace_range(at..at + n + CLOSES.len(), "");
+    }
+    rest.split('`').step_by(2).collect::<Vec<_>>().join(" ")
+}
+
+/// Numbers of a text, without those that end a word as in `tet10`.
+fn numbers(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '.');
+    let words = words.map(|w| w.trim_matches('.'));
+    words.filter(|w| w.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+/// What a cell says about the origin of its figures.
+fn origin(cell: &str) -> Option<&str> {
+    let (_, rest) = cell.split_once("<!--from: ")?;
+    rest.split_once(CLOSES).map(|(words, _)| words)
+}
+
+/// Whether words name an origin that can be found: a reference, a file, or a date with a commit.
+fn is_origin(words: &str, references: &str, root: &Path) -> bool {
+    let mut parts = words.split([' ', ',', ';']).filter(|w| !w.is_empty());
+    let is_date = |w: &str| w.len() == 10 && w.starts_with("20") && w.split('-').count() == 3;
+    let is_commit = |w: &str| w.len() >= 7 && w.bytes().all(|b| b.is_ascii_hexdigit());
+    let dated = words.split([' ', ',', ';']).any(is_date) && words.split([' ', ',', ';']).any(is_commit);
+    dated
+        || parts.any(|w| match w.strip_prefix('@') {
+            Some(key) => references.contains(&format!("{{{key},")),
+            None => w.contains('/') && root.join(w).is_file(),
+        })
 }
 
 /// All pages that may quote.
@@ -377,12 +459,41 @@ mod tests {
     }
 
     #[test]
-    fn tables_of_figures_without_keys_are_counted() {
-        let bare = tables("text\n\n| part | s |\n|---|---|\n| a | 1.5, 2.5 |\n| b | 3.5, 0.1 |\n");
-        assert!(bare.len() == 1 && is_bare(&bare[0].1));
-        let words = tables("| key | meaning |\n|---|---|\n| a | about 1.5 |\n");
-        assert!(!is_bare(&words[0].1));
-        let quoted = tables("| part | s |\n|---|---|\n| a | 1.5<!--x.y.s-->, 2.5 |\n");
-        assert!(!is_bare(&quoted[0].1));
+    fn rows_of_figures_without_keys_are_found() {
+        let bare = |page: &str| {
+            let known = |words: &str| words == "known";
+            tables(page).iter().flat_map(|t| bare_rows(t, &known)).collect::<Vec<_>>()
+        };
+        assert_eq!(bare("text\n\n| part | s |\n|---|---|\n| a | 1.5, 2.5 |\n| b | 3.5, 0.1 |\n"), [5, 6]);
+        assert!(bare("| key | meaning |\n|---|---|\n| a | about 1.5 |\n").is_empty());
+        // One key does not cover the row, nor the table.
+        let quoted = "| part | s | n |\n|---|---|---|\n| a 2.5 | 1.5<!--x.y.s--> | 9 beads |\n";
+        assert!(bare(quoted).is_empty());
+        assert_eq!(bare(&format!("{quoted}| b | 3 | 9 |\n")), [4]);
+        assert_eq!(bare(&quoted.replace("9 beads", "9.5 beads")), [3]);
+        assert_eq!(bare(&quoted.replace("9 beads", "9")), [3]);
+        assert_eq!(bare(&quoted.replace("s-->", "s-->, 2.5")), [3]);
+        // An origin holds for its cell, its row or its column; code is no figure.
+        for more in [
+            "| b | 3.5<!--from: known--> | 9 |",
+            "| b<!--from: known--> | 3.5 | 9.5 |",
+            "| b | `0.5` | tet10 |",
+        ] {
+            assert!(bare(&format!("{quoted}{more}\n")).is_empty(), "{more}");
+        }
+        assert_eq!(bare(&format!("{quoted}| b | 3.5<!--from: hearsay--> | 9 |\n")), [4]);
+        let column = quoted.replace("| n |", "| n<!--from: known--> |").replace("9 beads", "9.5");
+        assert!(bare(&column).is_empty());
+    }
+
+    #[test]
+    fn an_origin_is_a_reference_a_file_or_a_date_with_a_commit() {
+        let root = crate::root();
+        let known = |words: &str| is_origin(words, "@book{higham2002,\n", &root);
+        assert!(known("@higham2002, table 3") && known("the page of README, xtask/src/measured.rs"));
+        assert!(known("2026-11-21, 176c775, cargo xtask bench continuous"));
+        for vague in ["measured before", "@nobody1900", "xtask/src/nothing.rs", "2026-11-21", "176c775"] {
+            assert!(!known(vague), "{vague}");
+        }
     }
 }
