@@ -1,4 +1,4 @@
-//! Elementary functions that give the same bits on every platform.
+//! Elementary functions that call no library of the system, so that their bits do not depend on it.
 //!
 //! `f64::sin` and similar functions call the system's libm, whose results differ in the last bit between
 //! platforms. One differing bit can reverse the direction of a path. The functions here are pure
