@@ -39,6 +39,9 @@ const CHECKS: &[Check] = &[
         crate::book::run(&[])?;
         crate::book::run(&["axe"])
     }),
+    ("two builds of one commit", || crate::release::run(&["twice"])),
+    ("static program", || crate::release::run(&["static"])),
+    ("Debian package in a bare root", debian_package),
     ("mutated files, kills, full disk", || crate::campaign::run(&[])),
     ("fuzz targets", || fuzz::run(FUZZ_SECONDS, true)),
 ];
@@ -51,6 +54,16 @@ fn slow_tests() -> Outcome {
     // Without a name every ignored test would run, also those that need data.
     names.peek().ok_or("no test is ignored because it is slow")?;
     crate::test_programs::run(&["--ignored", "--exact"].into_iter().chain(names).collect::<Vec<_>>())
+}
+
+/// The package of the program that the check of two builds has left. Programs that the check needs are installed.
+fn debian_package() -> Outcome {
+    crate::setup::packaging()?;
+    let program = crate::release::first_of_two();
+    if !program.exists() {
+        crate::release::run(&["twice"])?;
+    }
+    crate::deb::run(&[&program.to_string_lossy(), "--root"])
 }
 
 /// Runs what has not passed yet on this commit.

@@ -41,6 +41,15 @@ fn twice() -> Outcome {
     Ok(())
 }
 
+/// The program of the first of two builds.
+pub fn first_of_two() -> PathBuf {
+    program_of(&crate::target().join("twice/first"))
+}
+
+fn program_of(folder: &Path) -> PathBuf {
+    folder.join("checkout/target/dist").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX))
+}
+
 /// Checks a commit out below the target folder, builds the program there and gives its SHA-256.
 fn built_in(name: &str, commit: &str) -> Result<String, String> {
     let folder = crate::target().join("twice").join(name);
@@ -84,7 +93,7 @@ fn built_in(name: &str, commit: &str) -> Result<String, String> {
     cargo.env("USER", &user).env("LOGNAME", &user).env("RUSTFLAGS", flags);
     cargo.env_remove("CARGO_TARGET_DIR").env_remove("CARGO_BUILD_TARGET_DIR");
     crate::output(&mut cargo)?;
-    let program = checkout.join("target/dist").join(format!("grainpath{}", std::env::consts::EXE_SUFFIX));
+    let program = program_of(&folder);
     let bytes = fs::read(&program).map_err(|e| format!("{}: {e}", program.display()))?;
     // The registry is a link, which a tool may resolve to the folder of this machine's user.
     for path in [&checkout, &cargo_home, &own_cargo_home()?].map(|path| path.display().to_string()) {

@@ -166,6 +166,11 @@ pub fn peers() -> Result<(), String> {
     apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")], true)
 }
 
+/// For `cargo xtask deb --root`: what a package is held against, and what makes the root.
+pub fn packaging() -> Result<(), String> {
+    apt(&[("lintian", "lintian"), ("debootstrap", "debootstrap"), ("objdump", "binutils")], true)
+}
+
 /// For `cargo xtask bench fea`: an independent mesher and solver.
 pub fn fea() -> Result<(), String> {
     apt(&[("gmsh", "gmsh"), ("ccx", "calculix-ccx"), ("time", "time")], true)
