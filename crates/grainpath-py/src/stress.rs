@@ -29,7 +29,7 @@ impl StressData {
 }
 
 /// Elements of one kind that follow each other: the kind, and the nodes of each, `(n, nodes of the kind)`.
-type Run<'py> = (String, Bound<'py, PyArray2<u32>>);
+type ElementRun<'py> = (String, Bound<'py, PyArray2<u32>>);
 /// A case in parts: name, weight, nodes, stress, displacement, elements, and the nodes of each fixture and load.
 type Parts<'py> = (
     String,
@@ -37,7 +37,7 @@ type Parts<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Option<Bound<'py, PyArray2<f64>>>,
-    Vec<Run<'py>>,
+    Vec<ElementRun<'py>>,
     Vec<(String, Vec<u32>)>,
 );
 /// As [`Parts`], from the caller.

@@ -32,7 +32,7 @@ use grainpath_core::math::direction;
 use grainpath_core::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::bricks::Bricks;
+use super::bricks::{Bricks, DIRECTIONS, SHARE_STEPS};
 use super::card::StrengthCard;
 use super::damage::{damaged_stiffness, remaining_shares};
 use super::first_failure::{FirstFailure, IndexScale, OfCards, first_failures_of};
@@ -103,13 +103,6 @@ const LATER_TOLERANCE: f64 = 1e-2;
 /// Later solutions also reduce the residual that new damage has caused to this share of it. Measured: see
 /// [`STEP_CONTROL`].
 const RESIDUAL_GAIN: f64 = 0.1;
-/// Number of bead directions in half a turn for which the library holds a stiffness. Failure indices use the exact
-/// direction. Source: derived. A direction is rounded by 2.8 degrees at most, which changes a modulus by less than a
-/// twentieth of the difference between the moduli along and across the beads: 0.2 % for PLA.
-pub(super) const DIRECTIONS: f64 = 32.0;
-/// Number of steps to which the library rounds the share of a second ply, and the bond. Source: derived. A share is
-/// rounded by a sixteenth at most; that shifts a modulus by a sixteenth of the difference between along and across.
-pub(super) const SHARE_STEPS: f64 = 8.0;
 /// Number of steps to which the library rounds the stiffness that damage leaves: sixteenths of an octave, down to a
 /// thousandth. Source: derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
 const DAMAGE_STEPS: u64 = 160;

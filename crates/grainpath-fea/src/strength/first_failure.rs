@@ -17,8 +17,7 @@ use std::collections::btree_map::Entry;
 use grainpath_core::dense::solve_spd;
 use rayon::prelude::*;
 
-use super::brick_strength::{DIRECTIONS, SHARE_STEPS};
-use super::bricks::Bricks;
+use super::bricks::{Bricks, DIRECTIONS, SHARE_STEPS};
 use super::card::{FailureMode, StrengthCard};
 use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares, with_joined};
 use super::laminate::{Laminate, Ply};
