@@ -121,6 +121,20 @@ fn a_full_standard_output_is_an_error() {
 }
 
 #[test]
+fn a_program_has_the_name_that_a_setting_gives_it() {
+    let dir = part("files-set-name");
+    works(&grainpath(&dir, &["slice", "part.stl", "--set", "output.gcode=mine.gcode"]));
+    assert!(dir.join("mine.gcode").exists() && !dir.join("part.gcode").exists());
+    works(&grainpath(&dir, &["slice", "part.stl", "-o", "mine.gcode", "--set", "output.gcode=mine.gcode"]));
+    fails(
+        &dir,
+        &["slice", "part.stl", "-o", "a.gcode", "--set", "output.gcode=b.gcode"],
+        "-o a.gcode and output.gcode = b.gcode: give one name of the program",
+    );
+    assert!(!dir.join("a.gcode").exists() && !dir.join("b.gcode").exists());
+}
+
+#[test]
 fn an_output_replaces_neither_an_input_nor_another_output() {
     let dir = part("files-twice");
     fs::write(dir.join("other.stl"), box_stl([8.0, 8.0, 3.0])).expect("a file");

@@ -1,7 +1,7 @@
 //! `grainpath slice`: plans a mesh, a drawing, a scan or a photograph with default settings.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use grainpath_core::faces::FaceName;
 
@@ -164,10 +164,22 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
         assumed = Some("a part with a load on its faces: dense stripes along the stress");
     }
     let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;
-    if args.model == Path::new("-") && args.output.is_none() {
+    if args.model == Path::new("-") && args.output.is_none() && settings.output.gcode.is_empty() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
     }
-    let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
+    let set = (!settings.output.gcode.is_empty()).then(|| PathBuf::from(&settings.output.gcode));
+    let output = match (&args.output, set) {
+        (Some(output), Some(set)) if *output != set => {
+            return Err(Failure::usage(format!(
+                "-o {} and output.gcode = {}: give one name of the program",
+                output.display(),
+                set.display()
+            )));
+        }
+        (Some(output), _) => output.clone(),
+        (None, Some(set)) => set,
+        (None, None) => args.model.with_extension("gcode"),
+    };
     settings.output.gcode = output.display().to_string();
     if has_ending(&args.model, &["svg", "dxf"]) {
         settings.shape.outline = args.model.display().to_string();
