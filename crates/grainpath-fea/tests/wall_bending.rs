@@ -233,7 +233,7 @@ fn walls(thickness_mm: f64, cell_mm: f64, off: f64) -> Vec<(String, Wall, Fibre)
 
 #[test]
 fn thin_walls_bend_as_beam_theory_says_on_four_cells() {
-    for thickness_mm in [0.45, 1.35] {
+    for thickness_mm in [0.45, 0.9, 1.35] {
         for off in [0.0, 0.5] {
             for (name, wall, fibre) in walls(thickness_mm, thickness_mm / 4.0, off) {
                 let bent = bend(&wall);
@@ -251,7 +251,7 @@ fn thin_walls_bend_as_beam_theory_says_on_four_cells() {
                 );
                 // Where the middle plane lies off the grid, the outer cells are filled by half: 14 % were found for a
                 // wall of one bead, 12 % upright.
-                let most = if off > 0.0 && thickness_mm < 1.0 { 0.15 } else { 0.1 };
+                let most = if off > 0.0 && thickness_mm < 0.5 { 0.15 } else { 0.1 };
                 assert!((bent.peak_moment / want - 1.0).abs() < most, "{thickness_mm} {off} {name}");
                 assert!(bent.unresolved < 0.35, "{thickness_mm} {off} {name}: {}", bent.unresolved);
             }
