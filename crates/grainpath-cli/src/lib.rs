@@ -141,9 +141,14 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     end(outcome, json)
 }
 
+/// The word that asks for help where a command is expected.
+const HELP: &str = "help";
+/// The option that asks for JSON.
+const JSON: &str = "--json";
+
 /// `grainpath help COMMAND` as `grainpath COMMAND --help`.
 fn with_help_command(mut args: Vec<OsString>) -> Vec<OsString> {
-    if args.get(1).is_some_and(|first| first == "help") {
+    if args.get(1).is_some_and(|first| first == HELP) {
         args.remove(1);
         args.truncate(2);
         args.push("--help".into());
@@ -169,7 +174,7 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
             ExitCode::Usage.number()
         }
         _ => {
-            let json = args.iter().any(|arg| arg == "--json");
+            let json = args.iter().any(|arg| arg == JSON);
             let named =
                 |arg: &&OsString| arg.to_str().is_some_and(|arg| command().find_subcommand(arg).is_some());
             let command =

@@ -455,6 +455,8 @@ fn strength(
 
 /// The names of [`strength_pictures`].
 pub(crate) const STRENGTH_PICTURES: [&str; 2] = ["damage.png", "index.png"];
+/// Name of the chart of load over displacement.
+pub(crate) const STRENGTH_CURVE: &str = "curve.svg";
 
 /// Pictures of the damage and of the failure index.
 pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {

@@ -20,6 +20,7 @@ pub mod mask;
 pub mod math;
 pub mod medial;
 pub mod mesh;
+pub mod nesting;
 pub mod number;
 pub mod poly;
 pub mod polyline;

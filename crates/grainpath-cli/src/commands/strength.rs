@@ -43,7 +43,7 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
         let mut claims = claims_of(&args.input, args.job.as_deref(), &args.common)?;
         deck.into_iter().for_each(|deck| claims.write("--deck", deck));
         claims.write_into("--preview", folder, |name| {
-            name == "curve.svg" || outputs::STRENGTH_PICTURES.contains(&name)
+            name == outputs::STRENGTH_CURVE || outputs::STRENGTH_PICTURES.contains(&name)
         });
         claims.check()?;
     }
@@ -54,7 +54,7 @@ pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
         for (name, picture) in outputs::strength_pictures(&done.tested) {
             outputs::save(&folder.join(name), &picture.png)?;
         }
-        outputs::save(&folder.join("curve.svg"), chart_svg(&done.tested.report).as_bytes())?;
+        outputs::save(&folder.join(outputs::STRENGTH_CURVE), chart_svg(&done.tested.report).as_bytes())?;
         written = json!({ "preview": folder.display().to_string() });
     }
     if let Some(path) = deck {

@@ -1,10 +1,14 @@
 //! Triangle meshes as read from a file: vertices, triangles, and their defects.
 
+mod examined;
+mod stray;
 mod topology;
 mod weld;
 
 use glam::DVec3;
 
+pub use examined::Examined;
+pub use stray::{Strays, find_strays};
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose, examine};
 pub use weld::{VertexWelder, weld_targets, weld_within};
 

@@ -3,9 +3,9 @@
 //! The steps, each counted in a warning:
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
-//! 2. shells without volume beside a body are left out ([`super::stray`]);
+//! 2. shells without volume beside a body are left out ([`find_strays`]);
 //! 3. facets are turned so that neighbours agree, beginning at the first facet of each shell;
-//! 4. shells are turned by nesting ([`super::nesting`]): an outermost shell of negative volume is turned
+//! 4. shells are turned by nesting ([`turn_outward`]): an outermost shell of negative volume is turned
 //!    with all shells inside it, so that outer shells face outward and cavities inward;
 //! 5. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
 //!
@@ -14,13 +14,11 @@
 //! [`Repair::Strict`] refuses every defect. Lengths are in any unit. Cost: linear in the triangles, and
 //! what nesting takes.
 
-use grainpath_core::mesh::{EdgeUses, MeshHealth};
+use grainpath_core::mesh::{EdgeUses, Examined, MeshHealth, find_strays};
+use grainpath_core::nesting::turn_outward;
 use grainpath_core::{Diagnostics, TriMesh, WarningId};
 
 use super::ShapeError;
-use super::examined::Examined;
-use super::nesting::turn_outward;
-use super::stray;
 pub use grainpath_job::choices::Repair;
 
 /// Joins bodies into one mesh that is wound outward as far as possible. Near vertices are merged
@@ -60,7 +58,7 @@ pub fn mend_counting(
         examined.extend(Examined::new(body, diagnostics)?);
     }
     found.welded = examined.iter().map(|body| body.n_welded).sum();
-    let strays = stray::find(&examined);
+    let strays = find_strays(&examined);
     found.stray = strays.n_shells;
     if repair == Repair::Strict && strays.n_shells > 0 {
         let defects = format!("{} shells without volume beside the part", strays.n_shells);

@@ -2,15 +2,14 @@
 //! works. The steps are `mend` (repair), `place` (unit, rotation, plate) and `slice` (sections).
 //! Lengths are in mm, z = 0 is the plate.
 
-mod examined;
 mod heights;
 mod mend;
-mod nesting;
 mod outline;
 mod photo;
 mod place;
 mod section;
-mod stray;
+#[cfg(test)]
+mod shell_tests;
 
 use std::ops::Range;
 

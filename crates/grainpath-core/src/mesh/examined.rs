@@ -1,24 +1,31 @@
 //! A body with what is found about it before it is mended.
 
-use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, examine, weld_within};
-use grainpath_core::{Diagnostics, TriMesh};
-
-use super::ShapeError;
+use super::topology::{EdgeUses, MeshHealth, Shells, examine};
+use super::{TriMesh, weld_within};
+use crate::Diagnostics;
+use crate::diagnostics::Interrupted;
 
 /// A body with its edges and shells.
-pub(super) struct Examined {
-    pub(super) mesh: TriMesh,
-    pub(super) health: MeshHealth,
-    pub(super) edges: EdgeUses,
-    pub(super) shells: Shells,
+pub struct Examined {
+    /// The body, its near vertices merged where that closes edges.
+    pub mesh: TriMesh,
+    /// Counts of its defects.
+    pub health: MeshHealth,
+    /// The triangles at each edge.
+    pub edges: EdgeUses,
+    /// The shell of each triangle.
+    pub shells: Shells,
     /// Number of open edges that merging closed.
-    pub(super) n_welded: usize,
+    pub n_welded: usize,
 }
 
 impl Examined {
     /// Examines a body and merges near vertices where that closes edges; `None` for a body without
     /// triangles.
-    pub(super) fn new(mut mesh: TriMesh, diagnostics: &Diagnostics) -> Result<Option<Self>, ShapeError> {
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn new(mut mesh: TriMesh, diagnostics: &Diagnostics) -> Result<Option<Self>, Interrupted> {
         diagnostics.check()?;
         mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
         let Some((mut health, mut edges, mut shells)) = examine(&mesh, diagnostics)? else {
@@ -44,11 +51,14 @@ impl Examined {
     }
 
     /// The body without the given facets; `None` if nothing is left. `is_left_out` is empty if all stay.
-    pub(super) fn without(
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn without(
         self,
         is_left_out: &[bool],
         diagnostics: &Diagnostics,
-    ) -> Result<Option<Self>, ShapeError> {
+    ) -> Result<Option<Self>, Interrupted> {
         if !is_left_out.contains(&true) {
             return Ok(Some(self));
         }

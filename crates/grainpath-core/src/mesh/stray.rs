@@ -5,7 +5,7 @@
 //! taken to be in. A shell here is a set of facets connected over edges, any number of which may meet at an
 //! edge, so that a flap on a body stays with it. The rule:
 //!
-//! 1. a shell has no volume if it is as thin as the rounding of its coordinates ([`FLAT_SHARE`]), or if it
+//! 1. a shell has no volume if it is as thin as the rounding of its coordinates (a millionth of the largest), or if it
 //!    is open along more than half of its edges, which is the rule by which a whole mesh is refused;
 //! 2. an open shell of that kind stays if its box meets the box around the open edges of the shells with
 //!    volume, because it may be a piece of their surface that was not joined;
@@ -16,9 +16,10 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::{DVec3, DisjointSets};
+use glam::DVec3;
 
 use super::examined::Examined;
+use crate::DisjointSets;
 
 /// Mean thickness of a shell, as a share of its largest coordinate, up to which it counts as flat.
 /// Source: derived; 16 times the rounding of single-precision coordinates, 2^-24, as in the merging of
@@ -29,11 +30,12 @@ const FLAT_SHARE: f64 = 1e-6;
 /// that ten thousand stray facets are needed to come this low.
 const CLOSED_SHARE: f64 = 0.01;
 
-/// The shells that are left out.
-pub(super) struct Strays {
-    pub(super) n_shells: usize,
-    /// For each body, whether each of its facets is left out; empty if all stay.
-    pub(super) facets: Vec<Vec<bool>>,
+/// The shells without volume beside the bodies of a mesh.
+pub struct Strays {
+    /// Their number.
+    pub n_shells: usize,
+    /// For each body, whether each of its facets belongs to one; empty if none does.
+    pub facets: Vec<Vec<bool>>,
 }
 
 /// A box around points.
@@ -99,8 +101,8 @@ fn is_flat(volume: f64, area: f64, reach: f64) -> bool {
     2.0 * volume.abs() <= FLAT_SHARE * reach * area
 }
 
-/// Finds the shells to leave out.
-pub(super) fn find(bodies: &[Examined]) -> Strays {
+/// Finds the shells without volume beside the bodies of a mesh.
+pub fn find_strays(bodies: &[Examined]) -> Strays {
     let none = || Strays { n_shells: 0, facets: vec![Vec::new(); bodies.len()] };
     if bodies.iter().map(|b| b.health.shells).sum::<usize>() < 2 {
         return none();
@@ -173,96 +175,4 @@ fn shells(body: &Examined) -> (Vec<u32>, BTreeMap<u32, Shell>) {
         }
     }
     (shell_of, shells)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::{box_at, facet};
-    use super::super::{Repair, ShapeError, mend};
-    use super::*;
-    use grainpath_core::{Diagnostics, TriMesh, WarningId};
-
-    fn joined(parts: &[TriMesh]) -> TriMesh {
-        let mut all = TriMesh::default();
-        for part in parts {
-            let first = all.vertices.len() as u32;
-            all.vertices.extend(&part.vertices);
-            all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-        all
-    }
-
-    /// The mended mesh, and the number of shells that were left out by the warning.
-    fn left(bodies: Vec<TriMesh>) -> (TriMesh, usize) {
-        let diagnostics = Diagnostics::default();
-        let mesh = mend(bodies, Repair::Auto, &diagnostics).expect("a part");
-        let told = diagnostics.warnings().into_iter().find(|w| w.id == WarningId::MeshStray);
-        let n = told.map_or(0, |w| w.text.split(' ').nth(1).and_then(|n| n.parse().ok()).expect("a count"));
-        (mesh, n)
-    }
-
-    #[test]
-    fn facets_and_sheets_beside_a_body_go_wherever_they_lie() {
-        let body = box_at([0.0; 3], [20.0, 10.0, 5.0]);
-        let sheet = |z: f64| {
-            let (top, mut back) = (facet([0.0, 0.0, z], 7.0), facet([0.0, 0.0, z], 7.0));
-            back.triangles[0].swap(1, 2);
-            // A double sheet is closed: its two sides share their vertices.
-            TriMesh { vertices: top.vertices.clone(), triangles: [top.triangles, back.triangles].concat() }
-        };
-        let many =
-            (0..50).map(|i| facet([f64::from(i), -40.0 + f64::from(i * i % 17), f64::from(i % 7)], 1.0));
-        for strays in [
-            vec![facet([0.0, 0.0, -6.5], 2.0)],
-            vec![facet([5.0, 5.0, 2.0], 1.0)],
-            vec![sheet(30.0), sheet(-300.0), facet([200.0, 0.0, 0.0], 0.01)],
-            many.collect(),
-        ] {
-            let n = strays.len();
-            let mut parts = strays.clone();
-            parts.insert(n / 2, body.clone());
-            for bodies in [vec![joined(&parts)], parts.clone()] {
-                let (mesh, n_left_out) = left(bodies);
-                assert_eq!((mesh.bounds(), n_left_out), (body.bounds(), n));
-                assert!((mesh.signed_volume() - 1000.0).abs() < 1e-9);
-            }
-            let strict = mend(parts, Repair::Strict, &Diagnostics::default());
-            assert!(
-                matches!(strict, Err(ShapeError::Defects { defects }) if defects.contains(&n.to_string()))
-            );
-        }
-    }
-
-    #[test]
-    fn open_surfaces_small_bodies_and_pieces_of_a_surface_stay() {
-        let body = box_at([0.0; 3], [200.0, 200.0, 200.0]);
-        // A body of a ten thousand millionth of the volume beside it.
-        let small = box_at([300.0, 0.0, 0.0], [0.1, 0.1, 0.1]);
-        let mut lid_off = box_at([0.0; 3], [10.0, 10.0, 5.0]);
-        let lid = lid_off.triangles.split_off(10);
-        // The lid's edges are too far from those of the box to be merged.
-        let mut lid = TriMesh { vertices: lid_off.vertices.clone(), triangles: lid };
-        lid.vertices.iter_mut().for_each(|p| p.x += 1e-3);
-        for bodies in
-            [vec![joined(&[body.clone(), small])], vec![lid_off.clone()], vec![joined(&[lid_off, lid])]]
-        {
-            let n = bodies.iter().map(|b| b.triangles.len()).sum::<usize>();
-            let (mesh, n_left_out) = left(bodies);
-            assert_eq!((mesh.triangles.len(), n_left_out), (n, 0));
-        }
-        // A body whose facets share no vertices, beside one whose facets do.
-        let whole = box_at([0.0; 3], [10.0, 10.0, 5.0]);
-        let apart = whole.triangles.iter().enumerate().map(|(i, t)| TriMesh {
-            vertices: t
-                .map(|v| whole.vertices[v as usize] + DVec3::new(400.0, 1e-3 * i as f64, 0.0))
-                .to_vec(),
-            triangles: vec![[0, 1, 2]],
-        });
-        let mut parts: Vec<TriMesh> = apart.collect();
-        parts.push(body);
-        let bodies: Vec<TriMesh> = vec![joined(&parts)];
-        let diagnostics = Diagnostics::default();
-        let _ = mend(bodies, Repair::Auto, &diagnostics);
-        assert!(diagnostics.warnings().iter().all(|w| w.id != WarningId::MeshStray));
-    }
 }

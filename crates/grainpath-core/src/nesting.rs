@@ -6,15 +6,16 @@
 //! shell of positive volume is a cavity and stays.
 //!
 //! A shell lies in another if the middle of its largest facet does, by the winding number. Only the
-//! [`MOST_OUTER`] largest shells are taken for containers, so that the cost does not grow with the square
+//! 200 largest shells are taken for containers, so that the cost does not grow with the square
 //! of thousands of specks. Cost: nothing but sums if all shells have a positive volume, else at most
-//! [`MOST_OUTER`] comparisons of boxes for each shell, and a search of the container where boxes fit.
+//! 200 comparisons of boxes for each shell, and a search of the container where boxes fit.
 
 use std::cell::OnceCell;
 
-use grainpath_core::bvh::Bvh;
-use grainpath_core::mesh::Shells;
-use grainpath_core::{DVec3, TriMesh};
+use glam::DVec3;
+
+use crate::bvh::Bvh;
+use crate::mesh::{Shells, TriMesh};
 
 /// Number of the largest shells that others are compared with. Source: chosen; no file of ours has so many
 /// bodies with cavities, and comparing a thousand specks with them takes less than reading their file.
@@ -33,7 +34,7 @@ struct Shell {
 
 /// Turns outermost shells of negative volume with all shells inside them. Returned is the number of
 /// shells turned.
-pub(super) fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
+pub fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
     let all = measure(mesh, shells);
     if all.iter().all(|s| s.volume >= 0.0) {
         return 0;
@@ -110,62 +111,4 @@ fn search(mesh: &TriMesh, shells: &Shells, id: usize) -> Bvh {
     let vertices: Vec<DVec3> = own.flat_map(|(_, t)| t.map(|i| mesh.vertices[i as usize])).collect();
     let triangles = (0..vertices.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     Bvh::new(&TriMesh { vertices, triangles })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::{box_at, turned};
-    use super::super::{Repair, mend};
-    use grainpath_core::{DVec2, DVec3, Diagnostics, Polygon, TriMesh};
-
-    fn volume(shells: &[TriMesh]) -> f64 {
-        let mut all = TriMesh::default();
-        for shell in shells {
-            let first = all.vertices.len() as u32;
-            all.vertices.extend(&shell.vertices);
-            all.triangles.extend(shell.triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-        mend(vec![all], Repair::Auto, &Diagnostics::default()).expect("a part").signed_volume()
-    }
-
-    #[test]
-    fn nested_shells_face_alternately_whichever_way_they_were_written() {
-        let outer = box_at([0.0; 3], [10.0, 10.0, 10.0]);
-        let cavity = turned(&box_at([2.0; 3], [6.0, 6.0, 6.0]));
-        let island = box_at([4.0; 3], [2.0, 2.0, 2.0]);
-        let beside = box_at([20.0, 0.0, 0.0], [3.0, 3.0, 3.0]);
-        let nest = [outer, cavity, island, beside];
-        let expected = 1000.0 - 216.0 + 8.0 + 27.0;
-        for places in [[0.0; 3], [-50.0, 70.0, -1e3]] {
-            let moved = |m: &TriMesh| {
-                let mut m = m.clone();
-                m.vertices.iter_mut().for_each(|p| *p += DVec3::from_array(places));
-                m
-            };
-            let as_written: Vec<TriMesh> = nest.iter().map(moved).collect();
-            let whole: Vec<TriMesh> = as_written.iter().map(turned).collect();
-            // The nest alone is inside out, the body beside it is not, and the other way round.
-            let mixed = [&whole[..3], &as_written[3..]].concat();
-            let other = [&as_written[..3], &whole[3..]].concat();
-            for shells in [as_written, whole, mixed, other] {
-                let mut backwards = shells.clone();
-                backwards.reverse();
-                assert!((volume(&shells) - expected).abs() < 1e-6, "{}", volume(&shells));
-                assert!((volume(&backwards) - expected).abs() < 1e-6);
-            }
-        }
-        // A body in the notch of another lies in its box and not in it.
-        let ring = [[0.0, 0.0], [9.0, 0.0], [9.0, 1.0], [1.0, 1.0], [1.0, 9.0], [0.0, 9.0]];
-        let ring = Polygon { outer: ring.map(DVec2::from_array).to_vec(), holes: Vec::new() };
-        let mut angle = TriMesh::default();
-        super::super::prism(&ring.into(), 0.0, 9.0, &mut angle).expect("an outline");
-        let small = box_at([4.0; 3], [1.0, 1.0, 1.0]);
-        for (a, b) in [
-            (turned(&angle), small.clone()),
-            (angle.clone(), turned(&small)),
-            (turned(&angle), turned(&small)),
-        ] {
-            assert!((volume(&[a, b]) - (17.0 * 9.0 + 1.0)).abs() < 1e-9);
-        }
-    }
 }
