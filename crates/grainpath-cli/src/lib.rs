@@ -149,6 +149,7 @@ const JSON: &str = "--json";
 /// `grainpath help COMMAND` as `grainpath COMMAND --help`.
 fn with_help_command(mut args: Vec<OsString>) -> Vec<OsString> {
     if args.get(1).is_some_and(|first| first == HELP) {
+        // Words behind the command would be taken for its own arguments.
         args.remove(1);
         args.truncate(2);
         args.push("--help".into());
@@ -174,6 +175,7 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
             ExitCode::Usage.number()
         }
         _ => {
+            // The arguments were not understood, so whether JSON is wanted is read from the words themselves.
             let json = args.iter().any(|arg| arg == JSON);
             let named =
                 |arg: &&OsString| arg.to_str().is_some_and(|arg| command().find_subcommand(arg).is_some());

@@ -42,6 +42,7 @@ pub fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
     let mut large: Vec<usize> = (0..all.len()).collect();
     large.sort_by(|&i, &j| all[j].volume.abs().total_cmp(&all[i].volume.abs()).then(i.cmp(&j)));
     large.truncate(MOST_OUTER);
+    // Most boxes lie in no other, so a search is made only for a shell that is asked about.
     let searches: Vec<OnceCell<Bvh>> = large.iter().map(|_| OnceCell::new()).collect();
     let lies_in = |inner: usize, k: usize| {
         let (s, outer) = (&all[inner], &all[large[k]]);
@@ -49,6 +50,7 @@ pub fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
             && outer.volume.abs() > s.volume.abs()
             && outer.low.cmple(s.low).all()
             && outer.high.cmpge(s.high).all();
+        // The middle of a facet lies on its own shell but, unless shells touch, clearly in or outside another one.
         // Inside a shell that is inside out the winding number is -1.
         fits && searches[k].get_or_init(|| search(mesh, shells, outer.id)).winding_number(s.largest.1).abs()
             > 0.5

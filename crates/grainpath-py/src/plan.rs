@@ -389,6 +389,7 @@ pub(crate) fn orient<'py>(
     worker::run(py, &caller, move |diagnostics, requests| {
         let given = work.given(requests)?;
         let path = work.shape_path(&given)?;
+        // Scans and sections, which have no surface to stand on, are refused by the call with the command's sentence.
         let poses = grainpath_cli::poses_json(&work.settings, given, &path, &work.folder, diagnostics)?;
         Ok(serde_json::json!({ "poses": poses, "warnings": diagnostics.warnings() }).to_string())
     })

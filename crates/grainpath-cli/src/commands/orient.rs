@@ -139,6 +139,7 @@ fn ranked(
         None => read_body(settings, shape, diagnostics)?.0,
     };
     let start = Instant::now();
+    // The part is needed again for its poses, so the solver gets a copy.
     let known = given.known;
     let given = || Given { shape: Some(Handed::Mesh(file.clone())), known, ..Given::default() };
     let guide = if is_loaded(settings) {

@@ -167,6 +167,7 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     if args.model == Path::new("-") && args.output.is_none() && settings.output.gcode.is_empty() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
     }
+    // Both names are the user's own words, so neither may lose in silence.
     let set = (!settings.output.gcode.is_empty()).then(|| PathBuf::from(&settings.output.gcode));
     let output = match (&args.output, set) {
         (Some(output), Some(set)) if *output != set => {

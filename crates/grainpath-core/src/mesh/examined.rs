@@ -27,6 +27,7 @@ impl Examined {
     /// [`Interrupted`] when a stop was asked for.
     pub fn new(mut mesh: TriMesh, diagnostics: &Diagnostics) -> Result<Option<Self>, Interrupted> {
         diagnostics.check()?;
+        // A triangle with two equal corners has no area, and its edges would count as defects.
         mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
         let Some((mut health, mut edges, mut shells)) = examine(&mesh, diagnostics)? else {
             return Ok(None);

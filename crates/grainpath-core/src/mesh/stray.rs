@@ -112,6 +112,7 @@ pub fn find_strays(bodies: &[Examined]) -> Strays {
     if !all().any(Shell::has_volume) {
         return none();
     }
+    // Pieces of a surface that were not joined to it lie at its holes.
     let mut hole = Bounds::EMPTY;
     for shell in all().filter(|s| s.has_volume() && s.n_open > 0) {
         hole.add(shell.open.low);
@@ -119,6 +120,7 @@ pub fn find_strays(bodies: &[Examined]) -> Strays {
     }
     let may_go = |s: &Shell| !s.has_volume() && (s.n_open == 0 || !s.bounds.meets(&hole));
     let open: Vec<&Shell> = all().filter(|s| s.n_open > 0 && may_go(s)).collect();
+    // Facets that share no vertices are a shell each, and may be the surface of a body all the same.
     let area: f64 = open.iter().map(|s| s.area).sum();
     let vector: DVec3 = open.iter().map(|s| s.area_vector).sum();
     let volume: f64 = open.iter().map(|s| s.volume_of_origin).sum();

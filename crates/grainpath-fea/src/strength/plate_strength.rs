@@ -155,6 +155,7 @@ impl PlateTest<'_> {
     ) -> Result<OfCards<N>, TestError> {
         let mut plate = self.loaded()?;
         plate.solve()?;
+        // Nothing is damaged yet, as in a solid; one solution serves all cards.
         let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
         let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
         let failures = |element: usize, k: usize| {

@@ -58,6 +58,7 @@ pub fn mend_counting(
         examined.extend(Examined::new(body, diagnostics)?);
     }
     found.welded = examined.iter().map(|body| body.n_welded).sum();
+    // All bodies are looked at together, because the pieces of one surface may be bodies of their own in the file.
     let strays = find_strays(&examined);
     found.stray = strays.n_shells;
     if repair == Repair::Strict && strays.n_shells > 0 {

@@ -229,6 +229,8 @@ impl<'a> LaidCells<'a> {
         let size = bounds.map_or(DVec2::ZERO, |b| b.size()).extend(tall);
         let (usual_mm, smallest_mm) = cell_sizes_mm(fidelity, settings.bead_mm, middle, volume_mm3, size);
         let test_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
+        // A dense part is not solved here, so its cells are those of the test however many there are. A solution on all
+        // cells of a large part would take longer than everything else in the run.
         let [of_plate, of_solid] = MOST_CELLS;
         let cell_mm = match (uneven, fidelity) {
             (None, _) => test_mm,
@@ -252,6 +254,8 @@ impl<'a> LaidCells<'a> {
     fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
         let cells = PlacedCells::unmoved(self.cell_mm);
         let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
+        // Larger cells miss the notches that the test's cells show. The indices are raised by what many parts miss in the
+        // mean, and the interval by how far single ones are from that.
         let larger = self.cell_mm / self.test_mm;
         let scale = IndexScale {
             in_plane: math::pow(larger, CELL_EXPONENT.in_plane),
@@ -260,6 +264,7 @@ impl<'a> LaidCells<'a> {
         let spread = math::pow(larger, CELL_SPREAD);
         let mut found = Vec::new();
         for case in std::iter::once(setup).chain(&setup.others) {
+            // Each case has fixtures of its own to fit to the cells, so nothing is shared between cases.
             let loaded = LoadedPart::new(&case.in_frame(self.frame), &self.sheets, cells)?;
             let corners = loaded.first_failures(&cards, scale, limits)?;
             let place = |first: &FirstFailure| {
