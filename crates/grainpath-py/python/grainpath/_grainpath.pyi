@@ -26,6 +26,7 @@ __all__ = [
     "marker_sheet",
     "mesh_from_file",
     "mesh_from_parts",
+    "orient",
     "pieces",
     "plan",
     "plan_parted",
