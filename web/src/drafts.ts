@@ -34,14 +34,17 @@ export function drafts(): Draft[] {
   }
 }
 
-export const draftOf = (path: string): Draft | null => drafts().find((draft) => draft.path === path) ?? null;
+export const draftOf = (path: string): Draft | null => read(PREFIX + path);
 
 /** Keeps the changed text of a file; a text that is that of the file needs no keeping. */
 export function keep(draft: Omit<Draft, "at">): void {
   if (draft.text === draft.from) { forget(draft.path); return; }
   try {
-    localStorage.setItem(PREFIX + draft.path, JSON.stringify({ ...draft, at: Date.now() }));
-    drafts().slice(MOST).forEach((old) => forget(old.path));
+    const key = PREFIX + draft.path;
+    // Each letter that is typed comes here; only a draft of another file may be one too many.
+    const isAnother = localStorage.getItem(key) === null;
+    localStorage.setItem(key, JSON.stringify({ ...draft, at: Date.now() }));
+    if (isAnother) drafts().slice(MOST).forEach((old) => forget(old.path));
   } catch { /* A browser that keeps nothing keeps no drafts. */ }
 }
 

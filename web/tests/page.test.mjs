@@ -161,11 +161,14 @@ for (const scheme of ["light", "dark"]) {
   });
 }
 
+// Run in a page before its own scripts: a browser without WebGL.
+function withoutWebGl() {
+  const get = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
+}
+
 test("without WebGL 2 the numbers, faces and loads of a part are there", async () => {
-  const { page, close } = await visit(browser, server.address, {}, () => {
-    const get = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
-  });
+  const { page, close } = await visit(browser, server.address, {}, withoutWebGl);
   await page.waitForSelector("#welcome h2");
   await choose(page, "box.stl");
   await page.waitForSelector("#size");
@@ -180,10 +183,7 @@ test("without WebGL 2 the numbers, faces and loads of a part are there", async (
 });
 
 test("without WebGL 2 a program is broken between two of its sides", async () => {
-  const { page, close } = await visit(browser, server.address, {}, () => {
-    const get = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
-  });
+  const { page, close } = await visit(browser, server.address, {}, withoutWebGl);
   await page.waitForSelector("#welcome h2");
   await choose(page, "squares.gcode");
   await page.click("#tab-strength");

@@ -160,18 +160,15 @@ fn with_help_command(mut args: Vec<OsString>) -> Vec<OsString> {
 /// Ends a command whose arguments ask for help or the version, or are wrong. Returns the exit code.
 fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
     let text = error.render();
+    let shown = |styled: bool| if styled { text.ansi().to_string() } else { text.to_string() };
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let styled = std::io::stdout().is_terminal();
-            files::print(&if styled { text.ansi().to_string() } else { text.to_string() });
+            files::print(&shown(std::io::stdout().is_terminal()));
             end(Ok(()), false)
         }
         // Without any arguments the help is the answer, and an error nevertheless.
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            eprint!(
-                "{}",
-                if std::io::stderr().is_terminal() { text.ansi().to_string() } else { text.to_string() }
-            );
+            eprint!("{}", shown(std::io::stderr().is_terminal()));
             ExitCode::Usage.number()
         }
         _ => {

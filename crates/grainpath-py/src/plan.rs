@@ -1,6 +1,6 @@
 //! Plans jobs: turns settings and arrays into paths, the program and the report.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,6 +22,7 @@ use grainpath_job::Settings;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use serde_json::Value;
 
 use crate::errors::{ARRAY, FIELD};
 use crate::image::ImageData;
@@ -376,6 +377,25 @@ pub(crate) fn plan_parted<'py>(
     Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
 }
 
+/// Runs a part of a job. Returns what `find` found, under its name, and the warnings, as JSON.
+fn reported<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    handover: Handover<'py>,
+    watch: Watch<'py>,
+    find: impl FnOnce(&Work, Given, &Path, &Diagnostics) -> Result<(&'static str, Value), Failure>
+    + Send
+    + 'static,
+) -> PyResult<String> {
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
+    worker::run(py, &caller, move |diagnostics, requests| {
+        let given = work.given(requests)?;
+        let path = work.shape_path(&given)?;
+        let (name, found) = find(&work, given, &path, diagnostics)?;
+        Ok(serde_json::json!({ name: found, "warnings": diagnostics.warnings() }).to_string())
+    })
+}
+
 /// The stable poses of a job's part, the best first. Returns them and the warnings as `grainpath orient --json` prints
 /// them.
 #[pyfunction]
@@ -385,13 +405,10 @@ pub(crate) fn orient<'py>(
     handover: Handover<'py>,
     watch: Watch<'py>,
 ) -> PyResult<String> {
-    let (mut work, caller) = Work::new(spec, handover, watch)?;
-    worker::run(py, &caller, move |diagnostics, requests| {
-        let given = work.given(requests)?;
-        let path = work.shape_path(&given)?;
+    reported(py, spec, handover, watch, |work, given, path, diagnostics| {
         // Scans and sections, which have no surface to stand on, are refused by the call with the command's sentence.
-        let poses = grainpath_cli::poses_json(&work.settings, given, &path, &work.folder, diagnostics)?;
-        Ok(serde_json::json!({ "poses": poses, "warnings": diagnostics.warnings() }).to_string())
+        let poses = grainpath_cli::poses_json(&work.settings, given, path, &work.folder, diagnostics)?;
+        Ok(("poses", poses.into()))
     })
 }
 
@@ -404,12 +421,8 @@ pub(crate) fn check<'py>(
     handover: Handover<'py>,
     watch: Watch<'py>,
 ) -> PyResult<String> {
-    let (mut work, caller) = Work::new(spec, handover, watch)?;
-    worker::run(py, &caller, move |diagnostics, requests| {
-        let given = work.given(requests)?;
-        let path = work.shape_path(&given)?;
-        let guide = grainpath_cli::checked(&work.settings, given, &path, &work.folder, diagnostics)?;
-        let report = StressReport::from(&guide);
-        Ok(serde_json::json!({ "stress": report, "warnings": diagnostics.warnings() }).to_string())
+    reported(py, spec, handover, watch, |work, given, path, diagnostics| {
+        let guide = grainpath_cli::checked(&work.settings, given, path, &work.folder, diagnostics)?;
+        Ok(("stress", serde_json::json!(StressReport::from(&guide))))
     })
 }

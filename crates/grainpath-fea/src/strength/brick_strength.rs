@@ -128,11 +128,8 @@ impl SolidTest<'_> {
         if !self.has_thin_walls() {
             return Ok(UnresolvedBending::default());
         }
-        let mut solid = self.loaded(LATER_TOLERANCE)?;
-        solid.settings.tolerance = PROBE_TOLERANCE;
-        solid.solve()?;
-        let whole = PlyState::whole(&self.card.final_strains(1.0, 1.0));
-        unresolved_bending(&solid.bending(&vec![whole; solid.n_plies()]))
+        let (solid, states) = self.before_damage()?;
+        unresolved_bending(&solid.bending(&states))
     }
 
     /// The first failure under the load for each of `N` cards with the elastic constants of the test's own card. It takes one
@@ -145,11 +142,7 @@ impl SolidTest<'_> {
         cards: &[StrengthCard; N],
         scale: IndexScale,
     ) -> Result<OfCards<N>, TestError> {
-        let mut solid = self.loaded(LATER_TOLERANCE)?;
-        solid.settings.tolerance = PROBE_TOLERANCE;
-        solid.solve()?;
-        // Nothing is damaged yet. The strains at which softening ends do not matter, so neither does the size of the cells.
-        let states = vec![PlyState::whole(&self.card.final_strains(1.0, 1.0)); solid.n_plies()];
+        let (solid, states) = self.before_damage()?;
         // Strains do not depend on strengths, so one solution serves all cards.
         let failures = |element: usize, k: usize| {
             let cell = solid.cells[element] as usize;
@@ -159,6 +152,17 @@ impl SolidTest<'_> {
             FirstFailure::of_plies(cell, plies.zip(indices), scale)
         };
         Ok(first_failures_of(&solid, &failures))
+    }
+
+    /// The part under its load before anything is damaged, and the states of its plies.
+    fn before_damage(&self) -> Result<(LoadedSolid<'_>, Vec<PlyState>), TestError> {
+        let mut solid = self.loaded(LATER_TOLERANCE)?;
+        solid.settings.tolerance = PROBE_TOLERANCE;
+        solid.solve()?;
+        // The strains at which softening ends do not matter yet, so neither does the size of the cells.
+        let whole = PlyState::whole(&self.card.final_strains(1.0, 1.0));
+        let states = vec![whole; solid.n_plies()];
+        Ok((solid, states))
     }
 
     /// Full cells across the part through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.

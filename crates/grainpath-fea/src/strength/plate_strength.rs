@@ -133,10 +133,7 @@ impl PlateTest<'_> {
         if !self.has_thin_walls() {
             return Ok(UnresolvedBending::default());
         }
-        let mut plate = self.loaded()?;
-        plate.solve()?;
-        let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
-        let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
+        let (plate, states) = self.before_damage()?;
         let membranes: Vec<PlaneStiffness> =
             (0..plate.n_elements()).map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
         unresolved_bending(&plate.bending(&states, &membranes))
@@ -153,11 +150,7 @@ impl PlateTest<'_> {
         cards: &[Vec<StrengthCard>; N],
         scale: IndexScale,
     ) -> Result<OfCards<N>, TestError> {
-        let mut plate = self.loaded()?;
-        plate.solve()?;
-        // Nothing is damaged yet, as in a solid; one solution serves all cards.
-        let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
-        let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
+        let (plate, states) = self.before_damage()?;
         let failures = |element: usize, k: usize| {
             let strain = middle_strain(&plate.corners(element), plate.cell_mm());
             let indices = plate.indices_of_strain(&cards[k], element, strain, &states);
@@ -165,6 +158,16 @@ impl PlateTest<'_> {
             FirstFailure::of_plies(self.elements.cells[element] as usize, plies.zip(indices), scale)
         };
         Ok(first_failures_of(&plate, &failures))
+    }
+
+    /// The plate under its load before anything is damaged, and the states of its plies.
+    fn before_damage(&self) -> Result<(LoadedPlate<'_>, Vec<PlyState>), TestError> {
+        let mut plate = self.loaded()?;
+        plate.solve()?;
+        // The strains at which softening ends do not matter yet, so neither does the size of the cells.
+        let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
+        let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
+        Ok((plate, states))
     }
 
     /// Full cells across the plate through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.

@@ -544,8 +544,8 @@ fn plan_stack(
     let loads = config::loads(settings, deck.as_ref());
     let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
     // The strength test runs on the finished program. Its setup keeps the data that it needs from the mesh.
-    let test = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
-    let test = settings.strength.enabled.then(test).transpose()?;
+    let test_setup = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
+    let test = settings.strength.enabled.then(test_setup).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, known: source.known.as_deref() };
     let stress_settings = config::stress(settings, deck.as_ref());
     config::warn_of_mix(settings, diagnostics);
@@ -554,7 +554,7 @@ fn plan_stack(
     // The reserve of sparse infill needs fixtures and loads as a test does. Where a test cannot have them, only the reserve
     // is missing.
     let uneven = (guide.is_some() && config::loads_beads_unevenly(settings))
-        .then(|| TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone()));
+        .then(|| test.clone().map_or_else(test_setup, Ok));
     let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;
     let place = config::field(settings, lowered_mm, plate_from_part_mm);
     let lay = |samples| FieldGuide::new(samples, &place, &stack, diagnostics);

@@ -190,7 +190,8 @@ struct LaidCells<'a> {
     /// Sheets of each layer.
     sheets_a_layer: usize,
     frame: Frame,
-    cards: Vec<Vec<StrengthCard>>,
+    /// The cards with low, nominal and high strengths, each list in the numbering of the materials.
+    cards: [Vec<StrengthCard>; 3],
     fidelity: Fidelity,
     cell_mm: f64,
     /// Size of the cells of the virtual test.
@@ -204,7 +205,8 @@ struct LaidCells<'a> {
 impl<'a> LaidCells<'a> {
     fn new(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
         let StressedPart { guide, stack, plate_from_part_mm: shift, uneven } = part;
-        let cards = TOLD.iter().map(|c| settings.cards(*c)).collect::<Result<Vec<_>, _>>()?;
+        let [low, nominal, high] = TOLD;
+        let cards = [settings.cards(low)?, settings.cards(nominal)?, settings.cards(high)?];
         if !guide.is_trusted() {
             return Err(Untold::Peak);
         }
@@ -253,7 +255,6 @@ impl<'a> LaidCells<'a> {
     /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
     fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
         let cells = PlacedCells::unmoved(self.cell_mm);
-        let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
         // Larger cells miss the notches that the test's cells show. The indices are raised by what many parts miss in the
         // mean, and the interval by how far single ones are from that.
         let larger = self.cell_mm / self.test_mm;
@@ -266,7 +267,7 @@ impl<'a> LaidCells<'a> {
         for case in std::iter::once(setup).chain(&setup.others) {
             // Each case has fixtures of its own to fit to the cells, so nothing is shared between cases.
             let loaded = LoadedPart::new(&case.in_frame(self.frame), &self.sheets, cells)?;
-            let corners = loaded.first_failures(&cards, scale, limits)?;
+            let corners = loaded.first_failures(&self.cards, scale, limits)?;
             let place = |first: &FirstFailure| {
                 let at = loaded.centre(first.cell, 0.5 * (case.low.z + case.high.z));
                 let layer = match self.fidelity {
@@ -291,14 +292,13 @@ impl<'a> LaidCells<'a> {
             .map(|cell| self.frame.to_part(grid.centre(cell)).extend(middle_mm))
             .collect();
         let held: Vec<bool> = at.iter().map(|p| self.is_held(*p)).collect();
-        let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
         let mut found = Vec::new();
         for case in &guide.cases {
             let stress = |cell: usize| {
                 let [xx, yy, _, xy, ..] = self.stress(case, at[cell])?;
                 (!held[cell]).then_some([xx, yy, xy])
             };
-            let corners = first_failure_of_plate(&laminate, &cards, &stress)
+            let corners = first_failure_of_plate(&laminate, &self.cards, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
             let layer = |first: &FirstFailure| self.layer_of_ply(grid.centre(first.cell), first.angle_rad);
             let widen = |first_failure| interval(guide, first_failure);
