@@ -79,14 +79,15 @@ fn gap_and_surplus(layer: &LayerPlan, band: &Region) -> (f64, f64) {
     let clipper = LineClipper::new(band);
     let (mut volume, mut beads) = (0.0, Vec::new());
     for path in layer.paths.iter().map(|p| &p.path).filter(|p| p.role.is_part()) {
-        let mut points = path.points.clone();
-        points.extend(path.closed.then(|| path.start()));
-        let width = path.width_at(0);
-        for piece in clipper.clip(&points) {
-            let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
-            volume += length * bead_area_mm2(width, layer.height_mm);
+        for k in 0..path.n_segments() {
+            let (a, b, _) = path.segment(k);
+            let width = 0.5 * (path.width_at(k) + path.width_at((k + 1) % path.points.len()));
+            for piece in clipper.clip(&[a, b]) {
+                let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+                volume += length * bead_area_mm2(width, layer.height_mm);
+            }
+            beads.push(Region::around_line(&[a, b], false, 0.5 * width));
         }
-        beads.push(Region::around_line(&path.points, path.closed, 0.5 * width));
     }
     let covered = Region::from_contours(beads.iter().flat_map(Region::contours), FillRule::NonZero);
     let area = band.area_mm2();
@@ -122,11 +123,12 @@ fn the_seam_at_a_border_is_as_open_as_is_told() {
         }
     }
     println!("worst gap {:.4}, volume {:+.4} to {:+.4}", worst.0, worst.2, worst.1);
-    // The ends of lines that run into a border leave notches, and joints are refused where lines meet it at less than
-    // about 14 degrees. The warning `regions-seam` states these shares.
-    assert!((0.03..=0.205).contains(&worst.0), "gap {}", worst.0);
-    assert!(worst.1 <= 0.016, "surplus {}", worst.1);
-    assert!(worst.2 >= -0.26, "volume {}", worst.2);
+    // Single beads fill the wedges between a border and the lines that run into it at a shallow angle, down to the
+    // narrowest bead. The round corners of joints leave notches narrower than that. docs/walls-and-fill.md states these
+    // shares.
+    assert!((0.03..=0.067).contains(&worst.0), "gap {}", worst.0);
+    assert!(worst.1 <= 0.032, "surplus {}", worst.1);
+    assert!(worst.2 >= -0.077, "volume {}", worst.2);
 }
 
 #[test]

@@ -27,6 +27,7 @@ use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Region, Role, To
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
+pub(crate) use field::stripes::between_beads;
 pub use field::{SeedLines, Streamlines, Stripes};
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 pub use gyroid::Gyroid;

@@ -14,8 +14,8 @@ use super::steps::Steps;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, graded_infill, infill,
-    join_rings,
+    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, between_beads, bridge_angle_rad,
+    graded_infill, infill, join_rings,
 };
 use crate::guide::graded_density::DensityMap;
 use crate::guide::grain::GrainGuide;
@@ -155,6 +155,38 @@ impl Steps<'_> {
             tally = tally.and(region.dense_fill(i, split, add));
         }
         tally
+    }
+
+    /// Closes what is left open along the borders between dense regions: lines that run into a border at a shallow
+    /// angle end in steps, and single beads fill the wedges between those and the border. Fibre and the pattern
+    /// `continuous` are left as they are.
+    pub(super) fn close_seams(&self, i: usize, split: &SkinSplit, paths: &mut Vec<(usize, Toolpath)>) {
+        if self.areas.and_then(|areas| areas.of_layer(i)).is_none() {
+            return;
+        }
+        let context = self.context(i, Density::Dense, Role::SolidFill);
+        let layer = &self.stack.layers()[i];
+        let shares = || std::iter::once((self, split)).chain(self.regions(split));
+        for island in 0..layer.region().polygons.len() {
+            let dense = |(steps, split): (&Self, &SkinSplit)| {
+                let whole = steps.fibre.is_none() && !steps.is_continuous();
+                let all = split.solid.iter().chain(&split.top).filter(|p| whole && p.0 == island);
+                let polygons = all.map(|p| p.1.clone()).collect();
+                Region { polygons }.offset(steps.inset_mm(layer), Join::Miter(2.0))
+            };
+            let areas: Vec<Region> = shares().map(dense).collect();
+            let near = |area: &Region| area.offset(context.spacing_mm(), Join::Miter(2.0));
+            let mut band = Region::default();
+            for (k, area) in areas.iter().enumerate().filter(|a| !a.1.is_empty()) {
+                for other in areas[k + 1..].iter().filter(|other| !other.is_empty()) {
+                    let both = near(area).intersection(&near(other));
+                    band = band.union(&both.intersection(&area.union(other)));
+                }
+            }
+            let beads = paths.iter().filter(|p| p.0 == island).map(|p| &p.1);
+            let singles = between_beads(&band, beads, context.min_bead_width_mm, &context);
+            paths.extend(singles.into_iter().map(|p| (island, p)));
+        }
     }
 
     pub(super) fn sparse_fill(

@@ -801,6 +801,7 @@ impl<'a> Steps<'a> {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &split, &mut add);
                 tally = tally.and(self.sparse_fill(first + k, &split, density, &mut add));
+                self.close_seams(first + k, &split, &mut paths);
             }
             drop(split);
             paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());

@@ -477,7 +477,12 @@ fn lay(
     }));
     let n_lines = out.len();
     if share > CLOSED_FROM {
-        close_gaps(border, first, context, out);
+        let narrowest = match context.widths {
+            BeadWidths::Variable => NARROWEST,
+            BeadWidths::Constant => one_width::LEAST_GAP,
+        };
+        let singles = between_beads(border, out[first..].iter(), narrowest * context.bead_width_mm, context);
+        out.extend(singles);
     }
     if share < 1.0 {
         let singles_mm3: f64 = out[n_lines..].iter().map(|p| p.volume_mm3(h)).sum();
@@ -508,41 +513,50 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     }
 }
 
-/// Fills the gaps that the paths `out[first..]` leave open with single beads. Their width varies along the gap,
-/// unless the job asks for beads of one width.
-fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+/// Single beads, at least as wide as the narrowest, in the gaps that `beads` leave open in an area. Their width varies
+/// along the gap, unless the job asks for beads of one width.
+pub(crate) fn between_beads<'a>(
+    area: &Region,
+    beads: impl Iterator<Item = &'a Toolpath>,
+    narrowest_mm: f64,
+    context: &FillContext<'_>,
+) -> Vec<Toolpath> {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
-    let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
+    // Narrower gaps need smaller cells.
+    let cell_mm = GAP_CELL * context.spacing_mm() * (narrowest_mm / (NARROWEST * nominal)).min(1.0);
+    let left = gaps(area, beads, h, cell_mm);
     let mut singles = Vec::new();
-    let narrowest = match context.widths {
-        BeadWidths::Variable => NARROWEST,
-        BeadWidths::Constant => one_width::LEAST_GAP,
-    };
-    single_beads(&left, nominal, narrowest * nominal, h, context.role, &mut singles);
+    single_beads(&left, nominal, narrowest_mm, h, context.role, &mut singles);
     if context.widths == BeadWidths::Constant {
         singles.iter_mut().for_each(|single| single.width = BeadWidth::Constant(nominal));
     }
     // Where branches of a gap meet, their beads may cross; of two such beads the later one is dropped.
-    let mut laid: Vec<[DVec2; 2]> = Vec::new();
+    let (mut laid, mut kept): (Vec<[DVec2; 2]>, _) = (Vec::new(), Vec::new());
     for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
         let segments: Vec<[DVec2; 2]> =
             (0..single.n_segments()).map(|i| [single.segment(i).0, single.segment(i).1]).collect();
         if !segments.iter().any(|s| laid.iter().any(|l| segment::meeting(*s, *l) == Meeting::Cross)) {
             laid.extend(segments);
-            out.push(single);
+            kept.push(single);
         }
     }
+    kept
 }
 
 /// The part of `area` that the beads leave open, where it is wider than about one and a half cells.
 ///
 /// Gaps are found on a raster. Only around them are the beads' areas subtracted exactly, because a union of the
 /// areas of all beads would cost more than the rest of the fill together.
-fn gaps(area: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
+fn gaps<'a>(
+    area: &Region,
+    beads: impl Iterator<Item = &'a Toolpath>,
+    height_mm: f64,
+    cell_mm: f64,
+) -> Region {
     let Some(bounds) = area.bounds() else { return Region::default() };
     let grid = MaskGrid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
-    let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
+    let strips: Vec<Contour> = beads.flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
     // touch.
