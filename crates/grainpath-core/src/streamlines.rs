@@ -196,13 +196,20 @@ pub struct Seeding<'a> {
     pub end_share: f64,
     /// Lines shorter than this are not kept, mm.
     pub shortest_mm: f64,
+    /// A seed that the caller names is taken if no line is nearer than this share of the separation. From 0 to 1.
+    pub seed_share: f64,
     /// Whether a line that comes too near to another is dropped as a whole instead of cut.
     pub whole: bool,
 }
 
+/// A seed found here is taken if no line is nearer than this share of the separation. Source: derived. Such seeds lie
+/// exactly one separation away from their line; two per cent less allow for rounding.
+const FOUND_SHARE: f64 = 0.98;
+
 /// Evenly spaced lines everywhere in `bounds` where the field exists (`Jobard1997`). Each line
 /// yields further seeds on both its sides. `seeds` are tried first; points of a grid are tried
-/// last, so that no area is left out.
+/// last, so that no area is left out. Lines begin at seeds that are at least
+/// [`Seeding::seed_share`] of the separation from others, or nearly the whole of it for seeds found here.
 pub fn evenly_spaced(
     seeds: &[DVec2],
     bounds: Bounds2,
@@ -214,6 +221,7 @@ pub fn evenly_spaced(
     let mut near = PointGrid2::new(bounds, middle);
     let mut lines: Vec<TracedLine> = Vec::new();
     let mut queue: VecDeque<DVec2> = seeds.iter().copied().collect();
+    let mut named = seeds.len();
     let size = bounds.size();
     let pitch = middle.max(size.max_element() / 1000.0);
     let (nx, ny) = ((size.x / pitch) as usize + 1, (size.y / pitch) as usize + 1);
@@ -226,13 +234,13 @@ pub fn evenly_spaced(
                 None => return lines,
             },
         };
+        let share = if named > 0 { seeding.seed_share } else { FOUND_SHARE };
+        named = named.saturating_sub(1);
         if axis(seed).is_none() {
             continue;
         }
         let separation = (seeding.separation_mm)(seed);
-        // Seeds lie exactly one separation away from their line; the test asks for two per cent
-        // less because of rounding.
-        if near.within(seed, 0.98 * separation).next().is_some() {
+        if near.within(seed, share * separation).next().is_some() {
             continue;
         }
         // `stop` is a shared closure, so the result leaves it through a cell.
@@ -332,7 +340,13 @@ mod tests {
             inside.then(|| DVec2::new(1.0, 0.02 * (p.x - 20.0)).normalize())
         };
         let separation = |_| 2.0;
-        let seeding = Seeding { separation_mm: &separation, end_share: 0.6, shortest_mm: 3.0, whole: false };
+        let seeding = Seeding {
+            separation_mm: &separation,
+            end_share: 0.6,
+            shortest_mm: 3.0,
+            seed_share: 0.98,
+            whole: false,
+        };
         let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
         assert!((12..=20).contains(&lines.len()), "{}", lines.len());
         for (i, a) in lines.iter().enumerate() {

@@ -19,6 +19,7 @@ mod boolean;
 mod clip;
 mod offset;
 mod simplify;
+mod stretch;
 mod tangle;
 
 use crate::Bounds2;
@@ -28,6 +29,7 @@ pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
 pub use simplify::{simplify_contour, simplify_line};
+pub use stretch::stretched_to;
 pub use tangle::crosses_more_than;
 
 use crate::math::cross;

@@ -33,7 +33,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
 use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::math::{direction, rotated};
-use grainpath_core::poly::Join;
+use grainpath_core::poly::{Join, LineClipper, stretched_to};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath,
@@ -189,25 +189,42 @@ fn levels(
     let angles = || (0..directions).map(|d| context.angle_rad + PI * d as f64 / n);
     let raster =
         |angle_rad: f64| if directions == 1 { *context } else { leaning(context, angle_rad + FRAC_PI_2) };
+    let first = out.len();
     for angle in angles() {
         let context = raster(angle);
         region.polygons.iter().for_each(|polygon| sparse(&context, polygon, angle, step_mm(last), 1, out));
     }
-    for k in (0..last).filter(|&k| most >= level(finest, k).1) {
+    let clipper = LineClipper::new(region);
+    // Lines of the coarser levels, with the number of their direction. Where the density changes with the height, the layer
+    // below has no line of the finer level, and an end between two coarser lines would hang in the air.
+    let mut coarser: Vec<(usize, [DVec2; 2])> = Vec::new();
+    for (d, angle) in angles().enumerate().filter(|_| directions > 1 && last > 0) {
+        let along = |w: &[DVec2]| rotated(w[1] - w[0], direction(-angle)).y.abs() < 1e-6;
+        let straight = out[first..].iter().flat_map(|p| p.points.windows(2)).filter(|w| along(w));
+        coarser.extend(straight.map(|w| (d, [w[0], w[1]])));
+    }
+    for k in (0..last).rev().filter(|&k| most >= level(finest, k).1) {
         let there = map.at_least(level(finest, k).1, bounds, context.z_mid_mm).intersection(region);
-        for (angle_rad, polygon) in angles().flat_map(|a| there.polygons.iter().map(move |p| (a, p))) {
+        let mut laid = Vec::new();
+        for (d, angle_rad) in angles().enumerate() {
             // These lines lie halfway between those of the next coarser level.
             let first_mm = rotated(raster(angle_rad).part.centre(), direction(-angle_rad)).y + step_mm(k);
             let lines = Lines { angle_rad, first_mm, step_mm: 2.0 * step_mm(k) };
             // Ends are not joined, because a joint would cross a line of the coarser level.
             let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0 };
-            for points in Hatch::new(polygon, lines).paths(&joints) {
-                let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
-                if path.length_mm() > SHORTEST * context.bead_width_mm {
-                    out.push(path);
-                }
-            }
+            let paths = there.polygons.iter().flat_map(|p| Hatch::new(p, lines).paths(&joints));
+            let pieces: Vec<[DVec2; 2]> =
+                paths.flat_map(|p| p.windows(2).map(|w| [w[0], w[1]]).collect::<Vec<_>>()).collect();
+            let crossing: Vec<[DVec2; 2]> = coarser.iter().filter(|l| l.0 != d).map(|l| l.1).collect();
+            laid.extend(
+                stretched_to(&pieces, angle_rad, &crossing, &clipper).into_iter().map(|piece| (d, piece)),
+            );
         }
+        laid.retain(|(_, [a, b])| a.distance(*b) > SHORTEST * context.bead_width_mm);
+        let path =
+            |l: &(usize, [DVec2; 2])| Toolpath::new(l.1.to_vec(), context.bead_width_mm, context.role, false);
+        out.extend(laid.iter().map(path));
+        coarser.append(&mut laid);
     }
 }
 
@@ -241,7 +258,9 @@ fn bands(
         let here = if from <= least { rest.clone() } else { there };
         let context =
             FillContext { density: Density::Sparse(density), ..leaning(context, context.angle_rad) };
-        here.polygons.iter().for_each(|polygon| Honeycomb.fill(&context, polygon, out));
+        let mut lines = Vec::new();
+        here.polygons.iter().for_each(|polygon| Honeycomb.fill(&context, polygon, &mut lines));
+        out.extend(lines.into_iter().filter(|line| line.length_mm() > 2.0 * context.bead_width_mm));
         rest = rest.difference(&here);
     }
 }
@@ -424,6 +443,7 @@ mod tests {
             border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
             ends: BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
+            below: &[],
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }
@@ -513,6 +533,39 @@ mod tests {
                     "{name}: {found_mm} mm where {narrowest_mm} is allowed"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn lines_of_every_level_end_on_a_crossing_line_or_at_the_border() {
+        // The densest place is an island in the middle of the region.
+        let map = DensityMap::new(DVec3::ZERO, DVec3::new(80.0, 50.0, 10.0), 1.0, true, |p| {
+            (0.9 - 0.03 * p.truncate().distance(DVec2::new(41.0, 26.0))).clamp(0.1, 0.7)
+        });
+        let region = &Region::rectangle(DVec2::ZERO, DVec2::new(80.0, 50.0)).polygons[0];
+        for pattern in [Pattern::Grid, Pattern::Triangles] {
+            let mut paths = Vec::new();
+            fill(pattern, &context(2.1), &map, region, &mut paths);
+            let segments =
+                |p: &Toolpath| (0..p.n_segments()).map(|k| [p.segment(k).0, p.segment(k).1]).collect();
+            let lines: Vec<Vec<[DVec2; 2]>> = paths.iter().map(segments).collect();
+            let mut inside = 0;
+            for (n, path) in paths.iter().enumerate() {
+                for end in [path.start(), path.points[path.points.len() - 1]] {
+                    if end.min(DVec2::new(80.0, 50.0) - end).min_element() < 0.01 {
+                        continue;
+                    }
+                    inside += 1;
+                    let held = lines.iter().enumerate().any(|(other, line)| {
+                        other != n
+                            && line.iter().any(|[a, b]| {
+                                grainpath_core::segment::distance_squared_mm2(end, *a, *b) < 1e-6
+                            })
+                    });
+                    assert!(held, "{}: an end hangs at {end}", pattern.name());
+                }
+            }
+            assert!(inside > 40, "{}: {inside} ends inside", pattern.name());
         }
     }
 

@@ -22,11 +22,12 @@ mod spaced;
 mod spiral;
 
 use grainpath_core::poly::Join;
-use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Region, Role, Toolpath};
+use grainpath_core::{Bounds2, DVec2, Density, DirectionField, Polygon, Region, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
+pub(crate) use field::is_streamlines;
 pub(crate) use field::stripes::between_beads;
 pub use field::{SeedLines, Streamlines, Stripes};
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
@@ -65,6 +66,8 @@ pub struct FillContext<'a> {
     pub widths: BeadWidths,
     /// Where beads end, so that they differ from layer to layer.
     pub shift: Shift,
+    /// Lines of the same directions in the layer below, on which lines along a field go on; empty if there are none.
+    pub below: &'a [Vec<DVec2>],
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }
@@ -85,7 +88,7 @@ impl FillContext<'_> {
 
 /// Fills one polygon of one layer with paths whose centrelines stay inside it.
 ///
-/// The result depends only on the polygon and the context. Everything that depends on other layers, such as
+/// The result depends only on the polygon and the context. Everything else that depends on other layers, such as
 /// bridges and skins, has been decided before.
 pub trait Infill: Send + Sync {
     /// Adds paths to `out`, or nothing if no path fits.
@@ -154,6 +157,7 @@ mod tests {
             border_mm,
             ends: BeadEnds::Joined,
             shift: Shift::NONE,
+            below: &[],
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }

@@ -281,6 +281,12 @@ impl Guide {
         if self.families.len() < 2 { 2 } else { MOST_SLOTS }
     }
 
+    /// A number for the directions that a layer follows: lines go on from a layer below with the same one.
+    pub(crate) fn turn_of(&self, layer: usize) -> usize {
+        let family = self.layers.get(layer).map_or(0, |l| l.family);
+        2 * family + usize::from(self.follow == Follow::Alternate && layer % 2 == 1)
+    }
+
     /// The axis that follows from the stress alone at a point of a layer, before any smoothing, in
     /// radians, and its weight in MPa.
     pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {

@@ -170,8 +170,13 @@ impl Guide {
         // At least six lines across the shorter side, so that a slender part shows its lines too.
         let separation = (size.max_element() / LINES_ACROSS).min(size.min_element() / 6.0).max(1e-3);
         let same = |_: DVec2| separation;
-        let seeding =
-            Seeding { separation_mm: &same, end_share: 0.5, shortest_mm: 2.0 * separation, whole: false };
+        let seeding = Seeding {
+            separation_mm: &same,
+            end_share: 0.5,
+            shortest_mm: 2.0 * separation,
+            seed_share: 0.98,
+            whole: false,
+        };
         let settings = LineSettings {
             tolerance_mm: 1e-3 * separation,
             step_mm: 0.5 * separation,

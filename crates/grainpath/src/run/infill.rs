@@ -33,6 +33,8 @@ struct RegionFill<'a> {
     grain: Option<&'a GrainGuide>,
     /// Whether the regions of an island are filled with one path.
     one_path: bool,
+    /// Lines of the layer below.
+    below: &'a [Vec<DVec2>],
     /// Direction of the lines, radians; `None` takes the direction of the layer's infill.
     angle_rad: Option<f64>,
 }
@@ -139,6 +141,7 @@ impl Steps<'_> {
                 grain,
                 one_path,
                 angle_rad,
+                below: &[],
             };
             // All regions of an island are filled together: the continuous pattern reports the
             // necks between them.
@@ -189,17 +192,19 @@ impl Steps<'_> {
         }
     }
 
+    /// Lays sparse infill. `below` has the lines of the layer below on which lines along a field go on.
     pub(super) fn sparse_fill(
         &self,
         i: usize,
         split: &SkinSplit,
         density: Density,
+        below: &[Vec<DVec2>],
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();
         for (region, split) in self.regions(split) {
             let density = self.density_in(region, density);
-            tally = tally.and(region.sparse_fill(i, split, density, add));
+            tally = tally.and(region.sparse_fill(i, split, density, below, add));
         }
         // The map of densities is scaled to this mean. All of its points are filled as sparse infill, even dense ones.
         let map = self.graded.map(|graded| graded.of_mean(density.fraction()));
@@ -215,8 +220,16 @@ impl Steps<'_> {
         };
         let one_path = self.is_continuous();
         let graded = map.as_deref();
-        let asked =
-            RegionFill { density, graded, role, pattern, grain: self.grain, one_path, angle_rad: None };
+        let asked = RegionFill {
+            density,
+            graded,
+            role,
+            pattern,
+            grain: self.grain,
+            one_path,
+            angle_rad: None,
+            below,
+        };
         let mut paths = Vec::new();
         for regions in split.sparse.chunk_by(|a, b| a.0 == b.0) {
             tally = tally.and(self.fill_island(i, regions, &asked, self.fibre, &mut paths));
@@ -237,6 +250,7 @@ impl Steps<'_> {
     ) -> Tally {
         let mut context = self.context(i, asked.density, asked.role);
         context.angle_rad = asked.angle_rad.unwrap_or(context.angle_rad);
+        context.below = asked.below;
         let Some(fibre) = fibre else {
             let regions: Vec<&Polygon> = regions.iter().map(|r| &r.1).collect();
             self.fill_regions(i, &context, &regions, asked, out);

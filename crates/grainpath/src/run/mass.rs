@@ -87,7 +87,9 @@ impl Steps<'_> {
             }));
         let of_sparse = |density: f64, i: usize| {
             let mut mass = 0.0;
-            self.sparse_fill(i, &skins[i], Density::new(density), &mut |_, p| mass += grams(&p, height(i)));
+            self.sparse_fill(i, &skins[i], Density::new(density), &[], &mut |_, p| {
+                mass += grams(&p, height(i))
+            });
             mass
         };
         let mass = |density: f64| fixed + sum(&masses(&|i| of_sparse(density, i)));

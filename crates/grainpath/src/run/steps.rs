@@ -27,19 +27,19 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::Mask;
 use grainpath_core::{
-    BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role,
-    SpeedClass, Toolpath, UniformField, Warning,
+    BeadWidth, Bounds2, DVec2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region,
+    Role, SpeedClass, Toolpath, UniformField, Warning,
 };
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::shift::{Ends, TURNS};
-use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded_infill};
+use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded_infill, is_streamlines};
 use crate::guide::Guide;
 use crate::guide::given_field::FieldGuide;
 use crate::guide::graded_density::{DensityMap, GradedDensity};
-use crate::guide::grain::GrainGuide;
+use crate::guide::grain::{GrainGuide, Mode};
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::region::RegionAreas;
 use crate::support::beads::BeadSettings;
@@ -254,6 +254,9 @@ struct Copies {
     /// Infill of earlier windows that layers still to come copy, with its fibre.
     laid: BTreeMap<usize, (IslandPaths, Tally)>,
 }
+
+/// Sparse lines along a field in the highest layer of each turn of directions ([`Guide::turn_of`]).
+type LinesBelow = BTreeMap<usize, Vec<Vec<DVec2>>>;
 
 impl Copies {
     /// The layer that a layer copies.
@@ -775,12 +778,39 @@ impl<'a> Steps<'a> {
         density: Density,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
-        let mut copies =
-            Copies { first: window.start, of: self.duplicates(window.start, &skins), laid: BTreeMap::new() };
-        self.infill_beside(window, walls, skins, density, &mut copies, diagnostics)
+        self.infill_above(window, walls, skins, density, &mut LinesBelow::new(), diagnostics)
     }
 
-    /// As [`Steps::infill`], for a window whose layers may be copies of layers in earlier windows.
+    /// As [`Steps::infill`], for a window above lines that are laid.
+    fn infill_above(
+        &self,
+        window: Range<usize>,
+        walls: Vec<LayerWalls>,
+        skins: Vec<SkinSplit>,
+        density: Density,
+        below: &mut LinesBelow,
+        diagnostics: &Diagnostics,
+    ) -> Result<FilledLayers, Interrupted> {
+        let mut copies =
+            Copies { first: window.start, of: self.duplicates(window.start, &skins), laid: BTreeMap::new() };
+        self.infill_beside(window, walls, skins, density, &mut copies, below, diagnostics)
+    }
+
+    /// Whether sparse lines go on from layer to layer: those along a field have to, since it may turn and spread with the
+    /// height. Straight lines and cells lie on each other wherever the layer below is laid.
+    pub(super) fn goes_on(&self, density: Density) -> bool {
+        let along = |steps: &Self, density: Density| {
+            let infill = &steps.settings.infill;
+            matches!(infill.pattern, Pattern::Stripes | Pattern::Streamlines)
+                && infill.several.is_none()
+                && (steps.graded.is_some() || is_streamlines(density))
+                && steps.grain.is_none_or(|grain| grain.mode == Mode::Field)
+        };
+        along(self, density) || self.regions.iter().any(|r| along(r, self.density_in(r, density)))
+    }
+
+    /// As [`Steps::infill`], for a window whose layers may be copies of layers in earlier windows, and whose lines go on from
+    /// those below.
     fn infill_beside(
         &self,
         window: Range<usize>,
@@ -788,9 +818,11 @@ impl<'a> Steps<'a> {
         skins: Vec<SkinSplit>,
         density: Density,
         copies: &mut Copies,
+        below: &mut LinesBelow,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
         let first = window.start;
+        let goes_on = self.goes_on(density);
         let lay = |(k, split): (usize, SkinSplit)| {
             diagnostics.check()?;
             let mut paths = Vec::new();
@@ -800,24 +832,44 @@ impl<'a> Steps<'a> {
             if copies.original(first + k) == first + k {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &split, &mut add);
-                tally = tally.and(self.sparse_fill(first + k, &split, density, &mut add));
+                if !goes_on {
+                    tally = tally.and(self.sparse_fill(first + k, &split, density, &[], &mut add));
+                }
                 self.close_seams(first + k, &split, &mut paths);
             }
-            drop(split);
             paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
             paths.shrink_to_fit();
-            diagnostics.advance(1);
-            Ok((paths, tally))
+            if !goes_on {
+                diagnostics.advance(1);
+            }
+            Ok(((paths, tally), goes_on.then_some(split)))
         };
-        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = skins
+        let laid: Vec<Result<_, Interrupted>> = skins
             .into_par_iter()
             .enumerate()
             // A guide makes layers costly, so each layer is then a task of its own.
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
             .collect();
-        let (mut laid, tallies): (Vec<_>, Vec<_>) =
-            laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let laid: Vec<((IslandPaths, Tally), Option<SkinSplit>)> =
+            laid.into_iter().collect::<Result<_, _>>()?;
+        let ((mut laid, mut tallies), splits): ((Vec<_>, Vec<_>), Vec<_>) = laid.into_iter().unzip();
+        // Lines that go on from layer to layer are laid from the bed upwards.
+        for (k, split) in splits.into_iter().enumerate().filter_map(|(k, split)| Some((k, split?))) {
+            diagnostics.check()?;
+            let turn = self.guide.map_or(0, |guide| guide.turn_of(first + k));
+            let original = copies.original(first + k);
+            if original == first + k {
+                let lines = below.get(&turn).map_or(&[][..], Vec::as_slice);
+                let mut add = |island, path: Toolpath| laid[k].push((island, path));
+                tallies[k] = tallies[k].and(self.sparse_fill(first + k, &split, density, lines, &mut add));
+            }
+            let paths =
+                original.checked_sub(first).map_or_else(|| &copies.laid[&original].0, |own| &laid[own]);
+            let sparse = paths.iter().filter(|(_, path)| path.role == Role::SparseFill);
+            below.insert(turn, sparse.map(|(_, path)| path.points.clone()).collect());
+            diagnostics.advance(1);
+        }
         // The index of a duplicate refers to a layer that was laid, never to another copy.
         let mut fibre = Tally::default();
         for k in 0..laid.len() {
@@ -887,13 +939,13 @@ impl<'a> Steps<'a> {
         mut each: impl FnMut(LayerPlan),
     ) -> Result<Tally, Interrupted> {
         let mut state = OrderState::new(order);
-        let mut fibre = Tally::default();
+        let (mut fibre, mut below) = (Tally::default(), LinesBelow::new());
         let end = self.stack.layers().len();
         for first in (0..end).step_by(n_layers.max(1)) {
             let window = first..(first + n_layers.max(1)).min(end);
             let mut walls = self.walls(window.clone(), diagnostics)?;
             let skins = self.skins(window.clone(), &mut walls, diagnostics)?;
-            let filled = self.infill(window.clone(), walls, skins, density, diagnostics)?;
+            let filled = self.infill_above(window.clone(), walls, skins, density, &mut below, diagnostics)?;
             fibre = fibre.and(filled.fibre);
             let sections = self.stack.layers();
             let plans = order_window(sections, window, filled.layers, order, &mut state, diagnostics)?;
@@ -920,13 +972,20 @@ impl<'a> Steps<'a> {
         let mut state = OrderState::new(order);
         let mut copies = Copies { first: 0, of: self.duplicates(0, &skins), laid: BTreeMap::new() };
         let sections = self.stack.layers();
-        let mut first = 0;
+        let (mut first, mut below) = (0, LinesBelow::new());
         while first < sections.len() {
             let window = first..(GROWTH * first).clamp(first + 1, sections.len());
             let of_window = walls.drain(..window.len()).collect();
             let own = skins.drain(..window.len()).collect();
-            let filled =
-                self.infill_beside(window.clone(), of_window, own, density, &mut copies, diagnostics)?;
+            let filled = self.infill_beside(
+                window.clone(),
+                of_window,
+                own,
+                density,
+                &mut copies,
+                &mut below,
+                diagnostics,
+            )?;
             first = window.end;
             each(order_window(sections, window, filled.layers, order, &mut state, diagnostics)?);
         }
@@ -1007,6 +1066,7 @@ impl<'a> Steps<'a> {
             ends: self.settings.infill.ends,
             widths: self.settings.infill.widths,
             shift: self.shift(layer_idx),
+            below: &[],
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

@@ -137,6 +137,7 @@ mod tests {
             border_mm: 0.5 * SPACING_MM,
             ends: BeadEnds::Joined,
             shift: Shift::NONE,
+            below: &[],
             widths: BeadWidths::Variable,
             field: None,
         };

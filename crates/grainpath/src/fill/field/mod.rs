@@ -36,7 +36,7 @@ pub(super) mod widths;
 pub use seed_lines::SeedLines;
 
 use grainpath_core::math::direction;
-use grainpath_core::{DVec2, DVec3, DirectionField, Polygon, Toolpath};
+use grainpath_core::{DVec2, DVec3, Density, DirectionField, Polygon, Toolpath};
 
 use super::{FillContext, Infill};
 
@@ -63,6 +63,11 @@ impl Infill for Stripes {
 /// overlap. Streamlines lie closer to the field, because none has to follow its neighbours.
 const LEAST_STRIPES: f64 = 0.5;
 
+/// Whether lines of this density are streamlines, which go on from layer to layer.
+pub(crate) fn is_streamlines(density: Density) -> bool {
+    !density.is_dense() && density.fraction() < LEAST_STRIPES
+}
+
 /// Fills a region for both patterns, at any density from lines far apart to beads that touch.
 fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let density = context.density;
@@ -72,7 +77,7 @@ fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec
     };
     if density.is_dense() {
         stripes::dense(context, infill_region, out)
-    } else if density.fraction() >= LEAST_STRIPES && !context.field.is_some_and(asks) {
+    } else if !is_streamlines(density) && !context.field.is_some_and(asks) {
         stripes::spaced(context, infill_region, density.fraction(), out)
     } else {
         streamlines::sparse(context, infill_region, out)

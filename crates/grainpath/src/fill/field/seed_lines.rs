@@ -176,6 +176,7 @@ impl FreeArea<'_> {
             separation_mm: &|_| beads * self.step,
             end_share,
             shortest_mm: SHORTEST.value() * self.step,
+            seed_share: 0.98,
             whole,
         };
         let settings = LineSettings {

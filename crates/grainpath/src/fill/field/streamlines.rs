@@ -10,10 +10,13 @@
 //! Limits: lines end as soon as they are too close, so a converging field gets a little less than its
 //! density. The [`SEPARATION`] is less than the nominal distance to make up for it on average. At a density of
 //! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
-//! lines. The first seed is the middle of the region's bounding box.
+//! lines. The first seeds lie on the lines of the layer below: a line has to stand on one. Where the field changes with the
+//! height, lines seeded in each layer on its own lay anywhere between those below: in a bar of 80 x 30 x 20 mm, bent
+//! upwards, 50 to 57 % of their length lay on air. New lines begin where there is room for one, and for those nothing lies
+//! below.
 
 use grainpath_core::poly::LineClipper;
-use grainpath_core::{DVec2, Polygon, Region, Toolpath};
+use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath, polyline};
 
 use super::axis_of;
 use super::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
@@ -28,6 +31,11 @@ static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.
 /// Lines shorter than this multiple of the separation are left out.
 /// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
+/// A line of the layer below goes on if no other line is nearer than this share of the wanted distance. Source: measured on
+/// a bar of 80 x 30 x 20 mm, bent upwards. At a density of 0.3, shares of 0.55, 0.7, 0.8 and 0.9 leave 0.1, 0.1, 0.2 and 0.8 %
+/// of the length on air, and lay 1.19, 1.14, 1.08 and 1.00 times the length of lines that are seeded in each layer on its own.
+/// With a density by stress, the worst error over a cell of 5 mm is 9.3, 10.7, 7.9 and 8.1 % of full.
+const SEED_SHARE: f64 = 0.8;
 /// The least distance of two lines, as a share of the nominal one. Measured: row `fill.field.streamlines.SEPARATION` of
 /// `cargo xtask bench constants`.
 static SEPARATION: Tuned<f64> = Tuned::new("fill.field.streamlines.SEPARATION", 0.94);
@@ -40,6 +48,19 @@ static STEP_MM: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_MM", 2.0);
 /// Points are left out that lie this near to the line without them, mm. Source: derived. A motor of 200 steps, divided
 /// by 16, on a belt of 40 mm a turn moves by 0.0125 mm.
 const SIMPLIFY_MM: f64 = 0.01;
+
+/// Where lines begin: on the lines of the layer below, and in the middle of the region. The middle of each line comes first,
+/// then points a quarter of it from its ends, for lines that were cut in two by a hole or another line.
+fn seeds(below: &[Vec<DVec2>], bounds: Bounds2) -> Vec<DVec2> {
+    let at = |share: f64| {
+        below.iter().filter_map(move |line| {
+            let mut rest = line.clone();
+            polyline::shorten_start(&mut rest, share * polyline::length_mm(line, false));
+            rest.first().copied()
+        })
+    };
+    at(0.5).chain(at(0.25)).chain(at(0.75)).chain([bounds.centre()]).collect()
+}
 
 /// Lays evenly spaced lines of one bead width along the field.
 pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
@@ -56,6 +77,7 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         separation_mm: &own,
         end_share: END_SHARE.value(),
         shortest_mm: SHORTEST_SHARE.value() * separation,
+        seed_share: SEED_SHARE,
         whole: false,
     };
     let settings = LineSettings {
@@ -64,7 +86,7 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         longest_mm: LONGEST_SIDES * bounds.size().element_sum(),
     };
     let first = out.len();
-    for line in evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings) {
+    for line in evenly_spaced(&seeds(context.below, bounds), bounds, &axis, &seeding, &settings) {
         let points = grainpath_core::poly::simplify_line(&line.points, SIMPLIFY_MM);
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }

@@ -104,6 +104,7 @@ fn filled_along(
         border_mm,
         ends,
         shift: crate::fill::Shift::NONE,
+        below: &[],
         widths,
         field: Some(field),
     };
@@ -217,6 +218,7 @@ fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
             border_mm,
             ends: BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
+            below: &[],
             widths: BeadWidths::Variable,
             field: Some(&field),
         };
@@ -442,6 +444,7 @@ fn nothing_comes_of_nothing() {
                 border_mm: 0.1,
                 ends: BeadEnds::Open,
                 shift: crate::fill::Shift::NONE,
+                below: &[],
                 widths: BeadWidths::Variable,
                 field: Some(&Angle(rings)),
             };
