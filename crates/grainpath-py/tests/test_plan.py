@@ -1,6 +1,8 @@
 """Plans: the same bytes as the command line's, arrays of paths, the report."""
 
 import json
+import pathlib
+import re
 import subprocess
 import sys
 import threading
@@ -174,7 +176,64 @@ if __name__ == "__main__":
 
 
 def test_shown_in_notebooks(plan):
-    assert "<table>" in plan._repr_html_()
+    shown = plan._repr_html_()
+    assert "<table>" in shown and shown.count("<script>") == 1
+    # Nothing is loaded.
+    assert "http" not in shown and "src=" not in shown
+    data = drawn(shown)
+    assert [one["text"] for one in data["layers"]] == [
+        f"layer {k + 1} of {len(plan.layers)}, {layer.z_top_mm:.4g} mm" for k, layer in enumerate(plan.layers)
+    ]
+    for one, layer in zip(data["layers"], plan.layers, strict=True):
+        assert [path[0] for path in one["paths"]] == layer.paths["role"].tolist()
+    # Two pictures of the same plan have elements of their own.
+    assert re.search('id="(.*?)"', shown)[1] != re.search('id="(.*?)"', plan._repr_html_())[1]
+
+
+def drawn(shown):
+    return json.loads(re.search(r"const data = (.*);\n", shown)[1])
+
+
+def test_pictures_of_layers_are_to_scale(plan):
+    """Corners of the outer wall, which are half a bead inside of the plate, 2 steps of the picture at the most off."""
+    layers = drawn(plan._repr_html_())["layers"]
+    wall = next(p for p in layers[2]["paths"] if gp.gcode.ROLES[p[0]] == "External perimeter")
+    ours = next(p for p in plan.layers[2] if p.role == "External perimeter")
+    skirt = next(p for p in plan.layers[0] if p.role == "Skirt")
+    scale = gp.pictures.STEPS / max(np.ptp(skirt.points, axis=0) + skirt.widths_mm.max())
+    places = np.reshape(wall[3], (-1, 2))
+    assert np.allclose(np.ptp(places, axis=0), np.ptp(ours.points, axis=0) * scale, atol=2)
+    assert wall[1] == 1 and wall[2] == pytest.approx(ours.widths_mm.mean() * scale, abs=0.06)
+
+
+def test_pictures_of_layers_are_bounded(plan, monkeypatch):
+    whole = len(plan._repr_html_())
+    monkeypatch.setattr(gp.pictures, "MAX_POINTS", 150)
+    fewer = drawn(plan._repr_html_())
+    assert len(plan._repr_html_()) < whole
+    assert 1 <= len(fewer["layers"]) < len(plan.layers)
+    assert fewer["layers"][0]["text"].startswith(f"layer 1 of {len(plan.layers)},")
+    n_points = sum(len(points) // 2 for one in fewer["layers"] for *_, points in one["paths"])
+    assert n_points <= 150 or len(fewer["layers"]) == 1
+
+
+def test_thinned_paths_stay_where_they_were():
+    turn = np.linspace(0, 2 * np.pi, 720)
+    points = np.rint(400 * np.stack([np.cos(turn), np.sin(turn)], axis=1)).astype(int)
+    kept = gp.pictures._thinned(points, 1)
+    assert len(kept) < 0.3 * len(points) and (kept[[0, -1]] == points[[0, -1]]).all()
+    starts, steps = kept[:-1, None], np.diff(kept, axis=0)[:, None]
+    share = (((points - starts) * steps).sum(-1) / (steps**2).sum(-1)).clip(0, 1)
+    off = np.linalg.norm(points - starts - share[..., None] * steps, axis=-1).min(axis=0)
+    assert off.max() <= gp.pictures.THINNED
+
+
+def test_colours_are_those_of_the_studio():
+    page = (pathlib.Path(__file__).parents[3] / "web/src/colours.ts").read_text()
+    rows = re.findall(r"\[(\d+), (\d+), (\d+)\], //", page.split("CLASS_COLOURS")[1].split("];")[0])
+    theirs = ["#%02x%02x%02x" % tuple(map(int, row)) for row in rows]
+    # The last is that of travels.
+    assert list(gp.pictures.COLOURS) == theirs[:-1] and len(theirs) == len(gp.gcode.ROLES) + 1
 
 
 def test_no_array_can_be_made_writeable_again(plan, plate, ball):

@@ -15,6 +15,7 @@ from ._checks import FloatArray, read_only
 from .gcode import ROLES
 from .layers import LayerStack, table
 from .mesh import Mesh
+from .pictures import slider
 from .report import Report
 from .strength import Strength
 from .stress import StressCase, StressResult
@@ -238,7 +239,7 @@ class Plan:
             ("time", f"{report['time_s'] / 60:.1f} min"),
             ("warnings", len(report["warnings"])),
         ]
-        return table("Plan", rows)
+        return table("Plan", rows) + slider(self)
 
 
 def _again(job: Job) -> Plan:
