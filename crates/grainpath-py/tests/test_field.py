@@ -218,3 +218,14 @@ def test_wrong_fields_are_named(axes, directions, others, words):
     with pytest.raises(gp.InputError) as error:
         gp.Field(axes, directions, **others)
     assert words in str(error.value)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("components", [0, 2, 3])
+def test_what_is_no_finite_direction_is_a_hole(plate, value, components):
+    shape = (len(X), len(Y)) + ((components,) if components else ())
+    directions = np.ones(shape) if components else np.full(shape, np.pi / 4)
+    directions[20:30, 20:30] = value
+    plan = gp.Job(plate, field=gp.Field((X, Y), directions), **FILL, **DENSE).plan()
+    assert off_deg(plan, lambda p: np.full(len(p), np.pi / 4)) < 3
+    assert any(w.id == "field-left-out" for w in plan.warnings)

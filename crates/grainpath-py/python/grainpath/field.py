@@ -39,7 +39,7 @@ class Field:
       batches, once for each point of the grid; its exceptions come back as they are. :attr:`error_deg` says how far the
       grid is off the function between its points.
 
-    NaN and vectors of length 0 are points without a direction. ``strength`` (0 to 1, how much a direction matters) and
+    NaN, infinite numbers and vectors of length 0 are points without a direction. ``strength`` (0 to 1, how much a direction matters) and
     ``spacing_mm`` (distance of beads) have the shape of the grid. Between points directions are interpolated as axes,
     without a sign; outside, the nearest point counts.
 
@@ -236,7 +236,9 @@ def _falling(u: FloatArray, v: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _of_angles(angles: FloatArray) -> FloatArray:
-    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    # The cosine of an infinite angle is NaN, which is no direction.
+    with np.errstate(invalid="ignore"):
+        return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
 def _double(vectors: FloatArray) -> npt.NDArray[np.complex128]:
