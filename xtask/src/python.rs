@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{output, run, setup};
+use crate::{measured, output, run, setup};
 
 /// Largest wheel, bytes. Source: chosen; a requirement of the project.
 const MAX_WHEEL_BYTES: u64 = 8_000_000;
@@ -36,7 +36,13 @@ pub fn bench(words: &[&str]) -> Result<(), String> {
     setup::python_package(true)?;
     install(true)?;
     let script = crate::root().join("xtask/py/bench_python.py");
-    run(setup::python().arg("-P").arg(script).args(words))
+    // Its lines are shown as they come: the bench takes up to an hour. Those that it keeps stand in a file.
+    let kept = crate::target().join("bench_python.txt");
+    let _ = fs::remove_file(&kept);
+    let ran = run(setup::python().arg("-P").arg(script).args(words).env("GRAINPATH_MEASURED", &kept));
+    let text = fs::read_to_string(&kept).map_err(|e| format!("{}: {e}", kept.display()))?;
+    measured::keep_lines(&text)?;
+    ran
 }
 
 /// The same with what is installed.
