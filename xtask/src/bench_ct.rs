@@ -19,6 +19,16 @@ struct Scan {
     truth: Option<String>,
 }
 
+/// Where voxels of 20 generated headers lie, beside SimpleITK.
+pub fn headers() -> Result<(), String> {
+    crate::setup::simple_itk()?;
+    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+    let mut command = crate::setup::python();
+    crate::run(
+        command.arg("xtask/py/scan_headers.py").arg(crate::built("grainpath")).current_dir(crate::root()),
+    )
+}
+
 /// Time, peak memory and size error on the hub phantom (512 x 512 x 200) and the engine block, and time
 /// and memory on a stack that is larger than the memory.
 pub fn run(wanted: &[&str]) -> Result<(), String> {

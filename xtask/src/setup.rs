@@ -182,6 +182,11 @@ pub fn bench() -> Result<(), String> {
     environment(true, &PYTHON)
 }
 
+/// For the headers of scans in `cargo xtask nightly`.
+pub fn simple_itk() -> Result<(), String> {
+    environment(true, &["numpy", "SimpleITK"])
+}
+
 /// For `cargo xtask bench photo`.
 pub fn opencv() -> Result<(), String> {
     if has(&["cv2", "numpy"]) {
