@@ -66,7 +66,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench fea [300000|1000000]  meshing and solving a bracket beside gmsh and CalculiX
   bench support [PART...]  grams and time of supports beside our baselines and the peers
                    (ball tray bone featuretype armadillo100 skull)
-  bench quality    gap, spill, overlap and travel beside the same
+  bench quality [PART...]  gap, spill, overlap and travel beside the same
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
   bench constants [--write] [NAME...]  quality over five values or more of each constant that was chosen by measurement
@@ -131,7 +131,7 @@ fn main() -> ExitCode {
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
-        ["bench", "quality"] => bench::quality(),
+        ["bench", "quality", parts @ ..] => bench::quality(parts),
         ["bench", "python", words @ ..] => python::bench(words),
         ["bench", "photo"] => photo::bench(),
         ["bench", "studio"] => page::bench(&ci_program()),

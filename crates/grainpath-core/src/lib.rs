@@ -25,6 +25,7 @@ pub mod number;
 pub mod poly;
 pub mod polyline;
 pub mod segment;
+pub mod segments;
 pub mod selection;
 pub mod slices;
 pub mod spelling;

@@ -6,7 +6,6 @@ pub mod laid_fibre;
 pub mod plan_json;
 mod planned;
 pub mod report;
-mod segments;
 pub mod separate_lines;
 pub mod stacked;
 pub mod strength;

@@ -11,9 +11,8 @@
 //! done as soon as enough of its points touch; the layers beside it are searched only if its own lines are not enough.
 //! Lengths are in mm. Cost: linear in the pieces of these layers and their two neighbours.
 
+use grainpath_core::segments::Segments;
 use grainpath_core::{DVec2, LayerPlan, Role, Warning, WarningId};
-
-use super::segments::Segments;
 
 /// Side of the cells that pieces are sorted into, in bead widths. Source: derived; sorting takes a step for each cell that a
 /// line passes and a test one for each line that passes a cell. At the usual densities some lines pass a cell of this size.

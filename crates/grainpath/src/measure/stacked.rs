@@ -14,10 +14,9 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::poly::edges;
+use grainpath_core::segments::Segments;
 use grainpath_core::{DVec2, LayerPlan, LayerStack, Role, Toolpath};
 use serde::Serialize;
-
-use super::segments::Segments;
 
 /// Side of a column, mm. Source: derived; about two beads of the usual width, so that neighbouring ends
 /// count as one place.

@@ -27,8 +27,8 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::Mask;
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region,
-    Role, SpeedClass, Toolpath, UniformField, Warning,
+    Bounds2, DVec2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role,
+    SpeedClass, Toolpath, UniformField, Warning,
 };
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 use rayon::prelude::*;
@@ -1173,5 +1173,4 @@ fn mark_overhang(path: &mut Toolpath, below: &Mask) {
     if free > OVERHANG_SHARE * all {
         path.speed = SpeedClass::Overhang;
     }
-    debug_assert!(matches!(path.width, BeadWidth::Constant(_)));
 }

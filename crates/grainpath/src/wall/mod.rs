@@ -6,7 +6,8 @@
 //! exception: its full width touches the contour, so that the part has its size. Where the part, or
 //! the area inside a wall, is too thin for a loop, both sides of the loop would lie on each other.
 //! There the loop is left out and one bead of varying width runs along the medial axis instead,
-//! with the volume of the area it fills.
+//! with the volume of the area it fills. Where what remains between the two sides of the innermost
+//! loop is too narrow for such a bead, both sides become a little wider ([`facing`]).
 //!
 //! Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about six
 //! otherwise.
@@ -15,6 +16,7 @@
 
 pub mod adhesion;
 pub mod divided;
+mod facing;
 pub mod graded_walls;
 pub mod skin;
 pub mod stagger;
@@ -97,7 +99,15 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
         }
         return walls;
     }
-    lay_crowded_walls(region, settings, s)
+    let mut walls = lay_crowded_walls(region, settings, s);
+    if settings.gap_fill {
+        // More space than this gets a bead or infill of its own.
+        let most =
+            bead_spacing_mm(settings.min_bead_width_mm, settings.height_mm).min((1.0 - MAX_SQUEEZE) * s);
+        let mut loops: Vec<_> = walls.loops.iter_mut().map(|w| (w.depth, &mut w.path)).collect();
+        facing::share_the_space(&mut loops, s, settings.height_mm, (-MAX_SQUEEZE * s, most));
+    }
+    walls
 }
 
 /// Whether a polygon keeps its shape when shrunk by `d_mm` to `inset`: no hole, neck or tail was

@@ -3,22 +3,31 @@
 //! Method: a grid of cells over the box around all pieces; each cell lists the pieces that pass it. Cost: building is linear
 //! in the cells passed, a search in the pieces of the cells around the place.
 
-use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::segment::closest_share;
-use grainpath_core::{Bounds2, DVec2};
+use crate::buckets::{Buckets, CellGrid};
+use crate::segment::closest_share;
+use crate::{Bounds2, DVec2};
 
 /// Largest number of cells along a side of the grid. Source: derived; a cell takes 4 bytes, so all take 16 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
 
 /// Pieces, each by its two ends.
-pub(super) struct Segments {
+///
+/// ```
+/// use grainpath_core::{DVec2, segments::Segments};
+///
+/// let pieces = Segments::new(vec![[DVec2::ZERO, DVec2::X], [DVec2::Y, DVec2::ONE]], 1.0);
+/// let (piece, share) = pieces.within(DVec2::new(0.25, 0.9), 0.2).next().unwrap();
+/// assert_eq!((piece, share), (1, 0.25));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Segments {
     all: Vec<[DVec2; 2]>,
     near: Buckets,
 }
 
 impl Segments {
     /// Prepares a search among `all` with cells of `cell_mm`.
-    pub(super) fn new(all: Vec<[DVec2; 2]>, cell_mm: f64) -> Self {
+    pub fn new(all: Vec<[DVec2; 2]>, cell_mm: f64) -> Self {
         let bounds = Bounds2::around_points(all.iter().flatten().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, MAX_CELLS_PER_SIDE);
@@ -27,13 +36,13 @@ impl Segments {
     }
 
     /// The ends of a piece.
-    pub(super) fn ends(&self, i: usize) -> [DVec2; 2] {
+    pub fn ends(&self, i: usize) -> [DVec2; 2] {
         self.all[i]
     }
 
     /// The pieces within `distance_mm` of `place`, each with the share of its length at which its nearest point lies. A piece
     /// in several cells comes several times.
-    pub(super) fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = (usize, f64)> {
+    pub fn within(&self, place: DVec2, distance_mm: f64) -> impl Iterator<Item = (usize, f64)> {
         let cells = &self.near.cells;
         let found = cells.block(cells.cell_of(place - distance_mm), cells.cell_of(place + distance_mm));
         found.flat_map(move |cell| self.near.members(cells.index(cell))).filter_map(move |&i| {
