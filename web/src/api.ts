@@ -71,6 +71,8 @@ export const examples = () => json<{ examples: { name: string; about: string }[]
 export const example = (name: string) => json<{ path: string }>(`v1/examples?name=${encodeURIComponent(name)}`, { method: "POST" });
 export const schema = () => json<Schema>("v1/schema");
 export const profiles = () => json<{ profiles: Profile[] }>("v1/profiles");
+/** All runs of this start of the studio that are still kept, the oldest first. */
+export const jobs = () => json<{ jobs: JobState[] }>("v1/jobs");
 export const history = () => json<{ runs: RunRow[] }>("v1/history");
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
 export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);

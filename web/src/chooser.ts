@@ -5,6 +5,11 @@ import { el, size } from "./dom";
 
 const NAMES: Record<api.FileKind, string> = { job: "job", mesh: "mesh", outline: "outline", photo: "photograph", scan: "scan", program: "G-code", other: "" };
 
+/** Files that the server knows by their ending and refuses, with what to do about it. */
+const UNREAD: [RegExp, string][] = [
+  [/\.bgcode$/i, "binary G-code: have it written as text"],
+];
+
 /** Lets the user choose a file; null where they do not. It begins beside `beside`. */
 export async function chooser(dialog: HTMLDialogElement, beside: string | null): Promise<{ path: string; kind: api.FileKind } | null> {
   const { roots } = await api.state();
@@ -29,7 +34,8 @@ export async function chooser(dialog: HTMLDialogElement, beside: string | null):
         for (const f of listing.folders) rows.push(el("button", { type: "button", onclick: () => void go(f.path) }, el("span", {}, `${f.name}/`), el("span", {}, "folder")));
         for (const f of listing.files) {
           const open = () => finish({ path: f.path, kind: f.kind });
-          rows.push(el("button", { type: "button", disabled: f.kind === "other", onclick: open }, el("span", {}, f.name), el("span", {}, `${NAMES[f.kind]} ${size(f.bytes)}`)));
+          const unread = UNREAD.find(([ending]) => ending.test(f.name))?.[1];
+          rows.push(el("button", { type: "button", disabled: f.kind === "other" || Boolean(unread), onclick: open }, el("span", {}, f.name), el("span", {}, `${unread ?? NAMES[f.kind]} ${size(f.bytes)}`)));
         }
         if (listing.left_out > 0) rows.push(el("p", { class: "note" }, `${listing.left_out} more are not listed`));
         list.replaceChildren(...rows);

@@ -2,6 +2,7 @@
 
 import * as api from "./api";
 import { duration, el, fixed } from "./dom";
+import { queue } from "./queue";
 
 type Row = [string, string, string, string];
 
@@ -59,10 +60,10 @@ const SAME_MASS = 0.01;
  * a mass and tests it; `beside` is the name of the run that it is compared with.
  */
 export async function history(dialog: HTMLDialogElement, chosen: number | string[], again: (run: api.RunRow, mass_g: number, beside: string) => void): Promise<void> {
-  const { runs } = await api.history();
-  const marked: number[] = typeof chosen === "number" ? [...runs.keys()].slice(0, Math.min(chosen, runs.length)) : chosen.map((name) => runs.findIndex((run) => run.name === name)).filter((k) => k >= 0);
+  let { runs } = await api.history();
+  let marked: number[] = typeof chosen === "number" ? [...runs.keys()].slice(0, Math.min(chosen, runs.length)) : chosen.map((name) => runs.findIndex((run) => run.name === name)).filter((k) => k >= 0);
   const answer = el("div", { id: "compared", role: "status" });
-  const boxes = runs.map((run, k) => {
+  const boxOf = (run: api.RunRow, k: number) => {
     const box = el("input", { type: "checkbox", checked: marked.includes(k), "aria-label": `Compare ${file(run)} of ${when(run)}`, onchange: () => {
       if (box.checked) marked.push(k); else marked.splice(marked.indexOf(k), 1);
       // Two at a time: the one that was marked longest gives way.
@@ -70,7 +71,8 @@ export async function history(dialog: HTMLDialogElement, chosen: number | string
       tell();
     } });
     return box;
-  });
+  };
+  let boxes: HTMLInputElement[] = [];
   const tell = () => {
     if (marked.length < 2) { answer.replaceChildren(el("p", { class: "note" }, runs.length > 1 ? "Mark two runs to see them side by side." : "Two runs can be seen side by side.")); return; }
     // The older one comes first.
@@ -91,18 +93,29 @@ export async function history(dialog: HTMLDialogElement, chosen: number | string
       ...(buttons.length > 0 ? [el("div", { class: "row" }, ...buttons)] : []),
     );
   };
-  tell();
-  dialog.replaceChildren(
-    el("h2", {}, "Runs in this folder"),
-    runs.length === 0 ? el("p", { class: "note" }, "None yet: plans and strength tests are listed here, and stay when the studio is ended.")
+  const list = el("div");
+  const fill = () => {
+    boxes = runs.map(boxOf);
+    list.replaceChildren(runs.length === 0 ? el("p", { class: "note" }, "None yet: plans and strength tests are listed here, and stay when the studio is ended.")
       : el("div", { class: "files" }, el("table", { id: "all-runs" },
         el("tr", {}, ...["", "When", "What", "File", "Mass", "Time", "Breaks at"].map((name) => el("th", { scope: "col" }, name || el("span", { class: "sr" }, "Compare")))),
         ...runs.map((run, k) => el("tr", {}, el("td", {}, boxes[k]!), el("td", {}, when(run)), el("td", {}, run.kind === "plan" ? "plan" : "strength test"), el("td", { title: run.name }, file(run)),
-          el("td", { class: "n" }, words(run.mass_g, 2, "g")), el("td", { class: "n" }, run.time_s === null ? "–" : duration(run.time_s)), el("td", { class: "n" }, words(run.strength?.peak_load_n, 0, "N")))))),
-    answer,
-    el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
-  );
+          el("td", { class: "n" }, words(run.mass_g, 2, "g")), el("td", { class: "n" }, run.time_s === null ? "–" : duration(run.time_s)), el("td", { class: "n" }, words(run.strength?.peak_load_n, 0, "N")))))));
+    tell();
+  };
+  fill();
+  const open = el("div");
+  dialog.replaceChildren(open, el("h2", {}, "Runs in this folder"), list, answer, el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.showModal();
+  // A run that has ended comes to the top of the list, and the marks stay with theirs.
+  void queue(open, () => dialog.open && open.isConnected, async () => {
+    const last = runs[0];
+    ({ runs } = await api.history());
+    const added = last ? runs.findIndex((run) => run.at_s === last.at_s && run.name === last.name) : runs.length;
+    if (added === 0) return;
+    marked = added < 0 ? [] : marked.map((k) => k + added).filter((k) => k < runs.length);
+    fill();
+  });
 }
 
 const when = (run: api.RunRow) => new Date(1000 * run.at_s).toLocaleString([], { dateStyle: "short", timeStyle: "short" });

@@ -7,6 +7,7 @@ import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, typ
 import { byId, duration, el, fixed, player } from "./dom";
 import { drafts, forget, type Draft } from "./drafts";
 import { history } from "./history";
+import { howFar } from "./queue";
 import { JobPanel, absolute } from "./job";
 import { LoadsPanel } from "./loads";
 import { ShapePanel, plainNumber } from "./shape";
@@ -57,8 +58,6 @@ function say(message: string, isError = false): void {
   box.hidden = false;
 }
 
-const STAGES: Record<string, string> = { read: "Reading", slice: "Shape", guide: "Stress", fill: "Walls and fill", support: "Supports", order: "Ordering", write: "Writing", strength: "Strength test" };
-
 /** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said. */
 async function run(wanted: Record<string, unknown>): Promise<api.JobState | null> {
   const box = byId("progress");
@@ -76,8 +75,7 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
     let early: Promise<void> = Promise.resolve();
     const tell = () => {
       const seconds = fixed((Date.now() - shown) / 1000, 1);
-      if (last.phase === "waiting") words.textContent = `Waits for ${last.ahead} other${last.ahead === 1 ? "" : "s"} · ${seconds} s`;
-      else words.textContent = `${STAGES[last.stage ?? ""] ?? "Starting"}${last.total > 0 ? ` ${last.done} of ${last.total}` : ""} · ${seconds} s`;
+      words.textContent = `${howFar(last)} · ${seconds} s`;
       if (last.total > 0) { bar.max = last.total; bar.value = last.done; } else bar.removeAttribute("value");
     };
     tell();
@@ -142,7 +140,7 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     shape.close();
     tab("paths");
     const end = await run({ kind: "view", file: path });
-    if (end) { await show(end.id); strength.forProgram(path); }
+    if (end) await show(end.id);
   } else {
     ensureViewer();
     viewer?.clear();
@@ -200,6 +198,8 @@ async function show(id: number, isDone = true): Promise<void> {
   const [index, result] = await Promise.all([api.index(id), isDone ? api.result(id) : null]);
   if (current !== id || own.signal.aborted) return;
   printed = index.layers.length === 0 ? null : index.part_mm;
+  const isProgram = before === null && opened?.kind === "program";
+  if (isProgram) void strength.forProgram(opened!.path);
   if (!printed) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
   tellPaths(index, result);
@@ -209,12 +209,14 @@ async function show(id: number, isDone = true): Promise<void> {
   for (const input of [high, low]) input.max = String(last);
   if (before === null) low.value = "0";
   if (isWhole) high.value = String(last);
-  if (!view) return;
+  // A program of another slicer comes to be broken; one of grainpath, and a plan, to be looked at.
+  const first = isProgram && !index.generator?.startsWith("grainpath") ? "strength" : "paths";
+  if (!view) { if (isProgram) tab(first); return; }
   const kept = before ? beads.keep(before) : 0;
   view.show(beads, before !== null);
   onScreen = id;
   // Paths come into view with their first layer, not with their last.
-  if (before === null) tab(active === "strength" ? "strength" : "paths");
+  if (before === null) tab(active === "strength" ? "strength" : first);
   setColour(colourBy);
   rangeChanged();
   performance.mark("program");

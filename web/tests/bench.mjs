@@ -196,6 +196,89 @@ export async function colours(page, points) {
   return where.map(([x, y]) => shot.at(x, y));
 }
 
+/** Degrees of the view's opening. Source: `Viewer.camera`. */
+const OPENING = 35;
+const SEEN_FROM = { top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0], oblique: [-0.55, -1.05, 0.95] };
+const minus = (a, b) => a.map((v, k) => v - b[k]);
+const dot = (a, b) => a.reduce((sum, v, k) => sum + v * b[k], 0);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((v) => v / Math.hypot(...a));
+
+/**
+ * Where points of a part are on the screen, from its box, the direction of view and the rectangle of the view alone: nothing
+ * is asked of the page. `turned_deg` is what the keys A and D have turned since.
+ */
+export function camera([low, high], direction, { x, y, width, height }, turned_deg = 0) {
+  const along = unit(SEEN_FROM[direction]);
+  const frame = (back) => { const right = unit(cross([0, 0, 1], back)); return [right, cross(back, right)]; };
+  const half = (v) => 0.5 * dot(v.map(Math.abs), minus(high, low));
+  const tangent = Math.tan((OPENING * Math.PI) / 360);
+  const [across, upwards] = frame(along);
+  const distance = 1.25 * Math.max(Math.max(half(upwards), half(across) / (width / height)) / tangent + half(along), 2);
+  const [c, s] = [Math.cos((turned_deg * Math.PI) / 180), Math.sin((turned_deg * Math.PI) / 180)];
+  const back = [c * along[0] - s * along[1], s * along[0] + c * along[1], along[2]];
+  const [right, up] = frame(back);
+  const middle = low.map((v, k) => 0.5 * (v + high[k]));
+  return (point) => {
+    const from = minus(point, middle);
+    const scale = (0.5 * height) / tangent / (distance - dot(from, back));
+    return [x + 0.5 * width + scale * dot(from, right), y + 0.5 * height - scale * dot(from, up)];
+  };
+}
+
+/** A user's hands: a mouse at points of the screen and a keyboard. What is on the page is only looked at. */
+export async function hands(page) {
+  const devices = await page.context().newCDPSession(page);
+  const boxOf = async (what) => { const box = await what.boundingBox(); assert.ok(box, `${what} is on the page`); return box; };
+  /** Turns the wheel over the panel until what is in it can be seen. */
+  const reach = async (what) => {
+    await what.waitFor();
+    for (let turns = 0; turns < 60; turns++) {
+      const box = await boxOf(what);
+      const frame = what.locator("xpath=ancestor::section[1]");
+      if (!(await frame.count())) return box;
+      const panel = await boxOf(frame);
+      const [above, below] = [box.y - panel.y - 4, panel.y + panel.height - box.y - box.height - 4];
+      if (above >= 0 && below >= 0) return box;
+      await page.mouse.move(panel.x + 0.5 * panel.width, panel.y + 0.5 * panel.height);
+      await page.mouse.wheel(0, above < 0 ? Math.max(above, -200) : Math.min(-below, 200));
+      await settle(page);
+    }
+    throw new Error(`${what} does not come into sight`);
+  };
+  const at = async (x, y) => { await page.mouse.move(x, y); await page.mouse.down(); await page.mouse.up(); await settle(page); };
+  const press = async (what, place = [0.5, 0.5]) => {
+    const what_ = typeof what === "string" ? page.locator(what).first() : what;
+    const box = await reach(what_);
+    await at(box.x + place[0] * box.width, box.y + place[1] * box.height);
+  };
+  const keys = async (...all) => { for (const key of all) await page.keyboard.press(key); await settle(page); };
+  const picture = async () => page.locator("#view").boundingBox();
+  return {
+    at, press, keys,
+    /** Drops a file of this computer at the middle of the view. */
+    drop: async (path) => {
+      const { x, y, width, height } = await boxOf(page.locator("#stage"));
+      const data = { items: [], files: [path], dragOperationsMask: 1 };
+      for (const type of ["dragEnter", "dragOver", "drop"]) await devices.send("Input.dispatchDragEvent", { type, x: x + 0.5 * width, y: y + 0.5 * height, data });
+    },
+    write: async (what, text) => { await press(what); await keys("Control+A"); await page.keyboard.type(text); await keys("Tab"); },
+    /** Chooses in a list by its first letters; a click on the words beside it does not open it. */
+    pick: async (what, words) => {
+      const box = await reach(page.locator(`label:has(${what})`));
+      await at(box.x + 4, box.y + 6);
+      await page.keyboard.type(words);
+      await settle(page);
+    },
+    /** Looks at a box from a side, and then turned by steps of 15 degrees. */
+    look: async (box, direction, steps = 0) => {
+      await press(`#views [data-view=${direction}]`);
+      await keys(...new Array(steps).fill("d"));
+      return camera(box, direction, await picture(), 15 * steps);
+    },
+  };
+}
+
 export const far = (a, b) => Math.max(...a.map((v, k) => Math.abs(v - b[k])));
 
 /** The number of the face whose middle is here. */

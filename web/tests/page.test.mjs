@@ -1,16 +1,16 @@
 // The page itself: sizes, light and dark, opening files, errors, access by keyboard and screen readers.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { boxStl, folder, launch, picture, shaped, shown, squares, studio, visit } from "./bench.mjs";
+import { boxStl, command, folder, launch, picture, shaped, shown, squares, studio, visit } from "./bench.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing", "box.stl": boxStl([30, 12, 3]) });
+  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing", "packed.bgcode": "GCDE", "box.stl": boxStl([30, 12, 3]) });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -48,10 +48,32 @@ test("files that cannot be opened are listed and not offered", async () => {
   await page.click("#open");
   await page.waitForSelector("#chooser .files button");
   assert.equal(await page.isDisabled('#chooser .files button:has-text("notes.txt")'), true);
+  assert.equal(await page.isDisabled('#chooser .files button:has-text("packed.bgcode")'), true);
+  assert.match(await page.textContent('#chooser .files button:has-text("packed.bgcode")'), /binary G-code: have it written as text/);
   assert.equal(await page.isDisabled('#chooser .files button:has-text("squares.gcode")'), false);
   await page.keyboard.press("Escape");
   assert.equal(await page.isVisible("#chooser"), false);
   await close();
+});
+
+test("a program of another slicer opens on its strength, one of grainpath on its paths", async () => {
+  mkdirSync(files.at("own"));
+  command(files.dir, "slice", "box.stl", "-o", "own/box.gcode");
+  for (const [name, tab] of [["squares.gcode", "strength"], ["box.gcode", "paths"]]) {
+    const { page, wrong, close } = await visit(browser, server.address);
+    await page.waitForSelector("#welcome h2");
+    await page.keyboard.press("o");
+    if (tab === "paths") await page.click('#chooser .files button:has-text("own/")');
+    await page.click(`#chooser .files button:has-text("${name}")`);
+    await shown(page);
+    assert.equal(await page.getAttribute(`#tab-${tab}`, "aria-selected"), "true", name);
+    assert.equal(await page.isVisible("#break"), tab === "strength", name);
+    // The other one is a click away.
+    await page.click(tab === "paths" ? "text=Where does it break?" : "#tab-paths");
+    assert.equal(await page.isVisible("#break"), tab === "paths", name);
+    assert.deepEqual(wrong, []);
+    await close();
+  }
 });
 
 test("a file sent with the browser is shown", async () => {

@@ -22,6 +22,7 @@ before(async () => {
   visited = await visit(browser, server.address);
   page = visited.page;
   await shown(page);
+  await page.click("#tab-paths");
   await view(page, "top");
 });
 after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
@@ -129,6 +130,7 @@ test("layers are coloured by the time that they take", async () => {
   const other = await studio(own.dir, "slow.gcode");
   const visited = await visit(browser, other.address);
   await shown(visited.page);
+  await visited.page.click("#tab-paths");
   await view(visited.page, "top");
   await visited.page.selectOption("#colour-by", "time");
   // The pause is in the second layer: its wall is bright where the third one is not shown, and that of the third is dark.

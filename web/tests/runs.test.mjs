@@ -132,3 +132,41 @@ test("the history outlives the studio, by keyboard", async () => {
   await close();
   await again.end();
 });
+
+test("runs that are worked on and wait are listed, and each is cancelled by its own button", async (t) => {
+  const job = (height) => `[shape]\nmesh = "block.stl"\n\n[process]\nlayer_height_mm = ${height}\n\n[fill]\npattern = "rectilinear"\ndensity = 1\n`;
+  const dir = folder({ "block.stl": boxStl([150, 150, 120]), "long.toml": job(0.02), "other.toml": job(0.02), "plate.stl": boxStl([20, 20, 1]), "short.toml": job(0.2).replace("block", "plate") });
+  const own = await studio(dir.dir);
+  t.after(async () => { await own.end(); dir.remove(); });
+  const { page, wrong, close } = await visit(browser, own.address);
+  await page.waitForSelector("#welcome h2");
+  const ask = async (method, path, data) => (await page.context().request.fetch(new URL(path, page.url()).href, { method, data, headers: { origin: new URL(page.url()).origin } })).json();
+  const begin = async (name) => (await ask("POST", "v1/jobs", { kind: "plan", file: dir.at(name) })).id;
+  const phase = async (id) => (await ask("GET", `v1/jobs/${id}`)).phase;
+  const [long, other, short] = [await begin("long.toml"), await begin("other.toml"), await begin("short.toml")];
+  await page.keyboard.press("h");
+  await page.waitForSelector("#queue");
+  assert.equal(await page.$("#all-runs"), null, "none is done");
+  const rows = () => page.$$eval("#queue tr[data-run]", (all) => all.map((r) => [...r.children].slice(0, 3).map((c) => c.textContent)));
+  await page.waitForFunction((id) => /^(Shape|Walls and fill)( \d+ of \d+)?$/.test(document.querySelector(`#queue tr[data-run="${id}"]`)?.children[2].textContent ?? ""), long);
+  await shot(page, "queue");
+  const [first, ...waiting] = await rows();
+  assert.deepEqual(first.slice(0, 2), ["plan", "long"]);
+  assert.deepEqual(waiting, [["plan", "other", "Waits for 1 other"], ["plan", "short", "Waits for 2 others"]]);
+  await page.evaluate(axe);
+  const serious = await page.evaluate(() => window.axe.run().then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => `${v.id}: ${v.nodes[0].html}`)));
+  assert.deepEqual(serious, []);
+  // One that waits goes, by keyboard; the one that is worked on stays.
+  await page.focus(`[data-cancel="${other}"]`);
+  await page.keyboard.press("Enter");
+  await page.waitForSelector(`#queue tr[data-run="${other}"]`, { state: "detached" });
+  assert.deepEqual([await phase(other), await phase(long)], ["cancelled", "running"]);
+  // The one that is worked on goes; the next one is done and comes into the list below, while the queue is empty.
+  await page.click(`[data-cancel="${long}"]`);
+  await page.waitForSelector("#all-runs tr:has-text('short')");
+  assert.deepEqual([await phase(long), await phase(short)], ["cancelled", "done"]);
+  assert.equal(await page.$("#queue"), null);
+  assert.equal((await page.$$("#all-runs tr")).length, 2, "what was cancelled is no run of the history");
+  assert.deepEqual(wrong, []);
+  await close();
+});

@@ -1,14 +1,15 @@
-// Two whole stories, by mouse and keyboard alone, held against the command line.
+// Whole stories, held against the command line; two of them by mouse and keyboard at points of the screen alone.
 
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { bar, boxStl, choose, colours, command, far, folder, launch, places, prismStl, settle, shaped, shown, studio, visit } from "./bench.mjs";
+import { bar, boxStl, choose, colours, command, far, folder, hands, launch, picture, places, prismStl, settle, shaped, shown, studio, visit } from "./bench.mjs";
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "bar.gcode": bar(), "bracket.stl": boxStl([30, 12, 3]), "angle.stl": prismStl([[0, 0, 40, 8], [0, 0, 8, 30]], [0, 4]) });
+  const sliced = readFileSync(new URL("data/bar-prusaslicer.gcode", import.meta.url));
+  files = folder({ "bar.gcode": bar(), "bar-prusaslicer.gcode": sliced, "bracket.stl": boxStl([30, 12, 3]), "angle.stl": prismStl([[0, 0, 40, 8], [0, 0, 8, 30]], [0, 4]) });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -21,7 +22,6 @@ test("a program of another slicer, from its file to where it breaks", async () =
   const { page, wrong, close } = await visit(browser, server.address);
   await choose(page, "bar.gcode");
   await shown(page);
-  await page.click("text=Where does it break?");
   // The ends of the longest side are proposed; the held one is chosen again by a click on the part.
   await page.click("#views [data-view=side]");
   await settle(page);
@@ -108,6 +108,87 @@ test("a program of another slicer, from its file to where it breaks", async () =
   await close();
 });
 
+/** What a program in absolute coordinates prints: the box of the middles of its beads, from the bottom of the first layer. */
+function printedBox(text, height) {
+  const [low, high] = [[Infinity, Infinity, 0], [-Infinity, -Infinity, 0]];
+  const at = { X: 0, Y: 0, Z: 0, E: 0 };
+  for (const line of text.split("\n")) {
+    const words = Object.fromEntries([...line.split(";")[0].matchAll(/([GXYZE])(-?[\d.]+)/g)].map(([, letter, value]) => [letter, Number(value)]));
+    if (words.G === 92) at.E = words.E ?? at.E;
+    if (words.G !== 1) continue;
+    const before = { ...at };
+    Object.assign(at, words);
+    if (at.E <= before.E || (at.X === before.X && at.Y === before.Y)) continue;
+    for (const p of [before, at]) { low[0] = Math.min(low[0], p.X); low[1] = Math.min(low[1], p.Y); high[0] = Math.max(high[0], p.X); high[1] = Math.max(high[1], p.Y); }
+    [low[2], high[2]] = [Math.min(low[2], at.Z - height), Math.max(high[2], at.Z)];
+  }
+  return [low, high];
+}
+const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
+/** What the server answers, asked beside the page. */
+const answer = async (page, address) => (await page.context().request.get(new URL(address, page.url()).href)).body();
+/** The file that a link gives, saved as a browser saves it. */
+async function saved(page, hand, link) {
+  const [download] = await Promise.all([page.waitForEvent("download"), hand.press(link)]);
+  return readFileSync(await download.path());
+}
+
+test("a program of PrusaSlicer, from its drop to where it breaks, by hand at points of the screen", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  const hand = await hands(page);
+  await hand.drop(files.at("bar-prusaslicer.gcode"));
+  await page.waitForSelector("html[data-shown]");
+  // It opens on the question that it came for.
+  assert.equal(await page.getAttribute("#tab-strength", "aria-selected"), "true");
+  const kept = files.at("grainpath-studio/uploads/bar-prusaslicer.gcode");
+  assert.equal(hash(readFileSync(kept)), hash(readFileSync(files.at("bar-prusaslicer.gcode"))));
+  // The places that are proposed are changed for each other: held at its right end, pulled at its left.
+  const box = printedBox(readFileSync(kept, "utf8"), 0.2);
+  const [[x, y], [X, Y, top]] = box;
+  const sides = async () => [await page.inputValue("#hold-side"), await page.inputValue("#load-side")];
+  assert.deepEqual(await sides(), ["x-", "x+"]);
+  const right = await hand.look(box, "side");
+  await hand.press("#hold-pick");
+  await hand.at(...right([X, 0.5 * (y + Y), 0.5 * top]));
+  assert.deepEqual(await sides(), ["x+", "x+"]);
+  const left = await hand.look(box, "side", 12);
+  await hand.press("#load-pick");
+  await hand.at(...left([x, 0.5 * (y + Y), 0.5 * top]));
+  assert.deepEqual(await sides(), ["x+", "x-"]);
+  await hand.look(box, "oblique");
+  await shot(page, "studio-program-places");
+  await hand.press("#break");
+  await page.waitForSelector("#peak", { timeout: 240_000 });
+  const peak = Number((await page.textContent("#peak")).replace(" N", ""));
+  // The command line, from the program that was dropped and the job that the page shows.
+  await hand.press("summary:has-text('The job file that is run')");
+  const job = readFileSync(files.at("grainpath-studio/strength/job.toml"), "utf8");
+  assert.equal(job, await page.textContent("#strength-job"));
+  assert.match(job, /force_n = \[-100, 0, 0\]/);
+  await hand.press("summary:has-text('The job file that is run')");
+  await shot(page, "studio-program-breaks");
+  const theirs = JSON.parse(command(files.dir, "strength", kept, "--job", "grainpath-studio/strength/job.toml", "--json")).strength;
+  assert.equal(peak, Math.round(theirs.peak_load_n));
+  assert.ok((await page.textContent("#weakest")).includes(theirs.weakest.words));
+  // What broke first is red at its place in the last state, and not in the first one.
+  const runs = JSON.parse(await answer(page, "v1/jobs")).jobs;
+  const bytes = await answer(page, `v1/jobs/${runs[runs.length - 1].id}/damage`);
+  const cells = new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+  const broken = Array.from({ length: cells.length / 5 }, (_, k) => ({ at: [cells[5 * k], cells[5 * k + 1], top], lost: cells[5 * k + 3], state: cells[5 * k + 4] }));
+  const first = broken.reduce((a, b) => (b.state < a.state || (b.state === a.state && b.lost > a.lost) ? b : a));
+  const above = await hand.look(box, "top");
+  const red = async () => { await settle(page); const c = (await picture(page)).at(...above(first.at)); return c[0] - c[1]; };
+  const end = await red();
+  await hand.press("#crack-step");
+  await hand.keys("Home");
+  assert.match(await page.textContent("#crack-words"), /^step 1 of \d+: \d+ N at 0\.\d+ mm, 0 of \d+ elements broken$/);
+  const begin = await red();
+  assert.ok(end > 40 && begin < 40, `${end} ${begin}`);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
 test("holding and loading one place is refused with what to do", async () => {
   const { page, close } = await visit(browser, server.address);
   await choose(page, "bar.gcode");
@@ -134,66 +215,56 @@ test("a mesh, from its file to paths whose G-code is that of the command line", 
   const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
   const sent = await page.evaluate(async (address) => [...new Uint8Array(await (await fetch(address)).arrayBuffer())], href);
   command(files.dir, "run", "grainpath-studio/bracket/job.toml", "--out", "again");
-  const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
   assert.equal(hash(Buffer.from(sent)), hash(readFileSync(files.at("again/bracket.gcode"))));
   assert.deepEqual(wrong, []);
   await close();
 });
 
-test("a bracket, from its file over its loads and stress to its G-code and to where it breaks, by mouse and keyboard alone", async () => {
+test("a bracket, from its drop over its loads and stress to its G-code and to where it breaks, by hand at points of the screen", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
-  // Dropped on the page: the file goes through the browser.
-  await page.setInputFiles("#welcome input[type=file]", files.at("angle.stl"));
-  await shaped(page);
+  const hand = await hands(page);
+  await hand.drop(files.at("angle.stl"));
+  await page.waitForSelector("html[data-search]");
   assert.equal(await page.textContent("#size"), "40.00 × 30.00 × 4.00 mm");
-  await page.click("text=Say where it is held and loaded");
-  // The end of the upright leg is held.
-  const click = async (p) => { const [[x, y]] = await places(page, [p]); await page.mouse.click(x, y); };
-  await page.keyboard.press("4");
-  await page.evaluate(() => window.studio.viewer.view("oblique"));
-  await settle(page);
-  await page.focus("#view");
-  await page.mouse.move(640, 300);
-  // Behind the part from this side: its button in the list of faces does as well.
-  const name = (face) => page.evaluate((f) => window.studio.report.faces.findIndex((row) => row.centre_mm.every((v, k) => Math.abs(v - f[k]) < 0.01)), face);
-  await page.click("#all-faces summary");
-  await page.focus(`button.face[data-face="${await name([4, 30, 2])}"]`);
-  await page.keyboard.press("Enter");
-  await page.click("#hold-here");
-  // The end of the lying leg is seen from the side.
-  await page.click("#views [data-view=side]");
-  await settle(page);
-  await click([40, 4, 2]);
-  await page.click("#load-here");
-  await page.fill("#value-1-x", "0");
-  await page.fill("#value-1-y", "-60");
-  await page.fill("#value-1-z", "0");
-  await page.press("#value-1-z", "Tab");
-  await page.click("#views [data-view=oblique]");
-  await settle(page);
+  await hand.press("text=Say where it is held and loaded");
+  // The end of the upright leg is held; it is seen from behind, half a turn from the front.
+  const part = [[0, 0, 0], [40, 30, 4]];
+  const held = (await hand.look(part, "front", 12))([4, 30, 2]);
+  const blue = async ([x, y]) => { const c = (await picture(page)).at(x, y); return c[2] - c[0]; };
+  const before = await blue(held.map((v) => v + 6));
+  await hand.at(...held);
+  await hand.press("#hold-here");
+  await hand.keys("Escape");
+  const after = await blue(held.map((v) => v + 6));
+  assert.ok(after > before + 30, `the face that is held is blue: ${before} ${after}`);
+  // The end of the lying leg is loaded, and seen from the side.
+  await hand.at(...(await hand.look(part, "side"))([40, 4, 2]));
+  await hand.press("#load-here");
+  for (const [axis, value] of [["x", "0"], ["y", "-60"], ["z", "0"]]) await hand.write(`#value-1-${axis}`, value);
+  await hand.look(part, "oblique");
   await shot(page, "studio-loads");
-  await page.click("#solve");
+  await hand.press("#solve");
   await page.waitForSelector("#peak-stress", { timeout: 240_000 });
   await shot(page, "studio-stress");
   const peak = await page.textContent("#peak-stress");
-  await page.click("#follow");
-  await page.click("#plan-here");
-  await shown(page);
+  await hand.press("#follow");
+  await hand.press("#plan-here");
+  await page.waitForSelector("html[data-shown]", { timeout: 240_000 });
+  const link = page.locator('#panel-paths a:has-text("gcode")');
+  await link.waitFor();
   await shot(page, "studio-planned");
-  const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
-  const sent = Buffer.from(await page.evaluate(async (address) => [...new Uint8Array(await (await fetch(address)).arrayBuffer())], href));
-  // The command line, from the job that the studio saved: the same stress, the same bytes.
+  const sent = await saved(page, hand, link);
+  // The command line, from the job that the studio saved: the same load, the same stress, the same bytes.
   const job = "grainpath-studio/angle/job.toml";
   const theirs = JSON.parse(command(files.dir, "run", job, "--check", "--json"));
   assert.ok(peak.startsWith(`${theirs.stress.max_von_mises_mpa.toFixed(2)} MPa`), `${peak} ${theirs.stress.max_von_mises_mpa}`);
   assert.deepEqual(theirs.stress.loads[0].force_n.map((v) => Math.round(v * 1e6) / 1e6 + 0), [0, -60, 0]);
   command(files.dir, "run", job, "--out", "again-angle");
-  const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
   assert.equal(hash(sent), hash(readFileSync(files.at("again-angle/angle.gcode"))));
   // The printed part is loaded until it breaks.
-  await page.click("#tab-loads");
-  await page.click("#test-here");
+  await hand.press("#tab-loads");
+  await hand.press("#test-here");
   await page.waitForSelector("#peak", { timeout: 240_000 });
   await shot(page, "studio-breaks");
   const breaks = Number((await page.textContent("#peak")).replace(" N", ""));
