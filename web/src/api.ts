@@ -62,6 +62,8 @@ async function json<T>(address: string, init?: RequestInit): Promise<T> {
 export const state = () => json<StudioState>("v1/state");
 export const files = (path: string) => json<Listing>(`v1/files?path=${encodeURIComponent(path)}`);
 export const text = (path: string) => json<{ text: string; folder: string }>(`v1/text?path=${encodeURIComponent(path)}`);
+/** The address of a photograph. */
+export const picture = (path: string) => `v1/picture?path=${encodeURIComponent(path)}`;
 /** Writes the text of a job under a new name; a relative one is below the working folder. */
 export const save = (path: string, text: string) => json<{ path: string }>(`v1/text?path=${encodeURIComponent(path)}`, { method: "POST", headers: { "content-type": "text/plain" }, body: text });
 /** The job that the command line would make of a file or of the folder of a scan. */

@@ -1,7 +1,8 @@
 // The job: its text, the profiles, and what runs of it gave.
 
 import * as api from "./api";
-import { el } from "./dom";
+import { BoardPicture, type Point } from "./board";
+import { byId, el } from "./dom";
 import { draftOf, forget, keep } from "./drafts";
 import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
@@ -41,6 +42,9 @@ export class JobPanel {
   private opened: Open | null = null;
   private saved = "";
   private folder = "";
+  /** The photograph of the job with its corners; null for jobs of other shapes. */
+  private picture: BoardPicture | null = null;
+  private isActive = false;
   /** Texts before and after the present one. */
   private before: string[] = [];
   private after: string[] = [];
@@ -54,6 +58,7 @@ export class JobPanel {
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.close(); }
 
   close(): void {
+    this.dropPicture();
     this.editor = null;
     this.opened = null;
     this.changed = () => {};
@@ -196,6 +201,7 @@ export class JobPanel {
     const save = el("button", { type: "button", id: "save-as", onclick: () => void this.saveAs(name.value) }, "Save as");
     const board = this.board();
     if (board) selects.push(board.fill);
+    this.showPicture();
     this.panel.replaceChildren(
       ...(board ? [board.box] : []),
       el("h2", {}, "Printer, material, process"), el("div", { class: "row" }, choice("printer"), choice("material"), choice("process")), tier,
@@ -208,9 +214,36 @@ export class JobPanel {
     changed();
   }
 
-  /** The size of the board in a photograph, which no picture states; null for jobs of other shapes. */
+  /** The photograph lies over the view while the job is looked at. */
+  setActive(isActive: boolean): void { this.isActive = isActive; this.showPicture(); }
+  private showPicture(): void { if (this.picture) this.picture.element.hidden = !this.isActive; }
+  private dropPicture(): void { this.picture?.element.remove(); this.picture = null; }
+
+  /** The size and the corners of the board in a photograph, which no picture states; null for jobs of other shapes. */
   private board(): { box: HTMLElement; fill: () => void } | null {
+    this.dropPicture();
     if (get(this.saved, "shape.photo", "files") === null) return null;
+    const photos = () => {
+      const names = value(get(absolute(this.text() ?? "", this.folder), "shape.photo", "files") ?? "");
+      return Array.isArray(names) ? names.map(String) : [];
+    };
+    const stated = (): Point[] => {
+      const corners = value(get(this.text() ?? "", "shape.photo", "corners_px") ?? "");
+      const isPoint = (p: unknown) => Array.isArray(p) && p.length === 2 && p.every((v) => typeof v === "number");
+      return Array.isArray(corners) && corners.length % 4 === 0 && corners.every(isPoint) ? (corners as Point[]) : [];
+    };
+    // Four corners hold for all pictures, or each has its own.
+    const first = () => (stated().length > 4 ? 4 * which.selectedIndex : 0);
+    const put = (corners: Point[] | null) => {
+      const all = stated();
+      if (corners) all.splice(first(), 4, ...corners);
+      this.put(set(this.text() ?? "", "shape.photo", "corners_px", corners ? `[${all.map(([x, y]) => `[${x}, ${y}]`).join(", ")}]` : null));
+    };
+    const picture = (this.picture = new BoardPicture(put, (message) => this.parts.say(message, true)));
+    byId("view").after(picture.element);
+    const which = el("select", { id: "which-photo", onchange: () => fill() }, ...photos().map((name) => el("option", {}, name.split(/[/\\]/).pop() ?? name)));
+    const drag = el("p", { class: "note" });
+    const whole = el("button", { type: "button", id: "whole-photo", onclick: () => put(null) }, "The whole picture is the board");
     const inputs = ["width, mm", "height, mm", "thick, mm"].map((words, k) =>
       el("input", { type: "number", min: 0.1, step: "any", id: `board-${k}`, "aria-label": words, placeholder: words, onchange: () => enter() }));
     const enter = () => {
@@ -226,8 +259,16 @@ export class JobPanel {
       const known = [...(Array.isArray(size) ? size : [undefined, undefined]), thickness];
       inputs.forEach((input, k) => { if (input !== document.activeElement && typeof known[k] === "number") input.value = String(known[k]); });
       note.hidden = known.every((v) => typeof v === "number");
+      const corners = stated();
+      whole.disabled = corners.length === 0;
+      const found = plain(get(this.text() ?? "", "shape.photo", "corners") ?? "");
+      const isFound = corners.length === 0 && found !== "" && found !== "image";
+      drag.textContent = `${isFound ? `The board is found by its ${found}, unless a ring is dragged. ` : ""}Drag the four rings to the corners of the board; the arrow keys move the ring that has the focus by a pixel, with shift by ten.`;
+      const photo = photos()[which.selectedIndex];
+      if (photo !== undefined) picture.show(api.picture(photo), corners.length > 0 ? corners.slice(first(), first() + 4) : null);
     };
-    return { box: el("div", { id: "board" }, el("h2", {}, "Board"), el("div", { class: "row three" }, ...inputs.map((input) => el("label", {}, input.placeholder, input))), note), fill };
+    const several = photos().length > 1 ? [el("div", { class: "row" }, el("label", {}, "picture", which))] : [];
+    return { box: el("div", { id: "board" }, el("h2", {}, "Board"), el("div", { class: "row three" }, ...inputs.map((input) => el("label", {}, input.placeholder, input))), note, ...several, drag, el("div", { class: "row" }, whole)), fill };
   }
 
   /** What the material's card rests on. */

@@ -441,6 +441,7 @@ function tab(name: (typeof TABS)[number]): void {
   shape.supports.setActive(name === "shape");
   strength.setActive(name === "strength");
   loads.setActive(name === "loads");
+  job.setActive(name === "job");
 }
 
 for (const t of TABS) {

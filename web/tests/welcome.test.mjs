@@ -1,10 +1,26 @@
 // What an empty page offers: examples, and files of every kind that a plan can begin with.
 
 import assert from "node:assert/strict";
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { PNG } from "pngjs";
-import { command, folder, launch, settle, shaped, shown, studio, visit } from "./bench.mjs";
+import { command, far, folder, hands, launch, picture, settle, shaped, shown, studio, visit } from "./bench.mjs";
+
+/** Corners of the board in the photograph below, pixels of the picture from its upper left corner. */
+const BOARD = [[40, 30], [290, 50], [270, 180], [60, 160]];
+/** A board on a dark table, as a camera sees it askew, with stripes along the row of its upper corners, as PNG. */
+function photograph(width, height) {
+  const png = new PNG({ width, height });
+  const isIn = (x, y) => BOARD.every(([ax, ay], k) => { const [bx, by] = BOARD[(k + 1) % 4]; return (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0; });
+  for (let y = 0; y < height; y++) for (let x = 0; x < width; x++) {
+    const grey = isIn(x + 0.5, y + 0.5) ? 170 + 50 * Math.sin(0.9 * (y - 0.08 * x)) : 20;
+    png.data.set([grey, grey, grey, 255], 4 * (y * width + x));
+  }
+  return PNG.sync.write(png);
+}
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 /** A grey picture of stripes at 30 degrees from the horizontal, as PNG. */
 function stripes(width, height) {
@@ -25,7 +41,7 @@ function ballNrrd() {
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "board.png": stripes(240, 120), "ball.nrrd": ballNrrd(), "letter.txt": Buffer.from("Dear Sir or Madam") });
+  files = folder({ "board.png": stripes(240, 120), "askew.png": photograph(320, 200), "ball.nrrd": ballNrrd(), "letter.txt": Buffer.from("Dear Sir or Madam") });
   mkdirSync(files.at("slices"));
   for (let k = 0; k < 3; k++) writeFileSync(files.at(`slices/${k}.png`), stripes(20, 20));
   server = await studio(files.dir);
@@ -89,6 +105,71 @@ test("a photograph asks for the size of its board, which goes into the job", asy
   const size = await page.evaluate(() => window.studio.viewer.beads.index.part_mm);
   // The beads end half a width inside the board.
   assert.ok(Math.abs(size[1][0] - size[0][0] - 60) < 1 && Math.abs(size[1][1] - size[0][1] - 30) < 1, JSON.stringify(size));
+  await close();
+});
+
+test("the corners of a photographed board are dragged to it, and the command line reads them from the job", async () => {
+  const { page, wrong, close } = await opened("askew.png");
+  await page.waitForSelector("#photo .corner");
+  const hand = await hands(page);
+  // The picture fills its frame as far as its shape allows.
+  const frame = await page.locator("#photo").boundingBox();
+  const scale = Math.min(frame.width / 320, frame.height / 200);
+  const onScreen = ([x, y]) => [frame.x + 0.5 * frame.width + scale * (x - 160), frame.y + 0.5 * frame.height + scale * (y - 100)];
+  const colours = async (...all) => { await settle(page); const shot = await picture(page); return all.map((p) => shot.at(...onScreen(p))); };
+  const yellow = (c) => c[0] - c[2] > 60;
+  // A point of each side of the board, on the dark table or at its edge.
+  const sides = BOARD.map((p, k) => p.map((v, i) => 0.5 * (v + BOARD[(k + 1) % 4][i])));
+  const before = await colours(...sides, [10, 190]);
+  assert.ok(!before.slice(0, 4).some(yellow), `no outline yet: ${before}`);
+  assert.ok(far(before[4], [20, 20, 20]) < 30, `the table is seen: ${before[4]}`);
+  for (const [k, from] of [[0, 0], [320, 0], [320, 200], [0, 200]].entries()) {
+    await page.mouse.move(...onScreen(from));
+    await page.mouse.down();
+    await page.mouse.move(...onScreen(BOARD[k].map((v, i) => 0.5 * (v + from[i]))));
+    await page.mouse.move(...onScreen(BOARD[k]));
+    await page.mouse.up();
+  }
+  const corners = async () => JSON.parse((await job(page)).match(/corners_px = (\[.*\])/)?.[1] ?? "null");
+  const found = await corners();
+  for (const k of [0, 1, 2, 3]) assert.ok(far(found[k], BOARD[k]) < 1, `${found}`);
+  assert.ok((await colours(...sides)).every(yellow), "the outline lies along the board");
+  if (process.env.SHOTS) await page.screenshot({ path: `${process.env.SHOTS}/studio-corners.png` });
+  await page.evaluate(axe);
+  const serious = await page.evaluate(() => window.axe.run().then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => `${v.id}: ${v.nodes[0].html}`)));
+  assert.deepEqual(serious, []);
+  // By keyboard: a pixel to the right, ten down, and back by undoing both.
+  await page.focus('[data-corner="0"]');
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Shift+ArrowDown");
+  assert.deepEqual((await corners())[0].map((v, i) => Math.round(10 * (v - found[0][i])) / 10), [1, 10]);
+  assert.match(await page.getAttribute('[data-corner="0"]', "aria-label"), /^Upper left corner of the board: 4\d(\.\d)?, [34]\d(\.\d)? px$/);
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Control+z");
+  assert.deepEqual(await corners(), found);
+  // The whole picture, and back.
+  await hand.press("#whole-photo");
+  assert.equal(await corners(), null);
+  assert.ok(!(await colours(...sides)).some(yellow));
+  await page.focus('[data-corner="0"]');
+  await page.keyboard.press("Control+z");
+  assert.deepEqual(await corners(), found);
+  for (const [k, value] of ["60", "30", "2"].entries()) await hand.write(`#board-${k}`, value);
+  await hand.press("#panel-job >> text=Plan the paths");
+  await page.waitForSelector("html[data-shown]", { timeout: 120_000 });
+  assert.equal(await page.isVisible("#photo"), false, "the paths are seen, not the picture");
+  command(files.dir, "run", "grainpath-studio/askew/job.toml", "--out", "again-askew");
+  const [name] = readdirSync(files.at("again-askew")).filter((n) => n.endsWith(".gcode"));
+  const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
+  const sent = await (await page.context().request.get(new URL(href, page.url()).href)).text();
+  const theirs = readFileSync(files.at(`again-askew/${name}`), "utf8");
+  assert.equal(sent, theirs);
+  // The corners reach the plan: the whole picture gives another one.
+  const saved = readFileSync(files.at("grainpath-studio/askew/job.toml"), "utf8");
+  writeFileSync(files.at("whole.toml"), saved.replace(/^corners_px = .*\n/m, ""));
+  command(files.dir, "run", "whole.toml", "--out", "again-whole");
+  assert.notEqual(readFileSync(files.at(`again-whole/${name}`), "utf8"), theirs);
+  assert.deepEqual(wrong, []);
   await close();
 });
 

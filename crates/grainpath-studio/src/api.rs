@@ -55,6 +55,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::FILES, get(files)),
         (openapi::TEXT, get(text)),
         (openapi::SAVE, post(save).layer(DefaultBodyLimit::max(MAX_JOB_BYTES as usize))),
+        (openapi::PICTURE, get(picture)),
         (openapi::JOB_FOR, get(job_for)),
         (openapi::EXAMPLES, get(examples)),
         (openapi::EXAMPLE, post(example)),
@@ -787,7 +788,12 @@ async fn output(State(studio): Shared, Path((id, kind)): Path<(u64, String)>) ->
         (header::CONTENT_LENGTH, length.to_string()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
     ];
-    let chunks = unfold(file, |mut file| async move {
+    Ok((headers, streamed(file)).into_response())
+}
+
+/// The bytes of a file, read as they are sent.
+fn streamed(file: tokio::fs::File) -> Body {
+    Body::from_stream(unfold(file, |mut file| async move {
         use tokio::io::AsyncReadExt;
         // Source: chosen; a quarter of a mebibyte a read keeps up with any disk.
         let mut chunk = Vec::with_capacity(1 << 18);
@@ -796,8 +802,28 @@ async fn output(State(studio): Shared, Path((id, kind)): Path<(u64, String)>) ->
             Ok(_) => Some((Ok(chunk), file)),
             Err(e) => Some((Err(e), file)),
         }
-    });
-    Ok((headers, Body::from_stream(chunks)).into_response())
+    }))
+}
+
+/// A photograph, for the page to show it.
+async fn picture(
+    State(studio): Shared,
+    query: Result<Query<PathQuery>, QueryRejection>,
+) -> Answer<Response> {
+    let Query(query) = query?;
+    let real = studio.roots.readable(FilePath::new(&query.path))?;
+    if FileKind::from_path(&real) != FileKind::Photo {
+        return Err(Refusal::usage(format!("{}: only photographs are shown", real.display())).into());
+    }
+    let wrong =
+        |e: std::io::Error| Problem::from(Refusal::input(format!("{}: {}", real.display(), plain(&e))));
+    let file = tokio::fs::File::open(&real).await.map_err(wrong)?;
+    let length = file.metadata().await.map_err(wrong)?.len();
+    let ending = real.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let kind = if ending.starts_with('j') { "jpeg".to_owned() } else { ending };
+    let headers =
+        [(header::CONTENT_TYPE, format!("image/{kind}")), (header::CONTENT_LENGTH, length.to_string())];
+    Ok((headers, streamed(file)).into_response())
 }
 
 /// The schema of job files: what `grainpath schema` prints.

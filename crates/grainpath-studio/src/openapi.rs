@@ -82,6 +82,10 @@ pub(crate) const SAVE: Route = Route {
         Answers::Json("Upload"),
     )
 };
+pub(crate) const PICTURE: Route = Route {
+    query: &[("path", "A photograph (PNG, JPEG, BMP).")],
+    ..Route::get("/v1/picture", "picture", "The bytes of a photograph.", Answers::Bytes)
+};
 pub(crate) const JOB_FOR: Route = Route {
     query: &[("path", "A mesh, a drawing, a photograph, a scan, or the folder of one.")],
     ..Route::get(
