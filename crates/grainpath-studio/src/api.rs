@@ -806,10 +806,7 @@ fn streamed(file: tokio::fs::File) -> Body {
 }
 
 /// A photograph, for the page to show it.
-async fn picture(
-    State(studio): Shared,
-    query: Result<Query<PathQuery>, QueryRejection>,
-) -> Answer<Response> {
+async fn picture(State(studio): Shared, query: Result<Query<PathQuery>, QueryRejection>) -> Answer<Response> {
     let Query(query) = query?;
     let real = studio.roots.readable(FilePath::new(&query.path))?;
     if FileKind::from_path(&real) != FileKind::Photo {

@@ -469,10 +469,15 @@ fn texts_of_other_files_are_not_shown() {
 #[test]
 fn photographs_are_shown_and_other_files_are_not() {
     let bench = Bench::new();
-    for (name, kind) in [("board.png", "image/png"), ("board.JPG", "image/jpeg"), ("board.bmp", "image/bmp")] {
+    for (name, kind) in [("board.png", "image/png"), ("board.JPG", "image/jpeg"), ("board.bmp", "image/bmp")]
+    {
         fs::write(bench.path(&format!("files/{name}")), b"pixels").expect("written");
         let answer = bench.get(&format!("/v1/picture?path={}", bench.shown(&format!("files/{name}"))));
-        assert_eq!((answer.status, answer.bytes.as_slice()), (StatusCode::OK, b"pixels".as_slice()), "{name}");
+        assert_eq!(
+            (answer.status, answer.bytes.as_slice()),
+            (StatusCode::OK, b"pixels".as_slice()),
+            "{name}"
+        );
         assert_eq!(answer.headers["content-type"], kind);
     }
     fs::write(bench.path("secret/board.png"), b"pixels").expect("written");
