@@ -115,8 +115,8 @@ fn sparse_lines_stand_on_those_below_where_the_field_changes_with_the_height() {
             table += &format!("{x},{y},{z},{angle}\n");
         }
     }
-    let job =
-        "[fill]\npattern = \"streamlines\"\ndensity = 0.25\n[process]\ntop_layers = 0\nbottom_layers = 0\n";
+    let job = "[guide]\nkind = \"angle\"\n[fill]\npattern = \"streamlines\"\ndensity = 0.25\n\
+               [process]\ntop_layers = 0\nbottom_layers = 0\n";
     let job = parse_job(job, "job.toml", &[], &|path| Err(path.to_owned())).expect("a sound job");
     let section = || Region::rectangle(DVec2::ZERO, DVec2::new(60.0, 30.0));
     let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).expect("a layer");
