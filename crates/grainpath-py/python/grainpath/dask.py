@@ -56,9 +56,9 @@ def plan_zarr(
     and slabs. ``path`` has to be the same on all workers, and they need the same version of grainpath. ``client`` is a
     client of Dask; without one ``workers`` processes of one thread are started here. ``slab_planes`` slices are cut at a
     time: whole rows of chunks, unless said otherwise. ``window_layers`` layers are filled at a time; jobs with a stress, a
-    field, supports, regions, fibre, a mass or the pattern ``continuous`` are filled here instead. The first worker has
-    ``wait_s`` seconds to come, and more may come while the plan is made. Other arguments are those of
-    :func:`grainpath.read_zarr` and :meth:`grainpath.Job.plan`.
+    field, supports, regions, fibre, a mass, the pattern ``continuous`` or sparse lines along a direction, which go on from
+    layer to layer, are filled here instead. The first worker has ``wait_s`` seconds to come, and more may come while the
+    plan is made. Other arguments are those of :func:`grainpath.read_zarr` and :meth:`grainpath.Job.plan`.
     """
     for name, value in (("slab_planes", slab_planes), ("window_layers", window_layers)):
         if value is not None and value < 1:
