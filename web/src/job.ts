@@ -265,7 +265,7 @@ export class JobPanel {
       const isFound = corners.length === 0 && found !== "" && found !== "image";
       drag.textContent = `${isFound ? `The board is found by its ${found}, unless a ring is dragged. ` : ""}Drag the four rings to the corners of the board; the arrow keys move the ring that has the focus by a pixel, with shift by ten.`;
       const photo = photos()[which.selectedIndex];
-      if (photo !== undefined) picture.show(api.picture(photo), corners.length > 0 ? corners.slice(first(), first() + 4) : null);
+      if (photo !== undefined) picture.show(api.picture(photo), corners.length >= first() + 4 ? corners.slice(first(), first() + 4) : null);
     };
     const several = photos().length > 1 ? [el("div", { class: "row" }, el("label", {}, "picture", which))] : [];
     return { box: el("div", { id: "board" }, el("h2", {}, "Board"), el("div", { class: "row three" }, ...inputs.map((input) => el("label", {}, input.placeholder, input))), note, ...several, drag, el("div", { class: "row" }, whole)), fill };

@@ -22,7 +22,7 @@ export async function queue(into: HTMLElement, isWanted: () => boolean, ended: (
   const error = el("p", { class: "error", role: "alert", hidden: true });
   const say = (problem: unknown) => { error.textContent = (problem as Error).message; error.hidden = false; };
   const begin = (run: api.JobState) => {
-    const off = el("button", { type: "button", "data-cancel": run.id, "aria-label": `Cancel ${KINDS[run.kind]} of ${run.title}`, onclick: () => { off.disabled = true; void api.cancel(run.id).catch(say); } }, "Cancel");
+    const off = el("button", { type: "button", "data-cancel": run.id, "aria-label": `Cancel ${KINDS[run.kind]} of ${run.title}`, onclick: () => { off.disabled = true; void api.cancel(run.id).catch((p) => { off.disabled = false; say(p); }); } }, "Cancel");
     const [far, time] = [el("td"), el("td", { class: "n" })];
     const row = el("tr", { "data-run": run.id }, el("td", {}, KINDS[run.kind]), el("td", {}, run.title), far, time, el("td", {}, off));
     table.append(row);

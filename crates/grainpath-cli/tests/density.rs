@@ -5,6 +5,9 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use grainpath_core::buckets::PointGrid2;
+use grainpath_core::{Bounds2, Role};
+use grainpath_gcode::{Bead, Limits, simulate};
 use serde_json::Value;
 use support::{box_stl, folder, grainpath, json};
 
@@ -184,4 +187,47 @@ fn what_is_assumed_about_a_file_of_densities_is_told() {
     let half = told("half.csv", "");
     assert!(has(&half, "density-assumed") && has(&half, "density-too-small"), "{half:?}");
     assert!(!has(&told("half.csv", ",array=\"foo\""), "density-assumed"));
+}
+
+/// Share of the length of sparse lines of a program below which no bead of the layer below lies.
+fn share_on_air(gcode: &Path) -> f64 {
+    let text = fs::read(gcode).expect("a program");
+    let program = simulate(&text, 1.75, &Limits::default()).expect("G-code");
+    let all = program.layers.iter().flat_map(|l| &l.beads).flat_map(|b| [b.start(), b.end()]);
+    let bounds = Bounds2::around_points(all).expect("beads");
+    let points = |bead: &Bead| {
+        let (a, b) = (bead.start(), bead.end());
+        let n = (a.distance(b) / 0.1).ceil().max(1.0);
+        (0..=n as usize).map(move |k| a.lerp(b, k as f64 / n))
+    };
+    let (mut air, mut length) = (0u32, 0u32);
+    for pair in program.layers.windows(2) {
+        let mut below = PointGrid2::new(bounds, 1.0);
+        pair[0].beads.iter().flat_map(points).for_each(|p| below.insert(p, ()));
+        for p in pair[1].beads.iter().filter(|b| b.role == Role::SparseFill).flat_map(points) {
+            length += 1;
+            // Half of a bead's width.
+            air += u32::from(below.within(p, 0.225).next().is_none());
+        }
+    }
+    assert!(length > 50_000, "{length} points of sparse lines");
+    f64::from(air) / f64::from(length)
+}
+
+#[test]
+fn sparse_lines_stand_on_those_below_where_the_stress_changes_with_the_height() {
+    let dir = folder("lines on air");
+    fs::write(dir.join("bar.stl"), box_stl([50.0, 16.0, 10.0])).expect("written");
+    let job = "[shape]\nmesh = \"bar.stl\"\n[process]\nwalls = 1\ntop_layers = 2\nbottom_layers = 2\n\
+        [guide]\nkind = \"stress\"\n[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [1, 16, 10]] }\nfix = \"xyz\"\n\
+        [[guide.load]]\non = { box_mm = [[49, 0, 0], [50, 16, 10]] }\nforce_n = [0, 0, -60]\n\
+        [fill]\npattern = \"streamlines\"\n[output]\ngcode = \"bar.gcode\"\n";
+    fs::write(dir.join("job.toml"), job).expect("written");
+    // Seeded in each layer on its own, 31 and 30 % of the length lay on air.
+    for (density, most) in [("0.2", 0.02), ("{ min = 0.1, max = 1.0, by = \"stress\" }", 0.05)] {
+        run(&dir, &[&format!("fill.density={density}")]);
+        let share = share_on_air(&dir.join("bar.gcode"));
+        println!("{density}: {:.2} % on air", 100.0 * share);
+        assert!(share < most, "{density}: {share}");
+    }
 }

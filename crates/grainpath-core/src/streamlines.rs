@@ -204,7 +204,7 @@ pub struct Seeding<'a> {
 
 /// A seed found here is taken if no line is nearer than this share of the separation. Source: derived. Such seeds lie
 /// exactly one separation away from their line; two per cent less allow for rounding.
-const FOUND_SHARE: f64 = 0.98;
+pub const FOUND_SHARE: f64 = 0.98;
 
 /// Evenly spaced lines everywhere in `bounds` where the field exists (`Jobard1997`). Each line
 /// yields further seeds on both its sides. `seeds` are tried first; points of a grid are tried

@@ -814,8 +814,13 @@ async fn picture(State(studio): Shared, query: Result<Query<PathQuery>, QueryRej
     }
     let wrong =
         |e: std::io::Error| Problem::from(Refusal::input(format!("{}: {}", real.display(), plain(&e))));
+    // A pipe would be waited for without end, and a folder has no bytes.
+    let about = tokio::fs::metadata(&real).await.map_err(wrong)?;
+    if !about.is_file() {
+        return Err(Refusal::usage(format!("{}: only photographs are shown", real.display())).into());
+    }
+    let length = about.len();
     let file = tokio::fs::File::open(&real).await.map_err(wrong)?;
-    let length = file.metadata().await.map_err(wrong)?.len();
     let ending = real.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let kind = if ending.starts_with('j') { "jpeg".to_owned() } else { ending };
     let headers =

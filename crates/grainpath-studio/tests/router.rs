@@ -481,7 +481,10 @@ fn photographs_are_shown_and_other_files_are_not() {
         assert_eq!(answer.headers["content-type"], kind);
     }
     fs::write(bench.path("secret/board.png"), b"pixels").expect("written");
-    for name in ["files/notes.txt", "files/job.toml", "secret/board.png", "files/none.png"] {
+    fs::create_dir(bench.path("files/folder.png")).expect("made");
+    for name in
+        ["files/notes.txt", "files/job.toml", "files/folder.png", "secret/board.png", "files/none.png"]
+    {
         let answer = bench.get(&format!("/v1/picture?path={}", bench.shown(name)));
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
     }

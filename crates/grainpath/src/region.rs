@@ -203,7 +203,8 @@ fn warn_of_seams(
     if !numbers.is_empty() {
         // Source: measured by `the_seam_at_a_border_is_as_open_as_is_told` of tests/regions.rs.
         let text = format!(
-            "{}: where dense infill or skins meet at the border, 4 to 20 % of a band of two beads stays open",
+            "{}: where dense infill or skins meet at the border, 2 to 7 % of a band of two beads stays open, and 4 to 20 % \
+             beside fibre and the pattern continuous",
             numbers.join(", ")
         );
         diagnostics.push(Warning::new(WarningId::RegionsSeam, text));

@@ -53,3 +53,22 @@ fn a_thin_plate_is_filled_whatever_its_thickness() {
     }
     assert!(widened > 5, "{widened} plates with widened outer walls");
 }
+
+/// Of a ring of any thickness the beads have the volume: in round places the other side lies across too.
+#[test]
+fn a_thin_ring_is_filled_whatever_its_thickness() {
+    let s = bead_spacing_mm(0.45, 0.2);
+    let circle = |r: f64, sign: f64| {
+        (0..120).map(|k| r * direction(sign * f64::from(k) * std::f64::consts::TAU / 120.0)).collect()
+    };
+    for step in 0..57 {
+        let thick = 0.75 + 0.02 * f64::from(step);
+        let ring = Polygon { outer: circle(2.5 + thick, 1.0), holes: vec![circle(2.5, -1.0)] };
+        let walls = lay_walls(&ring, &SETTINGS);
+        let beads = walls.loops.iter().map(|w| &w.path).chain(&walls.singles);
+        let fill = walls.fill.offset(0.5 * s, Join::Miter(3.0));
+        let laid = beads.map(|b| b.volume_mm3(0.2)).sum::<f64>() / 0.2 + fill.area_mm2();
+        let asked = ring.area_mm2() - 0.5 * (0.45 - s) * ring.perimeter_mm();
+        assert!((laid / asked - 1.0).abs() < 0.02, "{thick:.2} mm: {laid} of {asked} mm2");
+    }
+}

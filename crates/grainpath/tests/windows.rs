@@ -53,6 +53,8 @@ fn windows_of_any_size_give_the_same_layers() {
         &["fill.pattern=rectilinear", "process.chain=true", "process.top_layers=3"],
         // Equal layers are planned once and copied.
         &["fill.pattern=stripes", "guide.kind=angle", "guide.angle_deg=30"],
+        // Sparse lines along a field go on from layer to layer.
+        &["fill.pattern=streamlines", "fill.density=0.3", "guide.kind=angle", "guide.angle_deg=30"],
         &["fill.pattern=continuous", "guide.kind=angle"],
         // Whether a wall rises depends on the layers below and above it.
         &["process.stagger_walls=true", "process.walls=4"],

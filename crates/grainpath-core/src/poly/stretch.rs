@@ -74,13 +74,17 @@ pub fn stretched_to(
         [y, to(low, least), to(high, most)]
     };
     let mut rows: Vec<[f64; 3]> = pieces.iter().map(stretched).collect();
-    // Lines of one raster differ in height by far more than the rounding of a turn.
-    rows.sort_by(|a, b| {
-        ((a[0] / SAME_MM).round()).total_cmp(&(b[0] / SAME_MM).round()).then(a[1].total_cmp(&b[1]))
-    });
+    // Pieces of one line get one height; those of two lines differ by far more than the rounding of a turn.
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    for k in 1..rows.len() {
+        if rows[k][0] - rows[k - 1][0] < SAME_MM {
+            rows[k][0] = rows[k - 1][0];
+        }
+    }
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let mut joined: Vec<[f64; 3]> = Vec::new();
     for row in rows {
-        match joined.last_mut().filter(|last| (last[0] - row[0]).abs() < SAME_MM && row[1] <= last[2]) {
+        match joined.last_mut().filter(|last| last[0] == row[0] && row[1] <= last[2]) {
             Some(last) => last[2] = last[2].max(row[2]),
             None => joined.push(row),
         }

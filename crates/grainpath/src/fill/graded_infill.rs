@@ -27,7 +27,8 @@
 //! last the widths are fitted: in a window around each point, with a side of `WINDOW_MM`, the beads get the
 //! volume that the density asks for, within the widths that a nozzle can lay.
 //!
-//! Lengths are in mm. Cost: linear in the length of the beads and in the area.
+//! Lengths are in mm. Cost: linear in the length of the beads and in the area; for crossing lines also the pieces of a
+//! level times the lines of coarser ones.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
@@ -62,6 +63,10 @@ const ROUNDS: usize = 3;
 /// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
 /// lines of sparse infill have no support between their ends.
 const SHORTEST: f64 = 4.0;
+
+/// Pieces of honeycomb shorter than this, in beads, are left out. Source: derived. The shortest piece that `stripes` lay;
+/// longer ones hold their neighbours.
+const SHORTEST_PIECE: f64 = 0.5 * SHORTEST;
 
 /// Fills a region at the densities of a map.
 pub fn fill(
@@ -199,6 +204,7 @@ fn levels(
     // below has no line of the finer level, and an end between two coarser lines would hang in the air.
     let mut coarser: Vec<(usize, [DVec2; 2])> = Vec::new();
     for (d, angle) in angles().enumerate().filter(|_| directions > 1 && last > 0) {
+        // Joints along the border are left out; a turn rounds by far less than a nanometre.
         let along = |w: &[DVec2]| rotated(w[1] - w[0], direction(-angle)).y.abs() < 1e-6;
         let straight = out[first..].iter().flat_map(|p| p.points.windows(2)).filter(|w| along(w));
         coarser.extend(straight.map(|w| (d, [w[0], w[1]])));
@@ -260,7 +266,9 @@ fn bands(
             FillContext { density: Density::Sparse(density), ..leaning(context, context.angle_rad) };
         let mut lines = Vec::new();
         here.polygons.iter().for_each(|polygon| Honeycomb.fill(&context, polygon, &mut lines));
-        out.extend(lines.into_iter().filter(|line| line.length_mm() > 2.0 * context.bead_width_mm));
+        out.extend(
+            lines.into_iter().filter(|line| line.length_mm() > SHORTEST_PIECE * context.bead_width_mm),
+        );
         rest = rest.difference(&here);
     }
 }

@@ -28,6 +28,7 @@ pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub(crate) use field::is_streamlines;
+pub(crate) use field::streamlines::places_on;
 pub(crate) use field::stripes::between_beads;
 pub use field::{SeedLines, Streamlines, Stripes};
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
@@ -66,8 +67,8 @@ pub struct FillContext<'a> {
     pub widths: BeadWidths,
     /// Where beads end, so that they differ from layer to layer.
     pub shift: Shift,
-    /// Lines of the same directions in the layer below, on which lines along a field go on; empty if there are none.
-    pub below: &'a [Vec<DVec2>],
+    /// Places on the lines of the highest layer below with the same directions; lines along a field go on from them.
+    pub below: &'a [DVec2],
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use grainpath_core::math::direction;
 use grainpath_core::poly::LineClipper;
-use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
+use grainpath_core::streamlines::{FOUND_SHARE, LineSettings, Seeding, TracedLine, evenly_spaced};
 use grainpath_core::{DVec2, DVec3, Region};
 use grainpath_fea::principal::plane_principal;
 use grainpath_io::fe::{Element, Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
@@ -174,7 +174,7 @@ impl Guide {
             separation_mm: &same,
             end_share: 0.5,
             shortest_mm: 2.0 * separation,
-            seed_share: 0.98,
+            seed_share: FOUND_SHARE,
             whole: false,
         };
         let settings = LineSettings {

@@ -33,8 +33,8 @@ struct RegionFill<'a> {
     grain: Option<&'a GrainGuide>,
     /// Whether the regions of an island are filled with one path.
     one_path: bool,
-    /// Lines of the layer below.
-    below: &'a [Vec<DVec2>],
+    /// Places on lines of a layer below, from which lines go on.
+    below: &'a [DVec2],
     /// Direction of the lines, radians; `None` takes the direction of the layer's infill.
     angle_rad: Option<f64>,
 }
@@ -178,11 +178,12 @@ impl Steps<'_> {
                 Region { polygons }.offset(steps.inset_mm(layer), Join::Miter(2.0))
             };
             let areas: Vec<Region> = shares().map(dense).collect();
-            let near = |area: &Region| area.offset(context.spacing_mm(), Join::Miter(2.0));
+            let near: Vec<Region> =
+                areas.iter().map(|area| area.offset(context.spacing_mm(), Join::Miter(2.0))).collect();
             let mut band = Region::default();
             for (k, area) in areas.iter().enumerate().filter(|a| !a.1.is_empty()) {
-                for other in areas[k + 1..].iter().filter(|other| !other.is_empty()) {
-                    let both = near(area).intersection(&near(other));
+                for (other, near_other) in areas.iter().zip(&near).skip(k + 1).filter(|o| !o.0.is_empty()) {
+                    let both = near[k].intersection(near_other);
                     band = band.union(&both.intersection(&area.union(other)));
                 }
             }
@@ -192,13 +193,13 @@ impl Steps<'_> {
         }
     }
 
-    /// Lays sparse infill. `below` has the lines of the layer below on which lines along a field go on.
+    /// Lays sparse infill. Lines along a field go on from `below`, places on those of a layer below.
     pub(super) fn sparse_fill(
         &self,
         i: usize,
         split: &SkinSplit,
         density: Density,
-        below: &[Vec<DVec2>],
+        below: &[DVec2],
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();

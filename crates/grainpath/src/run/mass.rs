@@ -81,9 +81,10 @@ impl Steps<'_> {
         };
         let fixed = (0..copies.len()).map(of_walls).sum::<f64>()
             + sum(&masses(&|i| {
-                let mut mass = 0.0;
-                self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
-                mass
+                let mut paths = Vec::new();
+                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
+                self.close_seams(i, &skins[i], &mut paths);
+                paths.iter().map(|(_, path)| grams(path, height(i))).sum()
             }));
         let of_sparse = |density: f64, i: usize| {
             let mut mass = 0.0;

@@ -35,7 +35,9 @@ use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::shift::{Ends, TURNS};
-use crate::fill::{Continuous, FillContext, Note, Shift, SideBySide, graded_infill, is_streamlines};
+use crate::fill::{
+    Continuous, FillContext, Note, Shift, SideBySide, graded_infill, is_streamlines, places_on,
+};
 use crate::guide::Guide;
 use crate::guide::given_field::FieldGuide;
 use crate::guide::graded_density::{DensityMap, GradedDensity};
@@ -255,8 +257,9 @@ struct Copies {
     laid: BTreeMap<usize, (IslandPaths, Tally)>,
 }
 
-/// Sparse lines along a field in the highest layer of each turn of directions ([`Guide::turn_of`]).
-type LinesBelow = BTreeMap<usize, Vec<Vec<DVec2>>>;
+/// Places on sparse lines along a field ([`places_on`]) in the highest layer of each turn of directions
+/// ([`Guide::turn_of`]).
+type LinesBelow = BTreeMap<usize, Vec<DVec2>>;
 
 impl Copies {
     /// The layer that a layer copies.
@@ -778,22 +781,9 @@ impl<'a> Steps<'a> {
         density: Density,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
-        self.infill_above(window, walls, skins, density, &mut LinesBelow::new(), diagnostics)
-    }
-
-    /// As [`Steps::infill`], for a window above lines that are laid.
-    fn infill_above(
-        &self,
-        window: Range<usize>,
-        walls: Vec<LayerWalls>,
-        skins: Vec<SkinSplit>,
-        density: Density,
-        below: &mut LinesBelow,
-        diagnostics: &Diagnostics,
-    ) -> Result<FilledLayers, Interrupted> {
         let mut copies =
             Copies { first: window.start, of: self.duplicates(window.start, &skins), laid: BTreeMap::new() };
-        self.infill_beside(window, walls, skins, density, &mut copies, below, diagnostics)
+        self.infill_beside(window, walls, skins, density, &mut copies, &mut LinesBelow::new(), diagnostics)
     }
 
     /// Whether sparse lines go on from layer to layer: those along a field have to, since it may turn and spread with the
@@ -861,13 +851,16 @@ impl<'a> Steps<'a> {
             let original = copies.original(first + k);
             if original == first + k {
                 let lines = below.get(&turn).map_or(&[][..], Vec::as_slice);
-                let mut add = |island, path: Toolpath| laid[k].push((island, path));
+                let mut add = |island, mut path: Toolpath| {
+                    path.shrink_to_fit();
+                    laid[k].push((island, path));
+                };
                 tallies[k] = tallies[k].and(self.sparse_fill(first + k, &split, density, lines, &mut add));
             }
             let paths =
                 original.checked_sub(first).map_or_else(|| &copies.laid[&original].0, |own| &laid[own]);
             let sparse = paths.iter().filter(|(_, path)| path.role == Role::SparseFill);
-            below.insert(turn, sparse.map(|(_, path)| path.points.clone()).collect());
+            below.insert(turn, places_on(sparse.map(|(_, path)| path.points.as_slice())));
             diagnostics.advance(1);
         }
         // The index of a duplicate refers to a layer that was laid, never to another copy.
@@ -939,13 +932,15 @@ impl<'a> Steps<'a> {
         mut each: impl FnMut(LayerPlan),
     ) -> Result<Tally, Interrupted> {
         let mut state = OrderState::new(order);
-        let (mut fibre, mut below) = (Tally::default(), LinesBelow::new());
+        let mut fibre = Tally::default();
         let end = self.stack.layers().len();
-        for first in (0..end).step_by(n_layers.max(1)) {
-            let window = first..(first + n_layers.max(1)).min(end);
+        // Lines that go on from layer to layer, and copies of such layers, are found for the whole part.
+        let n_layers = if self.goes_on(density) { end } else { n_layers }.max(1);
+        for first in (0..end).step_by(n_layers) {
+            let window = first..(first + n_layers).min(end);
             let mut walls = self.walls(window.clone(), diagnostics)?;
             let skins = self.skins(window.clone(), &mut walls, diagnostics)?;
-            let filled = self.infill_above(window.clone(), walls, skins, density, &mut below, diagnostics)?;
+            let filled = self.infill(window.clone(), walls, skins, density, diagnostics)?;
             fibre = fibre.and(filled.fibre);
             let sections = self.stack.layers();
             let plans = order_window(sections, window, filled.layers, order, &mut state, diagnostics)?;
@@ -994,7 +989,7 @@ impl<'a> Steps<'a> {
 
     /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own
     /// index where there is none. The two layers have the same infill region and the same field, and
-    /// their infill depends on nothing else. Only patterns that follow a field and parallel lines of graded
+    /// their infill depends on nothing else; lines that go on from below do so from equal layers. Only patterns that follow a field and parallel lines of graded
     /// density are compared: others are cheap, or differ in every layer.
     pub(super) fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();

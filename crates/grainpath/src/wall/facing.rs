@@ -11,8 +11,8 @@
 //!   |  wall  |  wall  |        |  wall  |   wall   |
 //! ```
 //!
-//! Method: points at most [`STEP_MM`] apart along each loop look across its inner side for the nearest point of a loop
-//! of the same depth. Lengths are in mm. Cost: a search in a grid for each point. Degenerate cases: at a tip, where the
+//! Method: points at most [`STEP_MM`] apart along each loop look across its inner side for the nearest side of a
+//! loop of the same depth. Lengths are in mm. Cost: a search in a grid for each point. Degenerate cases: at a tip, where the
 //! other side lies beside a point and not across, the bead stays as it is.
 
 use grainpath_core::poly::edges;
@@ -54,9 +54,11 @@ pub(super) fn share_the_space(
             let facing = pieces.within(p, s + range_mm.1).filter(|&(i, _)| depths[i] == *depth);
             let ways = facing.map(|(i, share)| pieces.ends(i)[0].lerp(pieces.ends(i)[1], share) - p);
             let ways = ways.filter(|way| way.dot(normal) > ACROSS * way.length());
-            let nearest = ways.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
-            let space_mm = nearest.length() - s;
-            (space_mm > range_mm.0).then(|| (nearest.normalize_or_zero(), space_mm))
+            // The diameter of the circle that touches the loop here and passes through the other point: the distance of
+            // parallel sides, and in a round place the same for every point across.
+            let across_mm = ways.map(|way| way.length_squared() / way.dot(normal)).min_by(f64::total_cmp)?;
+            let space_mm = across_mm - s;
+            (space_mm > range_mm.0 && space_mm < range_mm.1).then_some(space_mm)
         };
         let (mut points, mut widths) = (Vec::new(), Vec::new());
         let mut before = path.points.last().copied().unwrap_or_default();
@@ -68,10 +70,11 @@ pub(super) fn share_the_space(
             before = a;
             for k in 0..n as usize {
                 let p = a.lerp(b, k as f64 / n);
-                let found = across(p, if k == 0 { corner } else { normal });
+                let normal = if k == 0 { corner } else { normal };
+                let found = across(p, normal);
                 any |= found.is_some();
-                let (way, space_mm) = found.unwrap_or_default();
-                points.push(p + 0.25 * space_mm * way);
+                let space_mm = found.unwrap_or_default();
+                points.push(p + 0.25 * space_mm * normal);
                 widths.push(bead_width_mm(s + 0.5 * space_mm, h));
             }
         }

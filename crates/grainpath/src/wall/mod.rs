@@ -102,10 +102,12 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     let mut walls = lay_crowded_walls(region, settings, s);
     if settings.gap_fill {
         // More space than this gets a bead or infill of its own.
-        let most =
-            bead_spacing_mm(settings.min_bead_width_mm, settings.height_mm).min((1.0 - MAX_SQUEEZE) * s);
+        let narrowest = bead_spacing_mm(settings.min_bead_width_mm, settings.height_mm);
+        let most = narrowest.min((1.0 - MAX_SQUEEZE) * s);
+        // Both sides become narrower by half of what they overlap, and no bead is narrower than the job allows.
+        let least = (-MAX_SQUEEZE * s).max(2.0 * (narrowest - s)).min(0.0);
         let mut loops: Vec<_> = walls.loops.iter_mut().map(|w| (w.depth, &mut w.path)).collect();
-        facing::share_the_space(&mut loops, s, settings.height_mm, (-MAX_SQUEEZE * s, most));
+        facing::share_the_space(&mut loops, s, settings.height_mm, (least, most));
     }
     walls
 }

@@ -29,7 +29,7 @@ mod line_ends;
 mod one_width;
 pub(super) mod phase;
 mod seed_lines;
-mod streamlines;
+pub(super) mod streamlines;
 pub(super) mod stripes;
 pub(super) mod widths;
 

@@ -30,7 +30,7 @@
 
 use grainpath_core::poly::{Join, LineClipper, centroid, simplify_contour, simplify_line};
 use grainpath_core::polyline;
-use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
+use grainpath_core::streamlines::{FOUND_SHARE, LineSettings, Seeding, TracedLine, evenly_spaced};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
@@ -176,7 +176,7 @@ impl FreeArea<'_> {
             separation_mm: &|_| beads * self.step,
             end_share,
             shortest_mm: SHORTEST.value() * self.step,
-            seed_share: 0.98,
+            seed_share: FOUND_SHARE,
             whole,
         };
         let settings = LineSettings {

@@ -10,13 +10,13 @@
 //! Limits: lines end as soon as they are too close, so a converging field gets a little less than its
 //! density. The [`SEPARATION`] is less than the nominal distance to make up for it on average. At a density of
 //! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
-//! lines. The first seeds lie on the lines of the layer below: a line has to stand on one. Where the field changes with the
+//! lines. The first seeds lie on the lines of the highest layer below with the same directions: a line has to stand on one. Where the field changes with the
 //! height, lines seeded in each layer on its own lay anywhere between those below: in a bar of 80 x 30 x 20 mm, bent
 //! upwards, 50 to 57 % of their length lay on air. New lines begin where there is room for one, and for those nothing lies
 //! below.
 
 use grainpath_core::poly::LineClipper;
-use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath, polyline};
+use grainpath_core::{DVec2, Polygon, Region, Toolpath, polyline};
 
 use super::axis_of;
 use super::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
@@ -49,17 +49,17 @@ static STEP_MM: Tuned<f64> = Tuned::new("fill.field.streamlines.STEP_MM", 2.0);
 /// by 16, on a belt of 40 mm a turn moves by 0.0125 mm.
 const SIMPLIFY_MM: f64 = 0.01;
 
-/// Where lines begin: on the lines of the layer below, and in the middle of the region. The middle of each line comes first,
-/// then points a quarter of it from its ends, for lines that were cut in two by a hole or another line.
-fn seeds(below: &[Vec<DVec2>], bounds: Bounds2) -> Vec<DVec2> {
+/// Places from which the layer above goes on with lines: the middle of each, then points a quarter of it from its ends, for
+/// lines that a hole or another line cuts in two there.
+pub(crate) fn places_on<'a>(lines: impl Iterator<Item = &'a [DVec2]> + Clone) -> Vec<DVec2> {
     let at = |share: f64| {
-        below.iter().filter_map(move |line| {
-            let mut rest = line.clone();
+        lines.clone().filter_map(move |line| {
+            let mut rest = line.to_vec();
             polyline::shorten_start(&mut rest, share * polyline::length_mm(line, false));
             rest.first().copied()
         })
     };
-    at(0.5).chain(at(0.25)).chain(at(0.75)).chain([bounds.centre()]).collect()
+    at(0.5).chain(at(0.25)).chain(at(0.75)).collect()
 }
 
 /// Lays evenly spaced lines of one bead width along the field.
@@ -86,7 +86,9 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         longest_mm: LONGEST_SIDES * bounds.size().element_sum(),
     };
     let first = out.len();
-    for line in evenly_spaced(&seeds(context.below, bounds), bounds, &axis, &seeding, &settings) {
+    let here = |p: &&DVec2| p.clamp(bounds.min, bounds.max) == **p;
+    let seeds: Vec<DVec2> = context.below.iter().filter(here).copied().chain([bounds.centre()]).collect();
+    for line in evenly_spaced(&seeds, bounds, &axis, &seeding, &settings) {
         let points = grainpath_core::poly::simplify_line(&line.points, SIMPLIFY_MM);
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }

@@ -120,6 +120,9 @@ const FIT_ROUNDS: usize = 3;
 /// A segment's area reaches beyond its ends by this share of half its width. Source: derived. To close the outer side
 /// of a bend by an angle a, the share has to be tan(a / 2). So 0.5 closes bends up to 53 degrees.
 const STRIP_LONGER: f64 = 0.5;
+/// The smallest cells with which gaps are searched, as a share of those for the narrowest bead of `stripes`. Source: chosen.
+/// Beads narrower than a quarter of that, 0.07 mm, are not laid well, and a mask of 250 x 250 mm takes 7 MB.
+const FINEST_CELL: f64 = 0.25;
 /// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
@@ -477,11 +480,8 @@ fn lay(
     }));
     let n_lines = out.len();
     if share > CLOSED_FROM {
-        let narrowest = match context.widths {
-            BeadWidths::Variable => NARROWEST,
-            BeadWidths::Constant => one_width::LEAST_GAP,
-        };
-        let singles = between_beads(border, out[first..].iter(), narrowest * context.bead_width_mm, context);
+        let narrowest_mm = NARROWEST * context.bead_width_mm;
+        let singles = between_beads(border, out[first..].iter(), narrowest_mm, context);
         out.extend(singles);
     }
     if share < 1.0 {
@@ -514,7 +514,8 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
 }
 
 /// Single beads, at least as wide as the narrowest, in the gaps that `beads` leave open in an area. Their width varies
-/// along the gap, unless the job asks for beads of one width.
+/// along the gap. Where the job asks for beads of one width, gaps get one from the width on at which it closes more than it
+/// lays twice.
 pub(crate) fn between_beads<'a>(
     area: &Region,
     beads: impl Iterator<Item = &'a Toolpath>,
@@ -522,8 +523,13 @@ pub(crate) fn between_beads<'a>(
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let narrowest_mm = match context.widths {
+        BeadWidths::Variable => narrowest_mm,
+        BeadWidths::Constant => one_width::LEAST_GAP * nominal,
+    };
     // Narrower gaps need smaller cells.
-    let cell_mm = GAP_CELL * context.spacing_mm() * (narrowest_mm / (NARROWEST * nominal)).min(1.0);
+    let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
+    let cell_mm = GAP_CELL * context.spacing_mm() * share;
     let left = gaps(area, beads, h, cell_mm);
     let mut singles = Vec::new();
     single_beads(&left, nominal, narrowest_mm, h, context.role, &mut singles);
