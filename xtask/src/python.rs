@@ -42,7 +42,9 @@ pub fn bench(words: &[&str]) -> Result<(), String> {
     let ran = run(setup::python().arg("-P").arg(script).args(words).env("GRAINPATH_MEASURED", &kept));
     // A bench that ended before its first figure has left no file, and says itself why.
     match fs::read_to_string(&kept) {
-        Ok(text) => measured::keep_lines(&text)?,
+        Ok(text) => {
+            measured::keep_lines(&text)?;
+        }
         Err(e) if ran.is_ok() => return Err(format!("{}: {e}", kept.display())),
         Err(_) => {}
     }
