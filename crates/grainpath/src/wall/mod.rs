@@ -7,7 +7,7 @@
 //! the area inside a wall, is too thin for a loop, both sides of the loop would lie on each other.
 //! There the loop is left out and one bead of varying width runs along the medial axis instead,
 //! with the volume of the area it fills. Where what remains between the two sides of the innermost
-//! loop is too narrow for such a bead, both sides become a little wider ([`facing`]).
+//! loop is too narrow for such a bead, both sides become a little wider (`facing`).
 //!
 //! Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about six
 //! otherwise.
