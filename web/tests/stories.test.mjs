@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
-import { readFileSync } from "node:fs";
+import { readFileSync, readdirSync, statSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { bar, boxStl, choose, colours, command, far, folder, hands, launch, picture, places, prismStl, settle, shaped, shown, studio, visit } from "./bench.mjs";
 
@@ -163,17 +163,21 @@ test("a program of PrusaSlicer, from its drop to where it breaks, by hand at poi
   const peak = Number((await page.textContent("#peak")).replace(" N", ""));
   // The command line, from the program that was dropped and the job that the page shows.
   await hand.press("summary:has-text('The job file that is run')");
-  const job = readFileSync(files.at("grainpath-studio/strength/job.toml"), "utf8");
+  // Each run has a folder of its own; this run's is the latest.
+  const written = (folder) => statSync(files.at(`grainpath-studio/${folder}/job.toml`)).mtimeMs;
+  const runs = readdirSync(files.at("grainpath-studio")).filter((name) => name.startsWith("strength"));
+  const path = `grainpath-studio/${runs.sort((a, b) => written(b) - written(a))[0]}/job.toml`;
+  const job = readFileSync(files.at(path), "utf8");
   assert.equal(job, await page.textContent("#strength-job"));
   assert.match(job, /force_n = \[-100, 0, 0\]/);
   await hand.press("summary:has-text('The job file that is run')");
   await shot(page, "studio-program-breaks");
-  const theirs = JSON.parse(command(files.dir, "strength", kept, "--job", "grainpath-studio/strength/job.toml", "--json")).strength;
+  const theirs = JSON.parse(command(files.dir, "strength", kept, "--job", path, "--json")).strength;
   assert.equal(peak, Math.round(theirs.peak_load_n));
   assert.ok((await page.textContent("#weakest")).includes(theirs.weakest.words));
   // What broke first is red at its place in the last state, and not in the first one.
-  const runs = JSON.parse(await answer(page, "v1/jobs")).jobs;
-  const bytes = await answer(page, `v1/jobs/${runs[runs.length - 1].id}/damage`);
+  const jobs = JSON.parse(await answer(page, "v1/jobs")).jobs;
+  const bytes = await answer(page, `v1/jobs/${jobs[jobs.length - 1].id}/damage`);
   const cells = new Float32Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
   const broken = Array.from({ length: cells.length / 5 }, (_, k) => ({ at: [cells[5 * k], cells[5 * k + 1], top], lost: cells[5 * k + 3], state: cells[5 * k + 4] }));
   const first = broken.reduce((a, b) => (b.state < a.state || (b.state === a.state && b.lost > a.lost) ? b : a));
