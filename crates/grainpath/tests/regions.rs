@@ -80,8 +80,7 @@ fn gap_and_surplus(layer: &LayerPlan, band: &Region) -> (f64, f64) {
     let (mut volume, mut beads) = (0.0, Vec::new());
     for path in layer.paths.iter().map(|p| &p.path).filter(|p| p.role.is_part()) {
         for k in 0..path.n_segments() {
-            let (a, b, _) = path.segment(k);
-            let width = 0.5 * (path.width_at(k) + path.width_at((k + 1) % path.points.len()));
+            let (a, b, width) = path.segment(k);
             for piece in clipper.clip(&[a, b]) {
                 let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
                 volume += length * bead_area_mm2(width, layer.height_mm);

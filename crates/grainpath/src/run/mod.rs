@@ -29,7 +29,6 @@ use grainpath_io::directions::{DensitySamples, DirectionSamples};
 use grainpath_io::fe::{DeckConditions, StressField};
 
 use crate::error::Error;
-use crate::fill::is_streamlines;
 use crate::guide::given_field::FieldGuide;
 use crate::guide::graded_density::{GradedDensity, stress_share};
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
@@ -345,7 +344,7 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
         && steps.infill.mass_g.is_none()
         && !steps.infill.graded
         // Sparse lines along a field go on from layer to layer.
-        && !(steps.infill.pattern.follows_field() && is_streamlines(steps.infill.density))
+        && !steps.infill.lines_go_on(steps.infill.density)
         // The continuous pattern gives one warning for the whole part if it cannot lay an island as one path.
         && steps.infill.pattern != Pattern::Continuous
 }

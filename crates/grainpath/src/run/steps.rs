@@ -154,6 +154,15 @@ pub struct InfillSettings {
     pub continuous: Continuous,
 }
 
+impl InfillSettings {
+    /// Whether sparse lines of this density follow a field from layer to layer.
+    pub(super) fn lines_go_on(&self, density: Density) -> bool {
+        matches!(self.pattern, Pattern::Stripes | Pattern::Streamlines)
+            && self.several.is_none()
+            && (self.graded || is_streamlines(density))
+    }
+}
+
 /// Raster angles for ranges of layers. Within a range the angles are used in turn, layer by layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RasterAngles {
@@ -790,10 +799,7 @@ impl<'a> Steps<'a> {
     /// height. Straight lines and cells lie on each other wherever the layer below is laid.
     pub(super) fn goes_on(&self, density: Density) -> bool {
         let along = |steps: &Self, density: Density| {
-            let infill = &steps.settings.infill;
-            matches!(infill.pattern, Pattern::Stripes | Pattern::Streamlines)
-                && infill.several.is_none()
-                && (steps.graded.is_some() || is_streamlines(density))
+            steps.settings.infill.lines_go_on(density)
                 && steps.grain.is_none_or(|grain| grain.mode == Mode::Field)
         };
         along(self, density) || self.regions.iter().any(|r| along(r, self.density_in(r, density)))
@@ -988,9 +994,10 @@ impl<'a> Steps<'a> {
     }
 
     /// For each layer of a window, the index of the earlier layer whose infill it can copy, or its own
-    /// index where there is none. The two layers have the same infill region and the same field, and
-    /// their infill depends on nothing else; lines that go on from below do so from equal layers. Only patterns that follow a field and parallel lines of graded
-    /// density are compared: others are cheap, or differ in every layer.
+    /// index where there is none. The two layers have the same infill region and the same field. Their infill
+    /// depends on nothing else, except that sparse lines along a field go on from the layer below, which a copy
+    /// does too. Only patterns that follow a field and parallel lines of graded density are compared: others are
+    /// cheap, or differ in every layer.
     pub(super) fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
         let pattern = self.settings.infill.pattern;

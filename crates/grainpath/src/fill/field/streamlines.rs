@@ -10,10 +10,10 @@
 //! Limits: lines end as soon as they are too close, so a converging field gets a little less than its
 //! density. The [`SEPARATION`] is less than the nominal distance to make up for it on average. At a density of
 //! [`super::LEAST_STRIPES`] or more [`super::stripes`] is used instead. Cost: linear in the length of all
-//! lines. The first seeds lie on the lines of the highest layer below with the same directions: a line has to stand on one. Where the field changes with the
-//! height, lines seeded in each layer on its own lay anywhere between those below: in a bar of 80 x 30 x 20 mm, bent
-//! upwards, 50 to 57 % of their length lay on air. New lines begin where there is room for one, and for those nothing lies
-//! below.
+//! lines. The first seeds lie on the lines of the highest layer below with the same directions: a line has to stand on one.
+//! Where the field changes with the height, lines seeded in each layer on its own lay anywhere between those below: in a
+//! bar of 80 x 30 x 20 mm, bent upwards, 50 to 57 % of their length lay on air. New lines begin where there is room for
+//! one, and for those nothing lies below.
 
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath, polyline};
