@@ -218,16 +218,25 @@ fn share_on_air(gcode: &Path) -> f64 {
 fn sparse_lines_stand_on_those_below_where_the_stress_changes_with_the_height() {
     let dir = folder("lines on air");
     fs::write(dir.join("bar.stl"), box_stl([50.0, 16.0, 10.0])).expect("written");
-    let job = "[shape]\nmesh = \"bar.stl\"\n[process]\nwalls = 1\ntop_layers = 2\nbottom_layers = 2\n\
+    let job = "[shape]\nmesh = \"bar.stl\"\n[process]\nwalls = 1\ntop_layers = 2\nbottom_layers = 2\nlayer_height_mm = 0.3\n\
         [guide]\nkind = \"stress\"\n[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [1, 16, 10]] }\nfix = \"xyz\"\n\
         [[guide.load]]\non = { box_mm = [[49, 0, 0], [50, 16, 10]] }\nforce_n = [0, 0, -60]\n\
         [fill]\npattern = \"streamlines\"\n[output]\ngcode = \"bar.gcode\"\n";
     fs::write(dir.join("job.toml"), job).expect("written");
     // Seeded in each layer on its own, 31 and 30 % of the length lay on air.
-    for (density, most) in [("0.2", 0.02), ("{ min = 0.1, max = 1.0, by = \"stress\" }", 0.05)] {
-        run(&dir, &[&format!("fill.density={density}")]);
+    let by_stress = "{ min = 0.1, max = 1.0, by = \"stress\" }";
+    let told = |report: &Value| {
+        let warnings = report["warnings"].as_array().expect("a list");
+        warnings.iter().find(|w| w["id"] == "fill-over-air").map(|w| w["text"].to_string())
+    };
+    for (density, most) in [("0.2", 0.02), (by_stress, 0.05)] {
+        let report = run(&dir, &[&format!("fill.density={density}")]);
         let share = share_on_air(&dir.join("bar.gcode"));
         println!("{density}: {:.2} % on air", 100.0 * share);
         assert!(share < most, "{density}: {share}");
+        // New lines begin on air where the stress asks for more of them, which is told.
+        let text = told(&report);
+        assert_eq!(text.is_some(), density == by_stress, "{density}: {text:?}");
+        assert!(text.is_none_or(|t| t.contains("hangs over air")), "{density}");
     }
 }

@@ -221,6 +221,9 @@ warning_ids! {
     FillLinesSeparate = "fill-lines-separate",
         "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
         "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";
+    FillOverAir = "fill-over-air",
+        "Of the length of sparse infill, 0.2 % or more hangs over air: ends of lines with nothing below for more than 1 mm, or whole lines.",
+        "use another pattern, or grade the density less with the height; ends of 1 to 2 mm print with little harm";
     DensityAssumed = "density-assumed",
         "A file of densities has a single value whose name does not say that it is a density; it was taken for one.",
         "name it in the job, as in fill.density.array = \"rho\", or call it density in the file";

@@ -12,11 +12,27 @@
 //!    |========|
 //! ```
 //!
+//! Where the border meets the rows at a small angle, a wedge stays open beside it between each two ends that no joint links;
+//! [`Hatch::wedges`] finds these from the distance of the border to the next row inwards.
+//!
 //! Exact comparisons decide which row an edge spans, so that a row through a vertex is cut once.
 //! Cost: linear in edges and ends, but for sorting the ends of each row.
 
 use grainpath_core::math::{direction, rotated};
+use grainpath_core::polyline::{length_mm, resampled};
 use grainpath_core::{DVec2, Polygon};
+
+/// Wedges are looked for beside borders that meet the rows at an angle with at most this sine. Source: derived. 0.6 is 37
+/// degrees; at larger angles the wedge is shorter than a bead is wide.
+const FLAT_SINE: f64 = 0.6;
+/// Distance of the points along a wedge, in strips. Source: derived; its tip is then found an eighth of a strip too late on
+/// average.
+const WEDGE_STEP: f64 = 0.25;
+/// The bead of a wedge ends this far before the end of the line that closes the wedge, in strips. Source: derived; round
+/// ends of two beads then touch in the middle of the way.
+const BEFORE_END: f64 = 0.5;
+/// A wedge gets a bead from this length on, in strips. Source: chosen; the flow of a shorter bead has hardly begun.
+const LEAST_WEDGE: f64 = 0.5;
 
 /// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
 #[derive(Debug, Clone, Copy)]
@@ -82,6 +98,12 @@ pub(super) struct Hatch {
     ends: Vec<End>,
 }
 
+/// A wedge between a line and the border: a line along its middle, and its width at the points of that line, mm.
+pub(super) struct Wedge {
+    pub points: Vec<DVec2>,
+    pub widths_mm: Vec<f64>,
+}
+
 /// Which joints between lines are allowed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joints {
@@ -89,6 +111,11 @@ pub(super) struct Joints {
     pub longest_mm: f64,
     /// A joint that returns to its own row may bulge this far towards the next row, mm.
     pub bulge_mm: f64,
+}
+
+/// Whether an edge runs nearly along the rows.
+fn is_flat(way: DVec2) -> bool {
+    way.y.abs() <= FLAT_SINE * way.length()
 }
 
 impl Hatch {
@@ -167,6 +194,12 @@ impl Hatch {
 
     /// Paths that run along the lines back and forth, joined along the border where `joints` allow.
     pub(super) fn paths(&self, joints: &Joints) -> Vec<Vec<DVec2>> {
+        self.joined_paths(joints).0
+    }
+
+    /// As [`Self::paths`], and for each end the one to which a joint leads from it.
+    pub(super) fn joined_paths(&self, joints: &Joints) -> (Vec<Vec<DVec2>>, Vec<Option<u32>>) {
+        let mut joined = vec![None; self.ends.len()];
         let mut used = vec![false; self.n_pieces()];
         let mut out = Vec::new();
         for first in 0..self.n_pieces() {
@@ -185,7 +218,10 @@ impl Hatch {
                 path.push(self.place(&self.ends[enter]));
                 path.push(self.place(&self.ends[leave]));
                 match self.onward(leave, &used, joints, &mut path) {
-                    Some(next) => enter = next,
+                    Some(next) => {
+                        (joined[leave], joined[next]) = (Some(next as u32), Some(leave as u32));
+                        enter = next;
+                    }
                     None => break,
                 }
             }
@@ -195,7 +231,105 @@ impl Hatch {
                 out.push(path.into_iter().map(|p| rotated(p, self.axis)).collect());
             }
         }
+        (out, joined)
+    }
+
+    /// The wedges that lines with strips of `strip_mm` leave open beside the border, whose walls begin `border_mm` beyond
+    /// it, where they are at least `least_mm` wide. `joined` holds the end to which a joint
+    /// leads from each end.
+    pub(super) fn wedges(
+        &self,
+        joined: &[Option<u32>],
+        strip_mm: f64,
+        border_mm: f64,
+        least_mm: f64,
+    ) -> Vec<Wedge> {
+        let mut out = Vec::new();
+        for (from, end) in self.ends.iter().enumerate() {
+            if joined[from] != Some(end.along[1]) {
+                self.wedges_between(
+                    end,
+                    &self.ends[end.along[1] as usize],
+                    [strip_mm, border_mm, least_mm],
+                    &mut out,
+                );
+            }
+        }
         out
+    }
+
+    /// The wedges beside the border from one end to the next one along it. All of that border lies between two rows.
+    fn wedges_between(
+        &self,
+        from: &End,
+        to: &End,
+        [strip_mm, border_mm, least_mm]: [f64; 3],
+        out: &mut Vec<Wedge>,
+    ) {
+        let mut border = vec![self.place(from)];
+        border.extend(self.between(from, to, true));
+        border.push(self.place(to));
+        if border.windows(2).all(|w| !is_flat(w[1] - w[0])) {
+            return;
+        }
+        let mut wedge = Wedge { points: Vec::new(), widths_mm: Vec::new() };
+        for pair in resampled(&border, false, WEDGE_STEP * strip_mm).windows(2) {
+            let at = 0.5 * (pair[0] + pair[1]);
+            match self.across(at, pair[1] - pair[0], [from, to], strip_mm, border_mm) {
+                Some((middle, width_mm)) if width_mm >= least_mm => {
+                    wedge.points.push(middle);
+                    wedge.widths_mm.push(width_mm.min(strip_mm));
+                }
+                _ => self.finish(&mut wedge, strip_mm, out),
+            }
+        }
+        self.finish(&mut wedge, strip_mm, out);
+    }
+
+    /// The space between the walls beside a place of the border and the next line inwards: its middle and its width, mm.
+    /// `None` where the border does not run along the rows, where no line lies inwards, and near the ends of lines that
+    /// close the space.
+    fn across(
+        &self,
+        p: DVec2,
+        way: DVec2,
+        ends: [&End; 2],
+        strip_mm: f64,
+        border_mm: f64,
+    ) -> Option<(DVec2, f64)> {
+        if !is_flat(way) {
+            return None;
+        }
+        // The region lies on the left of its contours.
+        let inwards = way.try_normalize()?.perp();
+        let up = inwards.y.signum();
+        let rows = (p.y - self.lines.first_mm) / self.lines.step_mm;
+        let row = if up > 0.0 { rows.ceil() } else { rows.floor() } as i32;
+        let first = self.ends.partition_point(|e| e.line < row);
+        let n = self.ends[first..].partition_point(|e| e.line == row);
+        let is_below =
+            self.ends[first..first + n].chunks(2).any(|e| e[0].x <= p.x && p.x <= e[e.len() - 1].x);
+        let is_closed = |e: &&End| e.line != row && self.place(e).distance(p) < BEFORE_END * strip_mm;
+        if !is_below || ends.iter().any(is_closed) {
+            return None;
+        }
+        let y_mm = self.group.y_mm(f64::from(row), &self.lines);
+        // From the edge of the strips of the walls to that of the line.
+        let (low, high) = (p - border_mm * inwards, DVec2::new(p.x, y_mm - 0.5 * up * strip_mm));
+        let across = high - low;
+        // Sides at an angle a are cos(a / 2) of that way apart, measured at a right angle to the middle between them.
+        let half_angle_cos = (0.5 * (1.0 + inwards.y.abs())).sqrt();
+        (across.dot(inwards) > 0.0).then(|| (0.5 * (low + high), across.length() * half_angle_cos))
+    }
+
+    /// Adds a wedge that is long enough for a bead, and begins another one.
+    fn finish(&self, wedge: &mut Wedge, strip_mm: f64, out: &mut Vec<Wedge>) {
+        let Wedge { mut points, widths_mm } =
+            std::mem::replace(wedge, Wedge { points: Vec::new(), widths_mm: Vec::new() });
+        if length_mm(&points, false) > LEAST_WEDGE * strip_mm {
+            points.iter_mut().for_each(|p| *p = rotated(*p, self.axis));
+            out.push(Wedge { points, widths_mm });
+        }
     }
 
     /// Finds the next unused end along the border from the end of a piece, and adds the border's points.

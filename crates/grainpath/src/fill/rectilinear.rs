@@ -4,7 +4,8 @@
 //! the bead spacing over the density; with `n` directions it is `n` times that. Solid lines are placed for
 //! each region ([`spaced`]), and their width follows the spacing, so that the volume laid equals the volume
 //! of the region. Ends of neighbouring lines are joined along the border if the joint is short
-//! ([`Joints`]), so a raster becomes a few zigzag paths.
+//! ([`Joints`]), so a raster becomes a few zigzag paths. Wedges that solid lines leave open beside a border at a small angle
+//! get single beads of varying width.
 //!
 //! Units: mm, radians from +X. Cost: linear in the lines and in the edges of the region, except for sorting
 //! the ends of each line.
@@ -12,10 +13,12 @@
 use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
-use grainpath_core::units::bead_width_mm;
-use grainpath_core::{Density, Polygon, Toolpath};
+use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
+use grainpath_core::{BeadWidth, Density, Polygon, Role, Toolpath};
+use grainpath_job::choices::BeadWidths;
 
-use super::hatch::{Group, Hatch, Joints, Lines};
+use super::field::stripes::simplified;
+use super::hatch::{Group, Hatch, Joints, Lines, Wedge};
 use super::{FillContext, Infill, spaced};
 
 /// Parallel lines at the distance the density asks for.
@@ -104,7 +107,22 @@ impl Infill for Solid {
             return;
         };
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
-        let paths = Hatch::new(infill_region, lines).paths(&joints);
+        let hatch = Hatch::new(infill_region, lines);
+        let (paths, joined) = hatch.joined_paths(&joints);
+        let least_mm = bead_spacing_mm(context.min_bead_width_mm, context.height_mm);
+        let wedges = hatch.wedges(&joined, step_mm, context.border_mm, least_mm);
+        let single = |wedge: Wedge| {
+            let widths: Vec<f64> =
+                wedge.widths_mm.iter().map(|mm| bead_width_mm(*mm, context.height_mm)).collect();
+            let (points, widths) = simplified(&wedge.points, &widths, false);
+            let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
+            Toolpath { width: BeadWidth::PerVertex(widths), ..path }
+        };
+        // Nothing would hold a bridge's short bead beside a wall.
+        let wedges: Vec<Toolpath> = match context.widths {
+            BeadWidths::Variable if context.role != Role::Bridge => wedges.into_iter().map(single).collect(),
+            BeadWidths::Variable | BeadWidths::Constant => Vec::new(),
+        };
         // The volume laid equals the volume of the region. Joints and line ends overlap their neighbours,
         // so beads become a little narrower. No gap opens between them, because beads are wider than their
         // spacing.
@@ -112,9 +130,11 @@ impl Infill for Solid {
         // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
         // corners of b x b.
         let area = infill_region.area_mm2()
-            + context.border_mm * (infill_region.perimeter_mm() + 4.0 * context.border_mm);
+            + context.border_mm * (infill_region.perimeter_mm() + 4.0 * context.border_mm)
+            - wedges.iter().map(|p| p.volume_mm3(context.height_mm)).sum::<f64>() / context.height_mm;
         let strip_mm = (area / length.max(1e-9)).clamp(0.9 * step_mm, 1.05 * step_mm);
         let width = bead_width_mm(strip_mm, context.height_mm);
         out.extend(paths.into_iter().map(|points| Toolpath::new(points, width, context.role, false)));
+        out.extend(wedges);
     }
 }

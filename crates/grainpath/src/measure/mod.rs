@@ -3,6 +3,7 @@
 pub mod alignment;
 pub mod laid_density;
 pub mod laid_fibre;
+pub mod on_air;
 pub mod plan_json;
 mod planned;
 pub mod report;

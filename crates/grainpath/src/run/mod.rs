@@ -36,8 +36,8 @@ use crate::guide::{self, Guide, GuidedPart, KnownStress, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
 use crate::measure::laid_density::{AskedDensity, LaidDensity};
-use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
+use crate::measure::{on_air, separate_lines};
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::region::{self, RegionAreas, RegionPart};
 use crate::shape::{ShapeError, loft};
@@ -662,6 +662,10 @@ fn plan_stack(
     // Gyroids and honeycombs are not checked, because their lines support each other over several layers.
     if !matches!(step_settings.infill.pattern, Pattern::Gyroid | Pattern::Honeycomb) {
         separate_lines::check(&plan.layers).into_iter().for_each(|warning| diagnostics.push(warning));
+    }
+    // Lines of the other patterns lie alike in all layers, or cross those below.
+    if step_settings.infill.pattern.follows_field() || graded.is_some() {
+        on_air::check(&plan.layers).into_iter().for_each(|warning| diagnostics.push(warning));
     }
     // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;

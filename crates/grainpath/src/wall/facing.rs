@@ -40,19 +40,18 @@ pub(super) fn share_the_space(
     range_mm: (f64, f64),
 ) {
     let (s, h) = (s_mm, height_mm);
-    let mut depths = Vec::new();
-    let mut pieces = Vec::new();
+    // Loops of different depths face each other everywhere, so each depth has a grid of its own.
+    let mut of_depths: Vec<Vec<[DVec2; 2]>> = Vec::new();
     for (depth, path) in loops.iter() {
-        for (a, b) in edges(&path.points) {
-            depths.push(*depth);
-            pieces.push([a, b]);
-        }
+        of_depths.resize(of_depths.len().max(depth + 1), Vec::new());
+        of_depths[*depth].extend(edges(&path.points).map(<[DVec2; 2]>::from));
     }
-    let pieces = Segments::new(pieces, 2.0 * s);
+    let of_depths: Vec<Segments> = of_depths.into_iter().map(|all| Segments::new(all, 2.0 * s)).collect();
     for (depth, path) in loops.iter_mut() {
+        let pieces = &of_depths[*depth];
         let across = |p: DVec2, normal: DVec2| {
-            let facing = pieces.within(p, s + range_mm.1).filter(|&(i, _)| depths[i] == *depth);
-            let ways = facing.map(|(i, share)| pieces.ends(i)[0].lerp(pieces.ends(i)[1], share) - p);
+            let near = pieces.within(p, s + range_mm.1);
+            let ways = near.map(|(i, share)| pieces.ends(i)[0].lerp(pieces.ends(i)[1], share) - p);
             let ways = ways.filter(|way| way.dot(normal) > ACROSS * way.length());
             // The diameter of the circle that touches the loop here and passes through the other point: the distance of
             // parallel sides, and in a round place the same for every point across.

@@ -9,7 +9,7 @@
 //! 2. stretches of lines with less than the least room are removed;
 //! 3. lines begin where there is room for one more beside a line;
 //! 4. ends that face each other are joined;
-//! 5. lines that end inside the region are extended as long as they have the least room.
+//! 5. lines that end inside the region are extended as long as they have the least room, and into the tip beyond.
 //!
 //! ```text
 //!    ------------------------------- bead
@@ -49,6 +49,9 @@ const STEP: f64 = 0.25;
 const MAX_STEPS: usize = 400;
 /// The last steps of an extension are no neighbours of its end. Source: derived; four of them are a bead long.
 const OWN_STEPS: usize = 4;
+/// An extension ends after this number of steps with less than the least room. Source: derived; six steps are one and a half
+/// beads, about the length of a tip, and space that is as narrow for longer belongs to the lines beside it.
+const TIP_STEPS: usize = 6;
 /// Least distance of two extended lines side by side, in spacings. Source: derived; closer lines would overlap by more
 /// than half.
 const LEAST_APART: f64 = 0.5;
@@ -92,6 +95,8 @@ pub(super) struct Place<'a> {
 pub(super) struct Room {
     /// Least room, in spacings.
     pub least: f64,
+    /// Room down to which the last bit of an extension may go, in spacings: into the tip that narrows before two others.
+    pub tip: f64,
     /// Room from which one more line begins, in spacings.
     pub begins: f64,
     /// Whether extensions keep to the middle of their room. Otherwise they keep to the field.
@@ -364,6 +369,7 @@ impl End<'_> {
         let spacing_mm = self.place.spacing_mm;
         let step = STEP * spacing_mm;
         let mut out = Vec::new();
+        let mut n_narrow = 0;
         for _ in 0..MAX_STEPS {
             let axis = (self.place.axis)(at);
             let along = if axis.dot(heading) < 0.0 { -axis } else { axis };
@@ -392,7 +398,9 @@ impl End<'_> {
                 break;
             }
             let [left_mm, right_mm] = self.sides(next, along);
-            if !self.place.area.contains(next) || left_mm + right_mm < self.room.least * spacing_mm {
+            let room = (left_mm + right_mm) / spacing_mm;
+            n_narrow = if room < self.room.least { n_narrow + 1 } else { 0 };
+            if !self.place.area.contains(next) || room < self.room.tip || n_narrow > TIP_STEPS {
                 break;
             }
             out.push(next);

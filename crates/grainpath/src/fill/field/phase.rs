@@ -209,14 +209,17 @@ impl Carried {
             let count = run.edges.len();
             let (c, s, w) =
                 (&self.cos[run.edges.clone()], &self.sin[run.edges.clone()], &self.way[run.edges]);
-            let (re, im) = (&x_re[run.to.clone()], &x_im[run.to.clone()]);
-            let (to_re, to_im) = (&mut y_re[run.from.clone()], &mut y_im[run.from.clone()]);
+            let (c, s, w) = (&c[..count], &s[..count], &w[..count]);
+            // All slices have this length, so that the loops need no checks and run in lanes.
+            let (re, im) = (&x_re[run.to.clone()][..count], &x_im[run.to.clone()][..count]);
+            let to_re = &mut y_re[run.from.clone()][..count];
+            let to_im = &mut y_im[run.from.clone()][..count];
             (0..count).for_each(|k| {
                 to_re[k] -= width * (c[k] * re[k] + s[k] * im[k]);
                 to_im[k] -= width * w[k] * (c[k] * im[k] - s[k] * re[k]);
             });
-            let (re, im) = (&x_re[run.from.clone()], &x_im[run.from]);
-            let (to_re, to_im) = (&mut y_re[run.to.clone()], &mut y_im[run.to]);
+            let (re, im) = (&x_re[run.from.clone()][..count], &x_im[run.from][..count]);
+            let (to_re, to_im) = (&mut y_re[run.to.clone()][..count], &mut y_im[run.to][..count]);
             (0..count).for_each(|k| {
                 let im = w[k] * im[k];
                 to_re[k] -= width * (c[k] * re[k] - s[k] * im);

@@ -65,6 +65,10 @@ static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT"
 /// The space of a bead on a side where no other bead and no border is near, in spacings. Source: derived; half of the
 /// widest bead.
 const FREE: f64 = 0.5 * WIDEST;
+/// The end of a line goes on into narrowing space down to this share of the strip of the narrowest bead. Source: derived. What
+/// stays open in the tip beyond shrinks with the square of the share, and the bead overlaps its neighbours by the square of
+/// what it lacks: with 0.7 half of the tip is closed for an overlap of a tenth of it.
+const TIP_ROOM: f64 = 0.7;
 /// Side of the grid cells with which gaps are searched, in spacings of dense infill. Source: derived. The strip
 /// of the narrowest bead is about 0.55 spacings wide. A gap of that width contains the centre of a cell of
 /// 0.33 wherever it lies, because the diagonal of the cell is 0.47.
@@ -200,7 +204,7 @@ pub(crate) fn spaced(
         BeadWidths::Variable => {
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
-            let room = Room { least, begins: 0.5 * WIDEST, middle: true };
+            let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true };
             let mut lines = fitted(lines, &place, room);
             centre(&mut lines, &border, spacing);
             // Moving lines may push points of them out of their area.
@@ -700,12 +704,22 @@ fn at_border(
     }
     let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
-    let contour = contours.get(hit.contour)?;
-    let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
+    let there = end + hit.t * reach_mm * along;
+    let d = direction_around(contours.get(hit.contour)?, hit.edge, there, 0.5 * width)?;
     let sine = cross(along, d).abs();
     let short_mm = RETREAT * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
     (sine >= least_sine && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
+}
+
+/// The direction of a contour around a place on one of its edges, from the first vertex farther than `apart_mm` before
+/// it to the first one after it: an edge alone may be a few thousandths of a millimetre long and point anywhere.
+fn direction_around(contour: &[DVec2], edge: usize, at: DVec2, apart_mm: f64) -> Option<DVec2> {
+    let n = contour.len();
+    let is_far = |p: &DVec2| p.distance(at) > apart_mm;
+    let before = (0..n).map(|k| contour[(edge + n - k) % n]).find(is_far)?;
+    let after = (1..=n).map(|k| contour[(edge + k) % n]).find(is_far)?;
+    (after - before).try_normalize()
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close
