@@ -138,6 +138,7 @@ def test_a_viewer_holds_the_program(plan):
     # What the browser sends back.
     viewer.set_state({"layers": [0, 3], "color": "width"})
     assert (viewer.layers, viewer.color) == ((0, 3), "width")
+    assert repr(viewer) == "<grainpath.viewer.Viewer: layers 0 to 3 of 4 by width>"
 
 
 def test_the_viewer_asks_nothing_of_the_network(plan):

@@ -90,3 +90,7 @@ class Viewer(anywidget.AnyWidget):
         if not 100 <= height <= 4000:
             raise InputError(f"height_px = {height} should be from 100 to 4000 pixels")
         return height
+
+    def __repr__(self) -> str:
+        low, high = self.layers
+        return f"<grainpath.viewer.Viewer: layers {low} to {high} of {len(self._index['layers'])} by {self.color}>"
