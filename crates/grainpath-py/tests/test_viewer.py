@@ -127,6 +127,31 @@ def test_angles_lie_at_their_beads():
     assert np.abs(known / 2 - np.delete(off, 3)).max() <= 0.25 and known[-1] == 180
 
 
+@pytest.mark.parametrize("angle", [0, 30, 90])
+def test_colours_show_the_angle_off_the_guide(plate, angle):
+    """A field along x, and infill that keeps an angle of its own: the angle is that of each bead."""
+    along = gp.Field((np.array([0.0, 30.0]), np.array([0.0, 20.0])), np.zeros((2, 2)))
+    own = {"fill__pattern": "rectilinear", "fill__angles_deg": [angle], "process__top_layers": 0, "process__bottom_layers": 0}
+    plan = gp.Job(plate, field=along, fill__density=0.5, **own, **QUICK).plan()
+    viewer = plan.view(color="direction")
+    program = gp.gcode.loads(plan.to_gcode())
+    records = Records(program)
+    told = np.frombuffer(viewer._angles, np.uint8)[records.of_bead]
+    beads = program.beads
+    x, y = np.abs((beads["end"] - beads["start"]).astype(float)).T
+    length = np.hypot(x, y)
+    # The skirt is no part; a program states its ends to 0.001 mm.
+    is_part = beads["role"] != gp.gcode.ROLES.index("Skirt")
+    assert (told[~is_part] == NO_ANGLE).all() and 0 < is_part.sum() < len(beads)
+    long = is_part & (length > 1)
+    assert np.abs(told[long] / 2 - np.rad2deg(np.arctan2(y, x))[long]).max() < 0.35
+    fill = long & (beads["role"] == gp.gcode.ROLES.index("Internal infill"))
+    assert np.median(told[fill] / 2) == pytest.approx(angle, abs=0.5)
+    # What another slicer's program says of its guide is not known.
+    with pytest.raises(gp.InputError, match="needs a plan whose guide"):
+        program.view(color="direction")
+
+
 def test_a_viewer_holds_the_program(plan):
     viewer = plan.view(color="speed", layers=(1, 2), height_px=300)
     records = Records(gp.gcode.loads(plan.to_gcode()))

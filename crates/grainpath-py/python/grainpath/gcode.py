@@ -147,7 +147,7 @@ class Program:
         >>> gp.gcode.loads(gp.Job(gp.box(20, 10, 1)).plan().to_gcode()).view(layers=(1, 3)).color
         'role'
         """
-        return _viewer()(self, color=color, layers=layers, height_px=height_px)
+        return viewer_class()(self, color=color, layers=layers, height_px=height_px)
 
     def __repr__(self) -> str:
         s = self.summary
@@ -168,7 +168,7 @@ class Program:
         return _again, self._source
 
 
-def _viewer() -> type[Viewer]:
+def viewer_class() -> type[Viewer]:
     """The class of the viewer, whose packages few need."""
     try:
         from .viewer import Viewer

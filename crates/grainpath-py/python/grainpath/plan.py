@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import _grainpath
 from ._checks import FloatArray, read_only
-from .gcode import ROLES, loads
+from .gcode import ROLES, loads, viewer_class
 from .layers import LayerStack, table
 from .mesh import Mesh
 from .pictures import slider
@@ -219,14 +219,17 @@ class Plan:
     ) -> Viewer:
         """The beads of the program in three dimensions, in a notebook; see :class:`grainpath.viewer.Viewer`.
 
-        ``color`` is role, speed, width, angle, flow, height or seam; ``layers`` are the lowest and the highest layer shown,
-        from 0. It needs anywidget: ``pip install "grainpath[notebook]"``.
+        ``color`` is role, speed, width, angle, flow, height, seam, or direction: the angle to what the guide asks for, where
+        it is stress, grain or a field. ``layers`` are the lowest and the highest layer shown, from 0. It needs anywidget:
+        ``pip install "grainpath[notebook]"``.
 
         >>> import grainpath as gp
         >>> gp.Job(gp.box(20, 10, 1)).plan().view().layers
         (0, 4)
         """
-        return loads(self.to_gcode()).view(color=color, layers=layers, height_px=height_px)
+        viewer, program = viewer_class(), loads(self.to_gcode())
+        angles = self._data.angles(program._data)
+        return viewer(program, angles, color=color, layers=layers, height_px=height_px)
 
     @cached_property
     def report(self) -> Report:
