@@ -309,8 +309,7 @@ function setColour(by: ColourBy): void {
   colourBy = by;
   const index = viewer?.beads?.index;
   if (!index || !viewer) return;
-  const scale = scaleOf(index, by);
-  viewer.setColour(by, scale);
+  viewer.setColour(by, scaleOf(index, by));
   byId("legend").replaceChildren(...legend(index, by));
 }
 

@@ -9,12 +9,11 @@ import type { Viewer } from "./viewer";
 /** The ends of the scale of a way of colouring. */
 export function scaleOf(index: Index, by: ColourBy): [number, number] {
   const speeds = index.speeds_mm_s;
-  const top = index.layers[index.layers.length - 1]!;
   switch (by) {
     case "speed": return speeds.length > 0 ? [Math.min(...speeds), Math.max(...speeds)] : [0, 1];
     case "width": return index.widths_mm;
     case "flow": return [0, index.flow_mm3_s];
-    case "height": return [0, top.z_mm];
+    case "height": return [0, index.layers[index.layers.length - 1]!.z_mm];
     case "time": { const times = index.layers.map((l) => l.time_s ?? 0); return [Math.min(...times), Math.max(...times)]; }
     case "load": return [0, 90];
     case "role": case "angle": case "seam": return [0, 180];
