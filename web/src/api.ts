@@ -6,7 +6,8 @@ export type FileKind = "job" | "mesh" | "outline" | "photo" | "scan" | "program"
 export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
 export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
 export interface JobState { id: number; kind: "view" | "shape" | "stress" | "orient" | "supports" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; layers: boolean; ready: number; elapsed_s: number; error: string | null; code: number | null }
-export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number; time_s: number; seams: number }
+/** The viewer of a notebook does not know how long a layer takes. */
+export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number; time_s?: number; seams: number }
 export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number]; flow_mm3_s: number;
   shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; generator: string | null; time_s: number; filament_mm: number;

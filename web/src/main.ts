@@ -3,11 +3,12 @@
 import * as api from "./api";
 import { Beads, type Bead } from "./beads";
 import { chooser } from "./chooser";
-import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
+import { COLOUR_BY, CLASS_COLOURS, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
 import { drafts, forget, type Draft } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
+import { beadWords, legend, look, scaleOf, swatch, wordsOfLayer } from "./sight";
 import { JobPanel, absolute } from "./job";
 import { LoadsPanel } from "./loads";
 import { ShapePanel, plainNumber } from "./shape";
@@ -267,10 +268,7 @@ async function loadAngles(id: number, beads: Beads, signal: AbortSignal): Promis
   document.documentElement.dataset.angles = String(id);
 }
 
-function layerWords(k: number): string {
-  const layer = viewer?.beads?.index.layers[k];
-  return layer ? `${k + 1}\n${fixed(layer.z_mm, 2)} mm` : "";
-}
+const layerWords = (k: number) => wordsOfLayer(viewer?.beads?.index, k);
 
 /** The moves of the highest layer set the ends of the lower slider. */
 function moveRange(): void {
@@ -307,42 +305,12 @@ const play = player(byId("play"), to, 8, "Play the moves of the layer", () => fr
 
 // ---- colours and numbers ---------------------------------------------------------------------------------------
 
-function scaleOf(index: api.Index, by: ColourBy): [number, number] {
-  const speeds = index.speeds_mm_s;
-  const top = index.layers[index.layers.length - 1]!;
-  switch (by) {
-    case "speed": return speeds.length > 0 ? [Math.min(...speeds), Math.max(...speeds)] : [0, 1];
-    case "width": return index.widths_mm;
-    case "flow": return [0, index.flow_mm3_s];
-    case "height": return [0, top.z_mm];
-    case "time": return [Math.min(...index.layers.map((l) => l.time_s)), Math.max(...index.layers.map((l) => l.time_s))];
-    case "load": return [0, 90];
-    case "role": case "angle": case "seam": return [0, 180];
-  }
-}
-
 function setColour(by: ColourBy): void {
   colourBy = by;
   const index = viewer?.beads?.index;
   if (!index || !viewer) return;
-  const scale = scaleOf(index, by);
-  viewer.setColour(by, scale);
-  const legend = byId("legend");
-  const [, name] = COLOUR_BY.find(([k]) => k === by)!;
-  if (by === "role") {
-    const rows = index.shares.map((share, k) => (share.beads > 0 ? el("div", {}, swatch(CLASS_COLOURS[k]!), index.classes[k]!) : null));
-    legend.replaceChildren(...rows.filter((r): r is HTMLDivElement => r !== null));
-  } else if (by === "seam") {
-    const n = index.layers.reduce((sum, layer) => sum + layer.seams, 0);
-    legend.replaceChildren(el("div", {}, swatch(SEAM), `where a closed wall begins (${n})`), el("div", {}, swatch(PLAIN), "other beads"));
-  } else {
-    const bar = el("div", { class: "ramp" });
-    bar.style.background = gradient(by === "angle" ? circle : ramp);
-    const isAngle = by === "angle" || by === "load";
-    const digits = by === "width" ? 2 : isAngle ? 0 : 1;
-    const unit = isAngle ? "°" : "";
-    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, el("span", {}, fixed(scale[0], digits) + unit), el("span", {}, fixed(scale[1], digits) + unit)), ...(by === "load" ? [el("div", {}, swatch(PLAIN), "no direction asked for")] : []));
-  }
+  viewer.setColour(by, scaleOf(index, by));
+  byId("legend").replaceChildren(...legend(index, by));
 }
 
 function tellFace(face: number, at: { clientX: number; clientY: number }): void {
@@ -363,23 +331,12 @@ function overlays(): void {
   else if (active !== "loads") byId("legend").hidden = true;
 }
 
-function swatch(colour: [number, number, number]): HTMLElement {
-  const box = el("span", { class: "swatch" });
-  box.style.background = css(colour);
-  return box;
-}
-
 function tellBead(bead: Bead | null): void {
   const box = byId("bead");
   box.hidden = bead === null;
   const index = viewer?.beads?.index;
   if (!bead || !index) return;
-  const parts = [
-    index.classes[bead.kind]!, `layer ${bead.layer + 1}`, `${fixed(bead.width_mm, 2)} mm wide`, `${fixed(index.layers[bead.layer]!.height_mm, 2)} mm high`,
-    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]),
-    `${fixed(bead.speed_mm_s, 1)} mm/s`, `${fixed(bead.flow_mm3_s, 1)} mm³/s`, `${fixed(bead.length_mm, 2)} mm long`, `${fixed(bead.angle_deg, 0)}°`, `at (${fixed(bead.b[0], 1)}, ${fixed(bead.b[1], 1)})`,
-  ];
-  box.textContent = parts.join(" · ");
+  box.textContent = beadWords(index, bead);
 }
 
 /** Ways of colouring that the program on screen has: angles to the load come with the result of a plan that follows a guide. */
@@ -469,13 +426,10 @@ document.addEventListener("keydown", (event) => {
     return;
   }
   if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName) || document.querySelector("dialog[open]")) return;
-  const views: Record<string, string> = { "1": "top", "2": "front", "3": "side", "4": "oblique" };
   const pace = event.shiftKey ? 10 : 1;
   const key = event.key.toLowerCase();
   const isChoosing = active === "loads" && Boolean(viewer?.isPartShown);
-  const step = VIEW_KEYS[key];
-  if (event.key in views) viewer?.view(views[event.key]!);
-  else if (viewer && step) { if (event.shiftKey && step.shifted) step.shifted(viewer); else step.plain(viewer); }
+  if (viewer && look(viewer, event)) { /* The view has turned. */ }
   else if (event.key === "Escape" && viewer && viewer.dragging !== "turn") { loads.setGesture("turn"); shape.supports.setPaint(null); }
   else if (event.key === "Escape" && shape.chosen.length > 0) shape.choose(-1, false);
   else if (isChoosing && key in HELD_KEYS) { if (!event.repeat) loads.setGesture(HELD_KEYS[key]!); }
@@ -497,17 +451,6 @@ document.addEventListener("keydown", (event) => {
   else return;
   event.preventDefault();
 });
-
-/** Keys that turn the view, with shift move it, and those that bring it nearer. */
-const VIEW_KEYS: Record<string, { plain: (v: Viewer) => void; shifted?: (v: Viewer) => void }> = {
-  a: { plain: (v) => v.turn(-15, 0), shifted: (v) => v.pan(-0.1, 0) },
-  d: { plain: (v) => v.turn(15, 0), shifted: (v) => v.pan(0.1, 0) },
-  w: { plain: (v) => v.turn(0, 15), shifted: (v) => v.pan(0, 0.1) },
-  s: { plain: (v) => v.turn(0, -15), shifted: (v) => v.pan(0, -0.1) },
-  "+": { plain: (v) => v.zoom(0.8) },
-  "=": { plain: (v) => v.zoom(0.8) },
-  "-": { plain: (v) => v.zoom(1.25) },
-};
 
 /** Keys that say what a drag does while they are held. */
 const HELD_KEYS: Record<string, "box" | "brush"> = { r: "box", b: "brush" };

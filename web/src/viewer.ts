@@ -205,7 +205,7 @@ export class Viewer {
   private mode: "part" | "paths" = "paths";
   private material: ShaderMaterial;
   private shown: Shown = { low: 0, high: 0, from: 0, to: 0 };
-  private isDirty = true;
+  private isDirty = false;
   /** The direction from which the whole part is seen, while it is. */
   private fitted: string | null = null;
   private readonly classShown: number[] = new Array(16).fill(1) as number[];
@@ -241,11 +241,6 @@ export class Viewer {
       down = null;
     });
     this.dragFaces();
-    const frame = () => {
-      if (this.isDirty) { this.isDirty = false; this.nearestFirst(); this.renderer.render(this.scene, this.camera); }
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
   }
 
   /** The layers nearest to the eye are drawn first, so that what lies behind them is not coloured. */
@@ -257,7 +252,12 @@ export class Viewer {
   /** Name of the graphics card or of the program that stands for it. */
   get rendererName(): string { return nameOf(this.renderer.getContext()); }
 
-  draw(): void { this.isDirty = true; }
+  /** Draws with the next frame of the browser, once for all that changed until then. */
+  draw(): void {
+    if (this.isDirty) return;
+    this.isDirty = true;
+    requestAnimationFrame(() => { this.isDirty = false; this.nearestFirst(); this.renderer.render(this.scene, this.camera); });
+  }
 
   private resize(): void {
     const { clientWidth: w, clientHeight: h } = this.canvas;
@@ -321,7 +321,7 @@ export class Viewer {
     u.unit!.value = index.step_mm;
     const rows = Math.max(1, Math.ceil(index.layers.length / 256));
     const heights = new Float32Array(256 * rows * 4);
-    index.layers.forEach((layer, k) => heights.set([layer.z_mm, layer.height_mm, layer.time_s, 0], 4 * k));
+    index.layers.forEach((layer, k) => heights.set([layer.z_mm, layer.height_mm, layer.time_s ?? 0, 0], 4 * k));
     u.heights!.value = texture(heights, 256, rows, RGBAFormat);
     const speeds = new Float32Array(256);
     speeds.set(index.speeds_mm_s.slice(0, 256));

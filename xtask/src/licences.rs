@@ -43,28 +43,51 @@ pub fn check() -> Result<(), String> {
         return Err(format!("not allowed by deny.toml: {}", refused.join(", ")));
     }
     println!("{} packages, all with licences and sources of deny.toml", packages.len());
-    let there = fs::read_to_string(crate::root().join(NOTICES)).unwrap_or_default();
-    if there == notices(&metadata)? {
-        return Ok(());
+    for wanted in &NOTICES {
+        let there = fs::read_to_string(crate::root().join(wanted.file)).unwrap_or_default();
+        if there != notices(wanted, &metadata)? {
+            return Err(format!(
+                "{} is not what the libraries say; `cargo xtask licences` writes it",
+                wanted.file
+            ));
+        }
     }
-    Err(format!("{NOTICES} is not what the libraries say; `cargo xtask licences` writes it"))
-}
-
-/// The file that `grainpath licences` prints.
-const NOTICES: &str = "crates/grainpath-cli/licences.txt";
-
-/// Writes the notices of the libraries again.
-pub fn write() -> Result<(), String> {
-    let text = notices(&crate::arrows::metadata(&[])?)?;
-    fs::write(crate::root().join(NOTICES), &text).map_err(|e| format!("{NOTICES}: {e}"))?;
-    println!("{NOTICES}: {} bytes", text.len());
     Ok(())
 }
 
-/// Names, licences and licence texts of all libraries that the program is built with, on any system.
-fn notices(metadata: &Value) -> Result<String, String> {
+/// The licences of what a crate of ours is built with.
+struct Notices {
+    package: &'static str,
+    file: &'static str,
+    /// Files whose texts follow.
+    more: &'static [&'static str],
+}
+
+/// What `grainpath licences` prints, and what a wheel holds: there our own texts and those of the viewer's packages are in it.
+const NOTICES: [Notices; 2] = [
+    Notices { package: "grainpath-cli", file: "crates/grainpath-cli/licences.txt", more: &[] },
+    Notices {
+        package: "grainpath-py",
+        file: "crates/grainpath-py/licences.txt",
+        more: &["LICENSE-MIT", "LICENSE-APACHE", "crates/grainpath-studio/dist/licences.txt"],
+    },
+];
+
+/// Writes the notices of the libraries again.
+pub fn write() -> Result<(), String> {
+    let metadata = crate::arrows::metadata(&[])?;
+    for wanted in &NOTICES {
+        let (file, text) = (wanted.file, notices(wanted, &metadata)?);
+        fs::write(crate::root().join(file), &text).map_err(|e| format!("{file}: {e}"))?;
+        println!("{file}: {} bytes", text.len());
+    }
+    Ok(())
+}
+
+/// Names, licences and licence texts of all libraries that a crate of ours is built with, on any system.
+fn notices(wanted: &Notices, metadata: &Value) -> Result<String, String> {
     let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
-    let used = used_by("grainpath-cli", metadata)?;
+    let used = used_by(wanted.package, metadata)?;
     let mut table = String::new();
     // Equal texts are printed once, whatever names stand in their copyright lines.
     let mut texts: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
@@ -101,6 +124,10 @@ fn notices(metadata: &Value) -> Result<String, String> {
         out += &format!("\n{}\n", "=".repeat(80));
         owners.iter().for_each(|owner| out += &format!("{owner}\n"));
         out += &format!("\n{body}\n");
+    }
+    for file in wanted.more {
+        let text = fs::read_to_string(crate::root().join(file)).map_err(|e| format!("{file}: {e}"))?;
+        out += &format!("\n{}\n{text}", "=".repeat(80));
     }
     Ok(out)
 }

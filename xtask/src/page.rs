@@ -1,6 +1,8 @@
 //! The studio's page: bundles `web/` and compares it with what is committed in `crates/grainpath-studio/dist/`; and its
 //! tests in a real browser.
 //!
+//! `web/build.mjs` bundles the viewer of notebooks too, into the Python package, and compares it itself.
+//!
 //! The bundle is committed, so that building grainpath needs no JavaScript tools. `npm ci` installs exactly what
 //! `web/package-lock.json` names, without running scripts of packages; esbuild gives the same bytes for the same input.
 

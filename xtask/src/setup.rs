@@ -19,8 +19,17 @@ const BROWSERS: [&str; 4] = [
 const PYTHON: [&str; 8] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio", "lxml"];
 
 /// Python packages that build and test the package `grainpath`.
-const PYTHON_PACKAGE: [&str; 8] =
-    ["numpy", "maturin>=1.7", "pytest>=8", "hypothesis>=6", "mypy>=1.11", "dask", "distributed", "zarr>=3"];
+const PYTHON_PACKAGE: [&str; 9] = [
+    "numpy",
+    "maturin>=1.9.3",
+    "pytest>=8",
+    "hypothesis>=6",
+    "mypy>=1.11",
+    "dask",
+    "distributed",
+    "zarr>=3",
+    "anywidget>=0.9",
+];
 
 /// Needs of tests; a test names its own in `#[ignore = "needs ..."]`.
 pub const NEEDS: [&str; 5] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk", "gmsh"];

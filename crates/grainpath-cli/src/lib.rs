@@ -29,7 +29,7 @@ pub use commands::compare::{compared, tested_json};
 pub use commands::inspect::inspect_file;
 pub use commands::inspect_faces::list_faces;
 pub use commands::orient::poses_json;
-pub use commands::render::tell_directions;
+pub use commands::render::{angles_to_guide, tell_directions};
 pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};

@@ -21,7 +21,7 @@ use crate::worker::{self, Caller};
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct ProgramData {
     /// The program, shared with the threads that draw it.
-    program: Arc<Program>,
+    pub(crate) program: Arc<Program>,
 }
 
 #[pymethods]

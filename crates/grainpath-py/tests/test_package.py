@@ -1,5 +1,6 @@
 """The package itself: stubs, documentation, the command line, and what a call costs."""
 
+import importlib.metadata
 import pathlib
 import re
 import subprocess
@@ -66,6 +67,22 @@ def test_the_command_line_is_in_the_package():
     ran = run("-m", "grainpath", "--version")
     assert ran.stdout == f"grainpath {gp.__version__}\n"
     assert run("-m", "grainpath", "run", "no.toml").returncode == 2
+
+
+def test_the_wheel_has_the_licences_of_all_that_is_in_it():
+    (file,) = [f for f in importlib.metadata.files("grainpath") if f.match("*.dist-info/licenses/licences.txt")]
+    assert importlib.metadata.metadata("grainpath")["License-File"] == "licences.txt"
+    text = file.read_text(encoding="utf-8")
+
+    def table(of):
+        return {tuple(line.split()[:2]) for line in of.split("\n\n")[1].splitlines()}
+
+    told = run("-m", "grainpath", "licences").stdout
+    beside = {name for name, _ in table(text) - table(told)}
+    assert len(table(told)) > 100 and table(told) < table(text) and {"pyo3", "numpy", "ndarray"} <= beside
+    # Our own texts, and those of the packages in the viewer.
+    assert (TOP / "LICENSE-MIT").read_text() in text and (TOP / "LICENSE-APACHE").read_text() in text
+    assert "three.js authors" in text
 
 
 def test_a_call_costs_little():

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use grainpath::Planned;
+use grainpath::measure::report::direction_error;
 use grainpath_core::Bounds2;
 use grainpath_core::spelling::meaning;
-use grainpath_gcode::Program;
+use grainpath_gcode::{Bead, Program};
 use grainpath_view::layer::LayerPicture;
 
 use crate::args::Render;
@@ -78,7 +79,7 @@ fn compare_with_job(picture: &mut LayerPicture, program: &Program, job: &Path) -
 /// Stores in each infill bead its angle to the direction that the plan's guide asks for; `false` if the plan has no such
 /// guide. The program may come from any slicer, so the printed part is aligned with the planned one by their centres.
 pub fn tell_directions(picture: &mut LayerPicture, program: &Program, planned: &Planned) -> bool {
-    let Some(off) = grainpath::measure::report::direction_error(planned) else { return false };
+    let Some(off) = direction_error(planned) else { return false };
     // Skirts and supports are left out: they lie outside the part and would shift its centre.
     let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
     let printed = Bounds2::around_points(printed.flat_map(|b| [b.start(), b.end()]));
@@ -90,4 +91,27 @@ pub fn tell_directions(picture: &mut LayerPicture, program: &Program, planned: &
         bead.off_deg = off(z_mid, [bead.a - shift, bead.b - shift]).map(|found| found.0);
     }
     true
+}
+
+/// The angle of each bead of a plan's own program to the direction that its guide asks for, degrees, as `told` tells it; `told`
+/// gets `None` for beads of which the guide asks nothing. `None` if the plan has no such guide.
+pub fn angles_to_guide<T>(
+    program: &Program,
+    planned: &Planned,
+    told: impl Fn(Option<f64>) -> T,
+) -> Option<Vec<Vec<T>>> {
+    let off = direction_error(planned)?;
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let layers = program.layers.iter().map(|layer| {
+        // Guides are read at mid-height of the layer, where its section was cut.
+        let z_mid_mm = layer.z_mm - 0.5 * layer.height_mm;
+        let angle = |bead: &Bead| {
+            let ends = [bead.start() - shift, bead.end() - shift];
+            // A weight of zero says that no direction is better than another here.
+            let found = Some(bead).filter(|b| b.role.is_part()).and_then(|_| off(z_mid_mm, ends));
+            told(found.filter(|(_, weight)| *weight > 0.0).map(|(deg, _)| deg))
+        };
+        layer.beads.iter().map(angle).collect()
+    });
+    Some(layers.collect())
 }

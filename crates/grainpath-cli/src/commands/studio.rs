@@ -10,9 +10,8 @@ use std::sync::Arc;
 
 use grainpath::guide::KnownStress;
 use grainpath::measure::Planned;
-use grainpath::measure::report::direction_error;
 use grainpath_core::Diagnostics;
-use grainpath_gcode::{Bead, Program};
+use grainpath_gcode::Program;
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
 use grainpath_studio::records::NO_ANGLE;
@@ -22,6 +21,7 @@ use grainpath_studio::{
 };
 use serde_json::json;
 
+use super::render::angles_to_guide;
 use super::slice;
 use super::strength::TestedJob;
 use super::studio_part;
@@ -157,24 +157,6 @@ fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusa
     Ok((settings, shape))
 }
 
-/// Angle of each bead to the direction that the guide asks for, in halves of a degree; `None` without a guide.
-fn angles_to_guide(program: &Program, planned: &Planned) -> Option<Vec<Vec<u8>>> {
-    let off = direction_error(planned)?;
-    let shift = planned.plan.plate_from_part_mm.truncate();
-    let layers = program.layers.iter().map(|layer| {
-        // Guides are read at mid-height of the layer, where its section was cut.
-        let z_mid_mm = layer.z_mm - 0.5 * layer.height_mm;
-        let angle = |bead: &Bead| {
-            let ends = [bead.start() - shift, bead.end() - shift];
-            // A weight of zero says that no direction is better than another here.
-            let found = Some(bead).filter(|b| b.role.is_part()).and_then(|_| off(z_mid_mm, ends));
-            found.filter(|(_, weight)| *weight > 0.0).map_or(NO_ANGLE, |(deg, _)| (2.0 * deg).round() as u8)
-        };
-        layer.beads.iter().map(angle).collect()
-    });
-    Some(layers.collect())
-}
-
 impl Engine for Commands {
     fn exit_code(&self, kind: RefusalKind) -> i32 {
         ExitCode::from(kind).number().into()
@@ -244,7 +226,9 @@ impl Engine for Commands {
         let ready = |read: &Arc<Program>, planned: &Planned| {
             ready(read);
             program.get_or_init(|| Arc::clone(read));
-            angles.get_or_init(|| angles_to_guide(read, planned));
+            // In halves of a degree.
+            let told = |off: Option<f64>| off.map_or(NO_ANGLE, |deg| (2.0 * deg).round() as u8);
+            angles.get_or_init(|| angles_to_guide(read, planned, told));
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;

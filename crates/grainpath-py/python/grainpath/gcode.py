@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .job import Cancel, Job, Progress
     from .plan import Plan
     from .strength import Strength
+    from .viewer import Viewer
 
 #: Names of roles by number, as programs have them after ``;TYPE:``.
 ROLES: tuple[str, ...] = tuple(_grainpath.roles())
@@ -134,6 +135,20 @@ class Program:
         data = None if plan is None else plan._data
         return bytes(self._data.render(k, color, size, travels, svg, data))
 
+    def view(
+        self, *, color: str = "role", layers: tuple[int, int] | None = None, height_px: int = 480
+    ) -> Viewer:
+        """The beads in three dimensions, in a notebook; see :class:`grainpath.viewer.Viewer`.
+
+        ``color`` is role, speed, width, angle, flow, height or seam; ``layers`` are the lowest and the highest layer shown,
+        from 0. It needs anywidget: ``pip install "grainpath[notebook]"``.
+
+        >>> import grainpath as gp
+        >>> gp.gcode.loads(gp.Job(gp.box(20, 10, 1)).plan().to_gcode()).view(layers=(1, 3)).color
+        'role'
+        """
+        return viewer_class()(self, color=color, layers=layers, height_px=height_px)
+
     def __repr__(self) -> str:
         s = self.summary
         return f"<grainpath.gcode.Program: {s['layers']} layers, {s['printed_mm']:.0f} mm printed>"
@@ -151,6 +166,17 @@ class Program:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, self._source
+
+
+def viewer_class() -> type[Viewer]:
+    """The class of the viewer, whose packages few need."""
+    try:
+        from .viewer import Viewer
+    except ImportError as error:
+        raise ImportError(
+            f'the viewer of notebooks needs anywidget ({error.name} is missing): pip install "grainpath[notebook]"'
+        ) from error
+    return Viewer
 
 
 def _again(text: bytes, name: str, filament_mm: float) -> Program:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import _grainpath
 from ._checks import FloatArray, read_only
-from .gcode import ROLES
+from .gcode import ROLES, loads, viewer_class
 from .layers import LayerStack, table
 from .mesh import Mesh
 from .pictures import slider
@@ -23,6 +23,7 @@ from .warning import Warning, warnings_of
 
 if TYPE_CHECKING:
     from .job import Cancel, Job, Progress
+    from .viewer import Viewer
 
 #: A path of a layer: its vertices are ``points[first:first + count]``; ``role`` is an index of ``grainpath.gcode.ROLES``,
 #: ``speed`` one of :data:`SPEEDS`; ``retract`` says whether filament is retracted on the way to it.
@@ -212,6 +213,23 @@ class Plan:
     def to_gcode(self) -> bytes:
         """The program, byte for byte what ``grainpath run`` writes."""
         return self._data.gcode()
+
+    def view(
+        self, *, color: str = "role", layers: tuple[int, int] | None = None, height_px: int = 480
+    ) -> Viewer:
+        """The beads of the program in three dimensions, in a notebook; see :class:`grainpath.viewer.Viewer`.
+
+        ``color`` is role, speed, width, angle, flow, height, seam, or direction: the angle to what the guide asks for, where
+        it is stress, grain or a field. ``layers`` are the lowest and the highest layer shown, from 0. It needs anywidget:
+        ``pip install "grainpath[notebook]"``.
+
+        >>> import grainpath as gp
+        >>> gp.Job(gp.box(20, 10, 1)).plan().view().layers
+        (0, 4)
+        """
+        viewer, program = viewer_class(), loads(self.to_gcode())
+        angles = self._data.angles(program._data)
+        return viewer(program, angles, color=color, layers=layers, height_px=height_px)
 
     @cached_property
     def report(self) -> Report:
