@@ -17,7 +17,7 @@ export interface StrengthReport {
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
   card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; grid_share: number; seconds: number;
 }
-export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; angles: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string; reserve?: { first_failure?: number[] } }; angles: boolean; reserve: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
 export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
 export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
 export interface ShapeReport {

@@ -1,7 +1,7 @@
 // The page: what is open, the steps beside the view, and the keys.
 
 import * as api from "./api";
-import { Beads, type Bead } from "./beads";
+import { Beads, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
@@ -235,7 +235,7 @@ async function show(id: number, isDone = true): Promise<void> {
     if (index.more) return;
     performance.mark("all-layers");
     document.documentElement.dataset.shown = String(id);
-    if (result?.angles) await loadAngles(id, beads, own.signal);
+    if (result) await loadValues(id, beads, own.signal, result);
   } catch (error) {
     if (!own.signal.aborted) say((error as Error).message, true);
   }
@@ -249,22 +249,24 @@ async function tellResult(id: number): Promise<void> {
   const result = await api.result(id);
   if (!beads || current !== id) return;
   tellPaths(beads.index, result);
-  if (result.angles && loading) await loadAngles(id, beads, loading.signal).catch((e: Error) => say(e.message, true));
+  if (loading) await loadValues(id, beads, loading.signal, result).catch((e: Error) => say(e.message, true));
 }
 
-/** Asks for the angles of all layers to the load. */
-async function loadAngles(id: number, beads: Beads, signal: AbortSignal): Promise<void> {
+/** Asks for the angles of all layers to the load and for their reserves, where the result has them. */
+async function loadValues(id: number, beads: Beads, signal: AbortSignal, result: api.Result): Promise<void> {
   const last = beads.index.layers.length - 1;
-  for (let layer = 0; layer <= last; ) {
-    let end = layer;
-    while (end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
-    const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}/angles`, signal);
-    if (signal.aborted || viewer?.beads !== beads) return;
-    beads.takeAngles(layer, end, bytes);
-    viewer.refresh(layer, end);
-    layer = end + 1;
+  for (const what of (["angles", "reserve"] as Value[]).filter((what) => result[what])) {
+    for (let layer = 0; layer <= last; ) {
+      let end = layer;
+      while (end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
+      const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}/${what}`, signal);
+      if (signal.aborted || viewer?.beads !== beads) return;
+      beads.takeValues(what, layer, end, bytes);
+      viewer.refresh(layer, end);
+      layer = end + 1;
+    }
+    document.documentElement.dataset[what] = String(id);
   }
-  document.documentElement.dataset.angles = String(id);
 }
 
 function layerWords(k: number): string {
@@ -317,6 +319,8 @@ function scaleOf(index: api.Index, by: ColourBy): [number, number] {
     case "height": return [0, top.z_mm];
     case "time": return [Math.min(...index.layers.map((l) => l.time_s)), Math.max(...index.layers.map((l) => l.time_s))];
     case "load": return [0, 90];
+    // Of nearness to failing, so that the least reserve is bright: in doublings, from ten times the least on.
+    case "reserve": return [-Math.log2(10 * least!), -Math.log2(least!)];
     case "role": case "angle": case "seam": return [0, 180];
   }
 }
@@ -341,9 +345,14 @@ function setColour(by: ColourBy): void {
     const isAngle = by === "angle" || by === "load";
     const digits = by === "width" ? 2 : isAngle ? 0 : 1;
     const unit = isAngle ? "°" : "";
-    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, el("span", {}, fixed(scale[0], digits) + unit), el("span", {}, fixed(scale[1], digits) + unit)), ...(by === "load" ? [el("div", {}, swatch(PLAIN), "no direction asked for")] : []));
+    const ends = by === "reserve" ? [10, Math.sqrt(10), 1].map((k) => times(k * least!)) : scale.map((end) => fixed(end, digits) + unit);
+    const plain = by === "load" ? "no direction asked for" : by === "reserve" ? "near fixtures and loads" : null;
+    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, ...ends.map((end) => el("span", {}, end))), ...(plain ? [el("div", {}, swatch(PLAIN), plain)] : []));
   }
 }
+
+/** A factor on the loads. The bytes of the beads end at 416. */
+const times = (factor: number) => (factor > 400 ? "over 400 ×" : `${fixed(factor, factor < 1 ? 2 : factor < 10 ? 1 : 0)} ×`);
 
 function tellFace(face: number, at: { clientX: number; clientY: number }): void {
   const words = shape.supports.wordsAt(at) ?? loads.wordsAt(face, at);
@@ -376,19 +385,22 @@ function tellBead(bead: Bead | null): void {
   if (!bead || !index) return;
   const parts = [
     index.classes[bead.kind]!, `layer ${bead.layer + 1}`, `${fixed(bead.width_mm, 2)} mm wide`, `${fixed(index.layers[bead.layer]!.height_mm, 2)} mm high`,
-    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]),
+    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]), ...(bead.reserve === null ? [] : [`fails at ${times(bead.reserve)} the load`]),
     `${fixed(bead.speed_mm_s, 1)} mm/s`, `${fixed(bead.flow_mm3_s, 1)} mm³/s`, `${fixed(bead.length_mm, 2)} mm long`, `${fixed(bead.angle_deg, 0)}°`, `at (${fixed(bead.b[0], 1)}, ${fixed(bead.b[1], 1)})`,
   ];
   box.textContent = parts.join(" · ");
 }
 
-/** Ways of colouring that the program on screen has: angles to the load come with the result of a plan that follows a guide. */
+/** Ways of colouring that the program on screen has: angles to the load and reserves come with the result of a plan. */
 let hasAngles = false;
-const colourings = () => COLOUR_BY.filter(([by]) => by !== "load" || hasAngles);
+/** The factor on the loads at first failure; null where none is told. */
+let least: number | null = null;
+const colourings = () => COLOUR_BY.filter(([by]) => (by !== "load" || hasAngles) && (by !== "reserve" || least !== null));
 
 function tellPaths(index: api.Index, result: api.Result | null): void {
   hasAngles = result?.angles ?? false;
-  if (colourBy === "load" && !hasAngles) colourBy = "role";
+  least = result?.reserve ? result.report.reserve?.first_failure?.[1] ?? null : null;
+  if (!colourings().some(([by]) => by === colourBy)) colourBy = "role";
   const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...colourings().map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
   const rows = index.shares.map((share, k) => {
     const isTravel = k === index.classes.length - 2;

@@ -11,7 +11,7 @@ import {
   Quaternion, Raycaster, type Ray, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { Beads, WORDS, type Bead } from "./beads";
+import { Beads, RESERVE_OF_1, RESERVE_STEPS, WORDS, type Bead } from "./beads";
 import type { PartView } from "./part";
 import { CLASS_COLOURS, COLOUR_BY, PLAIN, SEAM, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
 
@@ -93,8 +93,12 @@ void main() {
 #elif BY == BY_TIME
   float value = layer.b;
 #elif BY == BY_LOAD
-  float value = 0.5 * meta.w;
-  if (meta.w > 254.5) colour = travel ? colour : ${vec3(PLAIN)}; else
+  float own = mod(meta.w, 256.0); float value = 0.5 * own;
+#elif BY == BY_RESERVE
+  float own = floor(meta.w / 256.0); float value = (${RESERVE_OF_1}.0 - own) / ${RESERVE_STEPS}.0;
+#endif
+#if BY == BY_LOAD || BY == BY_RESERVE
+  if (own > 254.5) colour = travel ? colour : ${vec3(PLAIN)}; else
 #endif
   if (!travel) colour = texture(colours, vec2(clamp((value - scale.x) / max(scale.y - scale.x, 1e-6), 0.002, 0.998), 0.5)).rgb;
 #endif

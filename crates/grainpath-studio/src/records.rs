@@ -24,6 +24,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use grainpath_core::math::ln;
 use grainpath_core::{Bounds2, DVec2, Role};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
@@ -34,8 +35,15 @@ pub const TRAVEL: u8 = Role::ALL.len() as u8;
 pub const START: u8 = TRAVEL + 1;
 /// Added to the role of the first bead of a closed wall. Source: the top bit; roles need the lower ones.
 pub const SEAM: u8 = 128;
-/// Place of a record in the angles of a layer that has none: travels, starts, and beads where the guide asks for nothing.
-pub const NO_ANGLE: u8 = u8::MAX;
+/// Byte of a record without an angle or a reserve: travels, starts, and beads where the guide asks for nothing or nothing can
+/// fail.
+pub const NO_VALUE: u8 = u8::MAX;
+/// The byte of a reserve of 1: a bead that fails at the loads as they are. Source: chosen; the scale then begins at a
+/// sixteenth of the loads, and a run whose peak is above five times the strength tells no reserve.
+const RESERVE_OF_1: f64 = 80.0;
+/// Steps of the byte of a reserve while it doubles. Source: chosen; a step is 3.5 %, less than the reserve is known, and the
+/// scale ends above 400 times the loads.
+const RESERVE_STEPS: f64 = 20.0;
 /// Bytes of a record. Source: the table above.
 pub const RECORD_BYTES: usize = 8;
 /// The greatest number of different speeds. Source: the values of one byte.
@@ -393,16 +401,32 @@ impl Records {
         bytes
     }
 
-    /// A byte for each record of a layer: that of its bead, or [`NO_ANGLE`].
-    pub fn angles(layer: &BeadLayer, of_beads: &[u8]) -> Vec<u8> {
+    /// A byte for each record of a layer: that of its bead, or [`NO_VALUE`].
+    pub fn of_beads(layer: &BeadLayer, of_beads: &[u8]) -> Vec<u8> {
         let mut of_beads = of_beads.iter();
         let mut bytes = Vec::with_capacity(layer.beads.len() + layer.travels.len() + 1);
         walk(layer, |step| {
             let own = if matches!(step, Step::Bead(_)) { of_beads.next() } else { None };
-            bytes.push(own.copied().unwrap_or(NO_ANGLE));
+            bytes.push(own.copied().unwrap_or(NO_VALUE));
         });
         bytes
     }
+}
+
+/// The byte of a bead's reserve, the factor on the loads at which it fails: 20 steps while it doubles, 80 for 1.
+///
+/// ```
+/// use grainpath_studio::records::{NO_VALUE, reserve_byte};
+///
+/// assert_eq!([0.5, 1.0, 8.0].map(reserve_byte), [60, 80, 140]);
+/// assert_eq!([0.01, 1e4, f32::INFINITY].map(reserve_byte), [0, 254, NO_VALUE]);
+/// ```
+pub fn reserve_byte(factor: f32) -> u8 {
+    if !factor.is_finite() {
+        return NO_VALUE;
+    }
+    let doubled = ln(f64::from(factor.max(f32::MIN_POSITIVE))) / std::f64::consts::LN_2;
+    (RESERVE_OF_1 + RESERVE_STEPS * doubled).round().clamp(0.0, f64::from(NO_VALUE - 1)) as u8
 }
 
 #[cfg(test)]
@@ -511,13 +535,13 @@ mod tests {
         assert!((index.index().widths_mm[1] - 1.04).abs() < 0.02, "{:?}", index.index().widths_mm);
     }
 
-    /// Angles of beads lie at the records of these beads.
+    /// Angles and reserves of beads lie at the records of these beads.
     #[test]
-    fn angles_are_those_of_the_beads() {
+    fn bytes_are_those_of_the_beads() {
         let program = simulate(TEXT.as_bytes(), 1.75, &Limits::default()).expect("G-code");
-        let none = NO_ANGLE;
-        assert_eq!(Records::angles(&program.layers[0], &[0, 180, 90]), [none, none, 0, 180, none, none, 90]);
-        assert_eq!(Records::angles(&program.layers[0], &[]), [none; 7]);
+        let none = NO_VALUE;
+        assert_eq!(Records::of_beads(&program.layers[0], &[0, 180, 90]), [none, none, 0, 180, none, none, 90]);
+        assert_eq!(Records::of_beads(&program.layers[0], &[]), [none; 7]);
     }
 
     /// A program of many speeds keeps 256 of them, and no bead is put far from its own.

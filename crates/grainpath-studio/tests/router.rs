@@ -1062,6 +1062,30 @@ fn angles_to_the_load_are_sent_for_plans_with_a_guide_alone() {
 }
 
 #[test]
+fn reserves_are_sent_for_plans_that_tell_them_alone() {
+    let bench = Bench::new();
+    let text = format!("[shape]\nmesh = {:?}\n", bench.shown("files/part.stl"));
+    let loaded = bench.run(&json!({ "kind": "plan", "text": format!("{text}# tells a reserve\n") }));
+    let guided = bench.run(&json!({ "kind": "plan", "text": format!("{text}# follows a guide\n") }));
+    let (loaded, guided) = (&loaded["id"], &guided["id"]);
+    let told = |id: &serde_json::Value| bench.get(&format!("/v1/jobs/{id}/result")).json()["reserve"].clone();
+    assert_eq!((told(loaded), told(guided)), (json!(true), json!(false)));
+    let records = bench.get(&format!("/v1/jobs/{loaded}/layers/1-1")).bytes;
+    let reserves = bench.get(&format!("/v1/jobs/{loaded}/layers/1-1/reserve")).bytes;
+    assert_eq!(8 * reserves.len(), records.len());
+    let is_bead = |record: &[u8]| usize::from(record[6] & 127) < grainpath_core::Role::ALL.len();
+    let of_beads: Vec<u8> =
+        records.chunks(8).zip(&reserves).filter(|(r, _)| is_bead(r)).map(|(_, byte)| *byte).collect();
+    let wanted: Vec<u8> = (0..of_beads.len()).map(|k| 200 - (k % 181) as u8).collect();
+    assert!(of_beads.len() > 20 && of_beads == wanted, "{of_beads:?}");
+    let others = records.chunks(8).zip(&reserves).filter(|(r, _)| !is_bead(r));
+    assert!(others.map(|(_, byte)| *byte).all(|byte| byte == 255), "travels have none");
+    let none = bench.get(&format!("/v1/jobs/{guided}/layers/0-0/reserve"));
+    assert_eq!(none.status, StatusCode::NOT_FOUND);
+    assert!(none.error().contains("no reserve"), "{}", none.error());
+}
+
+#[test]
 fn layers_tell_their_time_and_their_seams() {
     let bench = Bench::new();
     let state = bench.run(&json!({ "kind": "plan", "file": bench.shown("files/job.toml") }));

@@ -15,11 +15,12 @@ use grainpath_core::Diagnostics;
 use grainpath_gcode::{Bead, Program};
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
-use grainpath_studio::records::NO_ANGLE;
+use grainpath_studio::records::{NO_VALUE, reserve_byte};
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, RefusalKind, serve,
 };
+use grainpath_view::bead_reserve::BeadReserves;
 use serde_json::json;
 
 use super::slice;
@@ -168,7 +169,7 @@ fn angles_to_guide(program: &Program, planned: &Planned) -> Option<Vec<Vec<u8>>>
             let ends = [bead.start() - shift, bead.end() - shift];
             // A weight of zero says that no direction is better than another here.
             let found = Some(bead).filter(|b| b.role.is_part()).and_then(|_| off(z_mid_mm, ends));
-            found.filter(|(_, weight)| *weight > 0.0).map_or(NO_ANGLE, |(deg, _)| (2.0 * deg).round() as u8)
+            found.filter(|(_, weight)| *weight > 0.0).map_or(NO_VALUE, |(deg, _)| (2.0 * deg).round() as u8)
         };
         layer.beads.iter().map(angle).collect()
     });
@@ -248,8 +249,11 @@ impl Engine for Commands {
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;
+        let map = report.reserve.as_ref().and_then(|r| r.map.as_ref());
         // `outputs::write` was called with `measured`, so it has read the program back.
         let program = program.into_inner().unwrap_or_default();
+        let reserves = map.and_then(|map| BeadReserves::new(map, &program));
+        let bytes = |layer: &Vec<f32>| layer.iter().map(|factor| reserve_byte(*factor)).collect();
         let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
         let outputs = outputs.filter(|(_, path)| path.is_file());
         Ok(Finished {
@@ -257,6 +261,7 @@ impl Engine for Commands {
             report: report.to_json(),
             program,
             angles: angles.into_inner().flatten(),
+            reserve: reserves.map(|reserves| reserves.of_beads.iter().map(bytes).collect()),
             warnings: report.warnings,
             ..Finished::default()
         })
