@@ -9,7 +9,7 @@ export interface JobState { id: number; kind: "view" | "shape" | "stress" | "ori
 export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number; time_s: number; seams: number }
 export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number]; flow_mm3_s: number;
-  shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; generator: string | null; time_s: number; filament_mm: number;
+  shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; pulls: [number, number]; generator: string | null; time_s: number; filament_mm: number;
 }
 export interface Warning { id: string; text: string; place?: string; remedy?: string }
 export interface StrengthReport {

@@ -4,11 +4,14 @@
 // buffer; two hold the angle to the load, where the paths follow a guide, and the reserve, where one is told.
 
 import type { Index } from "./api";
+import { CLASS_COLOURS } from "./colours";
 
 /** 16-bit numbers of a record in the page. */
 export const WORDS = 6;
 /** 16-bit numbers of a record on the wire. */
 const WIRE_WORDS = 4;
+/** The class of travels. Behind it come starts of layers, retractions, and places where filament is pushed again. */
+export const TRAVEL = CLASS_COLOURS.length - 1;
 /** Added to the class of the first bead of a closed wall. */
 const SEAM = 128;
 /** The angle or the reserve of a record that has none. */
@@ -38,8 +41,8 @@ export class Beads {
     for (let at = 0; at < this.words.length; at += WORDS) { this.words[at + 3] = this.start; this.words[at + 5] = 0xffff; }
   }
 
-  get travel(): number { return this.index.classes.length - 2; }
-  get start(): number { return this.index.classes.length - 1; }
+  get travel(): number { return TRAVEL; }
+  get start(): number { return TRAVEL + 1; }
 
   /** Takes layers `from` to `to`, both included, as the server sent them. */
   take(from: number, to: number, bytes: ArrayBuffer): void {

@@ -34,6 +34,9 @@ export const CLASS_COLOURS: Rgb[] = [
   [120, 130, 140], // travel
 ];
 
+/** Colours of the marks of retractions, and of the places where filament is pushed again. */
+export const MARK_COLOURS: Rgb[] = [[206, 0, 160], [0, 146, 70]];
+
 /** The published colour map viridis, at nine places. */
 const VIRIDIS: Rgb[] = [
   [68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [253, 231, 37],

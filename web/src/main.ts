@@ -1,9 +1,9 @@
 // The page: what is open, the steps beside the view, and the keys.
 
 import * as api from "./api";
-import { Beads, type Bead, type Value } from "./beads";
+import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
-import { COLOUR_BY, CLASS_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
+import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, PLAIN, SEAM, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
 import { drafts, forget, type Draft } from "./drafts";
 import { history } from "./history";
@@ -403,12 +403,14 @@ function tellPaths(index: api.Index, result: api.Result | null): void {
   if (!colourings().some(([by]) => by === colourBy)) colourBy = "role";
   const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...colourings().map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
   const rows = index.shares.map((share, k) => {
-    const isTravel = k === index.classes.length - 2;
-    if (share.beads === 0 && !isTravel) return null;
-    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isTravel ? viewer?.isShown(k) ?? false : true, onchange: () => viewer?.setShown(k, box.checked) });
-    if (!isTravel) viewer?.setShown(k, true);
-    const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k]!), index.classes[k]!);
-    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, isTravel ? "" : `${fixed(share.length_mm / 1000, 1)} m`));
+    // Travels and marks stay as they are from one program to the next; beads are all shown.
+    const isBead = k < TRAVEL;
+    const marks = index.pulls[k - TRAVEL - 2] ?? 0;
+    if (share.beads + marks === 0 && k !== TRAVEL) return null;
+    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isBead || (viewer?.isShown(k) ?? false), onchange: () => viewer?.setShown(k, box.checked) });
+    if (isBead) viewer?.setShown(k, true);
+    const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k] ?? MARK_COLOURS[k - TRAVEL - 2]!), index.classes[k]!);
+    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, marks > 0 ? String(marks) : isBead ? `${fixed(share.length_mm / 1000, 1)} m` : ""));
   });
   const [a, b] = index.part_mm;
   const size = [0, 1, 2].map((k) => fixed(b[k]! - a[k]!, 1)).join(" × ");
@@ -501,7 +503,7 @@ document.addEventListener("keydown", (event) => {
   else if (event.key === "ArrowLeft" && target.getAttribute("role") !== "tab") shift(to, -pace, movesChanged);
   else if (event.key === "l") { low.value = low.value === high.value ? "0" : high.value; rangeChanged(); }
   else if (event.key === "c") { const all = colourings(); const k = all.findIndex(([by]) => by === colourBy); setColour(all[(k + 1) % all.length]![0]); const select = document.getElementById("colour-by") as HTMLSelectElement | null; if (select) select.value = colourBy; }
-  else if (event.key === "t") { const box = document.getElementById(`class-${CLASS_COLOURS.length - 1}`); box?.click(); }
+  else if (event.key === "t") { const box = document.getElementById(`class-${TRAVEL}`); box?.click(); }
   else if (event.key === "o") void choose();
   else if (event.key === "?") help();
   else if (key === "h") void runs();

@@ -16,7 +16,9 @@ const emptyAt = [54, 47, 1.2];
 
 let files, server, browser, visited, page;
 before(async () => {
-  files = folder({ "squares.gcode": squares() });
+  // On the way from the first line of fill to the second one filament is pulled back and pushed again, in every other layer.
+  const pulled = squares().replaceAll("G1 X48.000 Y41.000 F6000", "G1 E-0.8 F2400\nG1 X48.000 Y41.000 F6000\nG1 E0.8 F2400");
+  files = folder({ "squares.gcode": pulled });
   server = await studio(files.dir, "squares.gcode");
   browser = await launch();
   visited = await visit(browser, server.address);
@@ -297,6 +299,31 @@ test("travels are drawn when asked for", async () => {
   const shades = await colours(page, [[46, 50, 1.2], [45.95, 50, 1.2], [46.05, 50, 1.2]]);
   assert.ok(shades.some((c) => far(c, without) > 12), `${shades} beside ${without}`);
   await page.click("#class-14");
+});
+
+test("places where filament is pulled back and pushed again are marked when asked for", async () => {
+  const [RETRACTION, PUSH] = [[206, 0, 160], [0, 146, 70]];
+  await reset();
+  await slide("low", 5);
+  // The end of the first line and the start of the second one; marks stand on the layer.
+  const at = [[44, 59, 1.8], [48, 41, 1.8]];
+  const look = () => colours(page, at);
+  for (const found of await look()) { unlike(found, RETRACTION, "before"); unlike(found, PUSH, "before"); }
+  assert.match(await page.textContent("tr:has(#class-16)"), /^Retraction3$/);
+  await page.click("#class-16");
+  const [pulled, other] = await look();
+  near(pulled, RETRACTION, "the end of a line");
+  unlike(other, RETRACTION, "the start of the next one");
+  await page.click("#class-17");
+  near((await look())[1], PUSH, "the start of the next line");
+  unlike((await colours(page, [[52, 41, 1.8]]))[0], PUSH, "the start of a line without a retraction before it");
+  // Before the retraction nothing is drawn of it.
+  await slide("to", 5);
+  unlike((await look())[0], RETRACTION, "before its move");
+  await page.click("#class-16");
+  await page.click("#class-17");
+  await reset();
+  for (const found of await look()) { unlike(found, RETRACTION, "after"); unlike(found, PUSH, "after"); }
 });
 
 test("the bead under the pointer tells its numbers", async () => {

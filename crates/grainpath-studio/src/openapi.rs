@@ -344,7 +344,7 @@ fn schemas() -> Value {
             "input": maybe("string"), "mass_g": maybe("number"), "time_s": maybe("number"), "layers": maybe("integer"),
             "filament_mm": maybe("number"), "strength": { "type": ["object", "null"] } }))) })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
-            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole,
+            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole, "pulls": list(&whole),
             "generator": maybe("string"), "time_s": number, "filament_mm": number,
             "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
             "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,

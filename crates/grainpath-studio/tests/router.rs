@@ -981,7 +981,7 @@ fn the_index_tells_layers_roles_and_the_box_of_the_part() {
         (Some(0.2), Some(4))
     );
     assert_eq!(index["speeds_mm_s"], json!([30.0, 50.0]));
-    assert_eq!(index["classes"].as_array().expect("classes").len(), 16);
+    assert_eq!(index["classes"].as_array().expect("classes").len(), 18);
     assert_eq!(index["generator"], "Squares 1");
     let part = &index["part_mm"];
     // E 0.7 over 20 mm and 0.2 mm high is 0.464 mm wide.
@@ -1042,10 +1042,10 @@ fn angles_to_the_load_are_sent_for_plans_with_a_guide_alone() {
     let (mut bead, mut compared) = (0, 0);
     for (record, angle) in records.chunks(8).zip(&angles) {
         let kind = record[6] & 127;
-        // Travels and starts come after the last role.
+        // Travels, starts and moves of filament come after the last role.
         if kind as usize >= grainpath_core::Role::ALL.len() {
             assert_eq!(*angle, 255);
-            bead = if kind as usize > grainpath_core::Role::ALL.len() { 0 } else { bead };
+            bead = if kind == grainpath_studio::records::START { 0 } else { bead };
             continue;
         }
         assert_eq!(usize::from(*angle), bead % 181);
