@@ -23,6 +23,8 @@ export interface FaceRow { number: number; name: string; kind: string; area_mm2:
 export interface ShapeReport {
   bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number; edges_left: number;
   unit: string; unit_is_stated: boolean; likely_unit: string | null; low_mm: number[]; high_mm: number[]; volume_mm3: number;
+  /** Of a scan: how coarse its surface is, and how many columns, rows and slices were merged. */
+  preview?: { resolution_mm: number; voxels: number[]; merged: number[] };
   frame_is_part: boolean; rotation: number[][]; shift_mm: number[]; scale: number; faces_in_all: number; faces: FaceRow[];
 }
 /** A way in which the part stands. */

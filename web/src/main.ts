@@ -346,7 +346,7 @@ function setColour(by: ColourBy): void {
     const digits = by === "width" ? 2 : isAngle ? 0 : 1;
     const unit = isAngle ? "°" : "";
     const ends = by === "reserve" ? [10, Math.sqrt(10), 1].map((k) => times(k * least!)) : scale.map((end) => fixed(end, digits) + unit);
-    const plain = by === "load" ? "no direction asked for" : by === "reserve" ? "near fixtures and loads" : null;
+    const plain = by === "load" ? "no direction asked for" : by === "reserve" ? "no part, or near fixtures and loads" : null;
     legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, ...ends.map((end) => el("span", {}, end))), ...(plain ? [el("div", {}, swatch(PLAIN), plain)] : []));
   }
 }

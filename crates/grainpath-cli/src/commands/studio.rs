@@ -142,12 +142,12 @@ fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
     claims.check().map_err(refusal)
 }
 
-/// The settings and the shape file of a job that is shown without planning it.
-fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusal> {
+/// The settings and the shape file of a job that is shown without planning it. Scans have only a surface to look at.
+fn looked_at(job: &JobText, roots: &Roots, with_scans: bool) -> Result<(Settings, PathBuf), Refusal> {
     let settings = settings(job, roots)?;
-    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+    if !settings.photo.files.is_empty() || !settings.ct.path.is_empty() && !with_scans {
         return Err(Refusal::usage(format!(
-            "{}: only meshes and drawings have a shape before they are planned; plan scans and photographs",
+            "{}: only meshes and drawings are looked at in this way before they are planned; plan scans and photographs",
             job.name
         )));
     }
@@ -201,24 +201,26 @@ impl Engine for Commands {
     }
 
     fn shape(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
-        studio_part::shape(&settings, &shape, diagnostics).map_err(refusal)
+        let (settings, shape) = looked_at(job, roots, true)?;
+        let is_scan = !settings.ct.path.is_empty();
+        let looked = if is_scan { studio_part::scan } else { studio_part::shape };
+        looked(&settings, &shape, diagnostics).map_err(refusal)
     }
 
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::stress(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
             .map_err(refusal)
     }
 
     fn orient(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::orient(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
             .map_err(refusal)
     }
 
     fn supports(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::supports(&settings, &shape, diagnostics).map_err(refusal)
     }
 
