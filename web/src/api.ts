@@ -10,7 +10,7 @@ export interface JobState { id: number; kind: "view" | "shape" | "stress" | "ori
 export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number; time_s?: number; seams: number }
 export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number]; flow_mm3_s: number;
-  shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; generator: string | null; time_s: number; filament_mm: number;
+  shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; pulls: [number, number]; generator: string | null; time_s: number; filament_mm: number;
 }
 export interface Warning { id: string; text: string; place?: string; remedy?: string }
 export interface StrengthReport {
@@ -18,12 +18,14 @@ export interface StrengthReport {
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
   card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; grid_share: number; seconds: number;
 }
-export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; angles: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string; reserve?: { first_failure?: number[] } }; angles: boolean; reserve: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
 export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
 export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
 export interface ShapeReport {
   bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number; edges_left: number;
   unit: string; unit_is_stated: boolean; likely_unit: string | null; low_mm: number[]; high_mm: number[]; volume_mm3: number;
+  /** Of a scan: how coarse its surface is, and how many columns, rows and slices were merged. */
+  preview?: { resolution_mm: number; voxels: number[]; merged: number[] };
   frame_is_part: boolean; rotation: number[][]; shift_mm: number[]; scale: number; faces_in_all: number; faces: FaceRow[];
 }
 /** A way in which the part stands. */

@@ -1,22 +1,29 @@
 // The records of a program in the page: what the server sent, twelve bytes a segment.
 //
 // The server sends eight bytes a record (x, y, width, class and speed). Two more hold the layer, so that layers share a
-// buffer; two hold the angle to the load, where the paths follow a guide.
+// buffer; two hold the angle to the load, where the paths follow a guide, and the reserve, where one is told.
 
 import type { Index } from "./api";
+import { CLASS_COLOURS } from "./colours";
 
 /** 16-bit numbers of a record in the page. */
 export const WORDS = 6;
 /** 16-bit numbers of a record on the wire. */
 const WIRE_WORDS = 4;
+/** The class of travels. Behind it come starts of layers, retractions, and places where filament is pushed again. */
+export const TRAVEL = CLASS_COLOURS.length - 1;
 /** Added to the class of the first bead of a closed wall. */
 const SEAM = 128;
-/** The angle of a record that has none. */
-export const NO_ANGLE = 255;
+/** The angle or the reserve of a record that has none. */
+export const NO_VALUE = 255;
+/** The byte of a reserve of 1, and the steps while it doubles. Source: `records.rs` of the server. */
+export const [RESERVE_OF_1, RESERVE_STEPS] = [80, 20];
+/** Values that a bead may have besides its record: a byte each, in this order from the lowest. */
+export type Value = "angles" | "reserve";
 
 export interface Bead {
   record: number; layer: number; kind: number; a: [number, number]; b: [number, number]; width_mm: number; speed_mm_s: number; length_mm: number; angle_deg: number; flow_mm3_s: number;
-  isSeam: boolean; off_deg: number | null;
+  isSeam: boolean; off_deg: number | null; reserve: number | null;
 }
 
 export class Beads {
@@ -31,11 +38,11 @@ export class Beads {
     index.layers.forEach((layer, k) => (this.first[k + 1] = this.first[k]! + layer.records));
     this.words = new Uint16Array(WORDS * this.first[index.layers.length]!);
     // What has not come yet draws nothing.
-    for (let at = 0; at < this.words.length; at += WORDS) { this.words[at + 3] = this.start; this.words[at + 5] = NO_ANGLE; }
+    for (let at = 0; at < this.words.length; at += WORDS) { this.words[at + 3] = this.start; this.words[at + 5] = 0xffff; }
   }
 
-  get travel(): number { return this.index.classes.length - 2; }
-  get start(): number { return this.index.classes.length - 1; }
+  get travel(): number { return TRAVEL; }
+  get start(): number { return TRAVEL + 1; }
 
   /** Takes layers `from` to `to`, both included, as the server sent them. */
   take(from: number, to: number, bytes: ArrayBuffer): void {
@@ -65,12 +72,16 @@ export class Beads {
     return (this.taken = n);
   }
 
-  /** Takes the angles to the load of layers `from` to `to`: a byte a record. */
-  takeAngles(from: number, to: number, bytes: ArrayBuffer): void {
-    const angles = new Uint8Array(bytes);
+  /** Takes the angles to the load, or the reserves, of layers `from` to `to`: a byte a record. */
+  takeValues(what: Value, from: number, to: number, bytes: ArrayBuffer): void {
+    const values = new Uint8Array(bytes);
     const [first, end] = [this.first[from]!, this.first[to + 1]!];
-    if (angles.length !== end - first) throw new Error(`angles of layers ${from} to ${to} have another length than the index says`);
-    for (let record = first; record < end; record++) this.words[WORDS * record + 5] = angles[record - first]!;
+    if (values.length !== end - first) throw new Error(`${what} of layers ${from} to ${to} have another length than the index says`);
+    const [kept, shift] = what === "angles" ? [0xff00, 0] : [0xff, 8];
+    for (let record = first; record < end; record++) {
+      const at = WORDS * record + 5;
+      this.words[at] = (this.words[at]! & kept) | (values[record - first]! << shift);
+    }
   }
 
   point(record: number): [number, number] {
@@ -88,7 +99,7 @@ export class Beads {
     const width_mm = this.words[at + 2]! * 1e-3;
     const kind = this.words[at + 3]! & (SEAM - 1);
     const isSeam = (this.words[at + 3]! & SEAM) !== 0;
-    const halves = this.words[at + 5]!;
+    const [halves, reserve] = [this.words[at + 5]! & 0xff, this.words[at + 5]! >> 8];
     const speed_mm_s = this.index.speeds_mm_s[this.words[at + 3]! >> 8] ?? 0;
     const h = this.index.layers[layer]!.height_mm;
     let angle_deg = (Math.atan2(dy, dx) * 180) / Math.PI;
@@ -96,7 +107,7 @@ export class Beads {
     if (angle_deg >= 179.95) angle_deg = 0;
     // The section of a stadium.
     const area = h * (width_mm - h * (1 - Math.PI / 4));
-    return { record, layer, kind, a, b, width_mm, speed_mm_s, length_mm: Math.hypot(dx, dy), angle_deg, flow_mm3_s: Math.max(area, 0) * speed_mm_s, isSeam, off_deg: halves === NO_ANGLE ? null : halves / 2 };
+    return { record, layer, kind, a, b, width_mm, speed_mm_s, length_mm: Math.hypot(dx, dy), angle_deg, flow_mm3_s: Math.max(area, 0) * speed_mm_s, isSeam, off_deg: halves === NO_VALUE ? null : halves / 2, reserve: reserve === NO_VALUE ? null : 2 ** ((reserve - RESERVE_OF_1) / RESERVE_STEPS) };
   }
 
   /** The bead of a layer under a point, among records `from` to `to`; the last one printed lies on top. */

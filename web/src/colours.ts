@@ -1,16 +1,16 @@
 // Colours of beads. The same tables fill the textures of the graphics card and the legend.
 
-export type ColourBy = "role" | "speed" | "width" | "angle" | "flow" | "height" | "time" | "seam" | "load";
+export type ColourBy = "role" | "speed" | "width" | "angle" | "flow" | "height" | "time" | "seam" | "load" | "reserve";
 /** How what broke is shown: elements by the share of stiffness lost or by the order of breaking, or beads by that order. */
 export type CrackBy = "lost" | "order" | "beads";
 export const COLOUR_BY: [ColourBy, string][] = [
   ["role", "Role"], ["speed", "Speed, mm/s"], ["width", "Width, mm"], ["angle", "Angle in the plane"], ["flow", "Flow, mm³/s"], ["height", "Height, mm"],
-  ["time", "Layer time, s"], ["seam", "Seams"], ["load", "Angle off the load"],
+  ["time", "Layer time, s"], ["seam", "Seams"], ["load", "Angle off the load"], ["reserve", "Reserve, times the load"],
 ];
 
 export type Rgb = [number, number, number];
 
-/** Beads without a value of their own: those that are no seam, and those on which the guide asks for no direction. */
+/** Beads without a value of their own: those that are no seam, on which the guide asks for no direction, or that do not fail. */
 export const PLAIN: Rgb = [184, 191, 196];
 /** Where a closed wall begins. */
 export const SEAM: Rgb = [208, 31, 60];
@@ -33,6 +33,9 @@ export const CLASS_COLOURS: Rgb[] = [
   [16, 44, 84], // seed line
   [120, 130, 140], // travel
 ];
+
+/** Colours of the marks of retractions, and of the places where filament is pushed again. */
+export const MARK_COLOURS: Rgb[] = [[206, 0, 160], [0, 146, 70]];
 
 /** The published colour map viridis, at nine places. */
 const VIRIDIS: Rgb[] = [

@@ -65,13 +65,18 @@ export class LoadsPanel {
       for (const [event, lit] of [["focus", face], ["pointerenter", face], ["blur", -1], ["pointerleave", -1]] as const) button.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
       return el("li", {}, button);
     });
-    this.panel.replaceChildren(
+    // A scan has no faces, and its stress is solved with its plan.
+    const isPreview = report.preview !== undefined;
+    this.panel.replaceChildren(...(isPreview ? [el("p", { class: "note" }, "A scan has no faces: places are boxes and planes, written in the text of the job.")] : [
       el("h2", {}, "Chosen faces"), this.tools(), this.picked,
       el("details", { id: "all-faces" }, el("summary", {}, `All faces (${report.faces_in_all})`), el("ul", { class: "plain faces" }, ...faces), ...(report.faces_in_all > report.faces.length ? [el("p", { class: "note" }, `${report.faces_in_all - report.faces.length} smaller ones are not listed.`)] : [])),
+    ]),
       el("h2", {}, "Fixtures and loads"), this.list,
-      el("h2", {}, "Stress"),
-      el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "solve", onclick: () => void this.solve() }, "Solve the stress")),
-      this.answer,
+      ...(isPreview ? [] : [
+        el("h2", {}, "Stress"),
+        el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "solve", onclick: () => void this.solve() }, "Solve the stress")),
+        this.answer,
+      ]),
       el("h2", {}, "Next"),
       this.followBox(),
       el("div", { class: "row" }, el("button", { type: "button", id: "plan-here", onclick: () => void this.parts.job.plan() }, "Plan the paths"), el("button", { type: "button", id: "test-here", onclick: () => this.parts.test() }, "Where does it break?")),

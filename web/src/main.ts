@@ -1,9 +1,9 @@
 // The page: what is open, the steps beside the view, and the keys.
 
 import * as api from "./api";
-import { Beads, type Bead } from "./beads";
+import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
-import { COLOUR_BY, CLASS_COLOURS, type ColourBy } from "./colours";
+import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
 import { drafts, forget, type Draft } from "./drafts";
 import { history } from "./history";
@@ -236,7 +236,7 @@ async function show(id: number, isDone = true): Promise<void> {
     if (index.more) return;
     performance.mark("all-layers");
     document.documentElement.dataset.shown = String(id);
-    if (result?.angles) await loadAngles(id, beads, own.signal);
+    if (result) await loadValues(id, beads, own.signal, result);
   } catch (error) {
     if (!own.signal.aborted) say((error as Error).message, true);
   }
@@ -250,22 +250,24 @@ async function tellResult(id: number): Promise<void> {
   const result = await api.result(id);
   if (!beads || current !== id) return;
   tellPaths(beads.index, result);
-  if (result.angles && loading) await loadAngles(id, beads, loading.signal).catch((e: Error) => say(e.message, true));
+  if (loading) await loadValues(id, beads, loading.signal, result).catch((e: Error) => say(e.message, true));
 }
 
-/** Asks for the angles of all layers to the load. */
-async function loadAngles(id: number, beads: Beads, signal: AbortSignal): Promise<void> {
+/** Asks for the angles of all layers to the load and for their reserves, where the result has them. */
+async function loadValues(id: number, beads: Beads, signal: AbortSignal, result: api.Result): Promise<void> {
   const last = beads.index.layers.length - 1;
-  for (let layer = 0; layer <= last; ) {
-    let end = layer;
-    while (end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
-    const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}/angles`, signal);
-    if (signal.aborted || viewer?.beads !== beads) return;
-    beads.takeAngles(layer, end, bytes);
-    viewer.refresh(layer, end);
-    layer = end + 1;
+  for (const what of (["angles", "reserve"] as Value[]).filter((what) => result[what])) {
+    for (let layer = 0; layer <= last; ) {
+      let end = layer;
+      while (end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
+      const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}/${what}`, signal);
+      if (signal.aborted || viewer?.beads !== beads) return;
+      beads.takeValues(what, layer, end, bytes);
+      viewer.refresh(layer, end);
+      layer = end + 1;
+    }
+    document.documentElement.dataset[what] = String(id);
   }
-  document.documentElement.dataset.angles = String(id);
 }
 
 const layerWords = (k: number) => wordsOfLayer(viewer?.beads?.index, k);
@@ -309,8 +311,8 @@ function setColour(by: ColourBy): void {
   colourBy = by;
   const index = viewer?.beads?.index;
   if (!index || !viewer) return;
-  viewer.setColour(by, scaleOf(index, by));
-  byId("legend").replaceChildren(...legend(index, by));
+  viewer.setColour(by, scaleOf(index, by, least ?? 1));
+  byId("legend").replaceChildren(...legend(index, by, least ?? 1));
 }
 
 function tellFace(face: number, at: { clientX: number; clientY: number }): void {
@@ -339,21 +341,26 @@ function tellBead(bead: Bead | null): void {
   box.textContent = beadWords(index, bead);
 }
 
-/** Ways of colouring that the program on screen has: angles to the load come with the result of a plan that follows a guide. */
+/** Ways of colouring that the program on screen has: angles to the load and reserves come with the result of a plan. */
 let hasAngles = false;
-const colourings = () => COLOUR_BY.filter(([by]) => by !== "load" || hasAngles);
+/** The factor on the loads at first failure; null where none is told. */
+let least: number | null = null;
+const colourings = () => COLOUR_BY.filter(([by]) => (by !== "load" || hasAngles) && (by !== "reserve" || least !== null));
 
 function tellPaths(index: api.Index, result: api.Result | null): void {
   hasAngles = result?.angles ?? false;
-  if (colourBy === "load" && !hasAngles) colourBy = "role";
+  least = result?.reserve ? result.report.reserve?.first_failure?.[1] ?? null : null;
+  if (!colourings().some(([by]) => by === colourBy)) colourBy = "role";
   const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...colourings().map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
   const rows = index.shares.map((share, k) => {
-    const isTravel = k === index.classes.length - 2;
-    if (share.beads === 0 && !isTravel) return null;
-    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isTravel ? viewer?.isShown(k) ?? false : true, onchange: () => viewer?.setShown(k, box.checked) });
-    if (!isTravel) viewer?.setShown(k, true);
-    const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k]!), index.classes[k]!);
-    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, isTravel ? "" : `${fixed(share.length_mm / 1000, 1)} m`));
+    // Travels and marks stay as they are from one program to the next; beads are all shown.
+    const isBead = k < TRAVEL;
+    const marks = index.pulls[k - TRAVEL - 2] ?? 0;
+    if (share.beads + marks === 0 && k !== TRAVEL) return null;
+    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isBead || (viewer?.isShown(k) ?? false), onchange: () => viewer?.setShown(k, box.checked) });
+    if (isBead) viewer?.setShown(k, true);
+    const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k] ?? MARK_COLOURS[k - TRAVEL - 2]!), index.classes[k]!);
+    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, marks > 0 ? String(marks) : isBead ? `${fixed(share.length_mm / 1000, 1)} m` : ""));
   });
   const [a, b] = index.part_mm;
   const size = [0, 1, 2].map((k) => fixed(b[k]! - a[k]!, 1)).join(" × ");
@@ -443,7 +450,7 @@ document.addEventListener("keydown", (event) => {
   else if (event.key === "ArrowLeft" && target.getAttribute("role") !== "tab") shift(to, -pace, movesChanged);
   else if (event.key === "l") { low.value = low.value === high.value ? "0" : high.value; rangeChanged(); }
   else if (event.key === "c") { const all = colourings(); const k = all.findIndex(([by]) => by === colourBy); setColour(all[(k + 1) % all.length]![0]); const select = document.getElementById("colour-by") as HTMLSelectElement | null; if (select) select.value = colourBy; }
-  else if (event.key === "t") { const box = document.getElementById(`class-${CLASS_COLOURS.length - 1}`); box?.click(); }
+  else if (event.key === "t") { const box = document.getElementById(`class-${TRAVEL}`); box?.click(); }
   else if (event.key === "o") void choose();
   else if (event.key === "?") help();
   else if (key === "h") void runs();

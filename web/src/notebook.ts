@@ -44,7 +44,7 @@ function render({ model, el: host }: { model: Model; el: HTMLElement }): () => v
   const range = (words: string) => el("input", { type: "range", min: 0, max: last, "aria-label": words });
   const [high, low] = [range("Highest layer shown"), range("Lowest layer shown")];
   const [highest, lowest, readout, rows] = [el("output"), el("output"), el("div", { id: "bead", role: "status", hidden: true }), el("div", { id: "legend" })];
-  const colourings = COLOUR_BY.filter(([by]) => by !== "time" && (by !== "load" || hasAngles));
+  const colourings = COLOUR_BY.filter(([by]) => by !== "time" && by !== "reserve" && (by !== "load" || hasAngles));
   const colour = el("select", { "aria-label": "Colour by" }, ...colourings.map(([by, words]) => el("option", { value: nameOf(by) }, words)));
   const canvas = el("canvas", { tabindex: 0, "aria-label": "Toolpaths in three dimensions. Drag to turn; click, then scroll to zoom. Keys: A D W S turn, plus and minus zoom, 1 to 4 choose the side, arrow keys up and down layers." });
   const stage = el("div", { id: "stage" }, canvas,
@@ -68,7 +68,7 @@ function render({ model, el: host }: { model: Model; el: HTMLElement }): () => v
   const beads = new Beads(index);
   viewer.show(beads);
   beads.take(0, last, bytes(model.get("_records")));
-  if (hasAngles) beads.takeAngles(0, last, bytes(model.get("_angles")));
+  if (hasAngles) beads.takeValues("angles", 0, last, bytes(model.get("_angles")));
 
   const colourBy = () => colourings.find(([by]) => nameOf(by) === model.get("color"))![0];
   const recolour = () => {

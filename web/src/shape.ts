@@ -52,12 +52,12 @@ export class ShapePanel {
     clearTimeout(this.timer);
     this.wanted++;
     this.parts.viewer()?.setPart(null);
-    this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF) or a job file to see its shape here, choose faces, and say where it is held and loaded."));
+    this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF), a scan or a job file to see its shape here, choose faces, and say where it is held and loaded."));
     this.onPart();
   }
 
   /** Whether the job has a shape that can be shown before it is planned. */
-  static has(text: string): boolean { return ["mesh", "outline"].some((key) => get(text, "shape", key) !== null); }
+  static has(text: string): boolean { return ["mesh", "outline", "ct"].some((key) => get(text, "shape", key) !== null) || get(text, "shape.ct", "path") !== null; }
 
   /** The text changed: the shape is made anew where it depends on what changed. */
   textChanged(text: string): void {
@@ -135,7 +135,19 @@ export class ShapePanel {
   private build(): void {
     const report = this.report!;
     const size = [0, 1, 2].map((k) => report.high_mm[k]! - report.low_mm[k]!);
+    const warnings = this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`));
     const fact = (name: string, value: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, value));
+    const sizes = [fact("Size", `${size.map((v) => fixed(v, 2)).join(" × ")} mm`, "size"), fact("Volume", `${fixed(report.volume_mm3 / 1000, 3)} cm³`)];
+    if (report.preview) {
+      const { resolution_mm, voxels, merged } = report.preview;
+      const n = merged.reduce((all, by) => all * by, 1);
+      this.panel.replaceChildren(
+        el("h2", {}, "Size"), el("table", {}, ...sizes, fact("Voxels", voxels.join(" × "))),
+        el("p", { class: "note", id: "preview" }, `A preview at ${fixed(resolution_mm, 2)} mm: ${n === 1 ? "no voxels were merged" : `${merged.join(" × ")} voxels were merged into one`}. Paths are planned from every voxel, under Job.`),
+        ...warnings,
+      );
+      return;
+    }
     const defects: [number, string][] = [
       [report.open_edges, "open edges"], [report.nonmanifold_edges, "edges with more than two triangles"], [report.badly_wound_edges, "edges of triangles wound against each other"], [report.zero_area_facets, "triangles without area"],
     ];
@@ -147,13 +159,13 @@ export class ShapePanel {
     const lay = el("button", { type: "button", id: "lay", onclick: () => this.lay() }, "Lay the chosen face on the plate");
     this.panel.replaceChildren(
       el("h2", {}, "Size"),
-      el("table", {}, fact("Size", `${size.map((v) => fixed(v, 2)).join(" × ")} mm`, "size"), fact("Volume", `${fixed(report.volume_mm3 / 1000, 3)} cm³`), fact("Bodies, shells", `${report.bodies}, ${report.shells}`), fact("Triangles", String(report.triangles)), fact("Faces", String(report.faces_in_all), "faces-in-all")),
+      el("table", {}, ...sizes, fact("Bodies, shells", `${report.bodies}, ${report.shells}`), fact("Triangles", String(report.triangles)), fact("Faces", String(report.faces_in_all), "faces-in-all")),
       ...(isDoubtful ? [el("p", { class: "warning", id: "unit-asked" }, `The file states no unit. In mm the part would be ${fixed(Math.max(...size), 2)} mm long, which is small: is it in ${report.likely_unit}? `, el("button", { type: "button", id: "take-likely", onclick: () => this.put("unit", quoted(report.likely_unit!)) }, `It is in ${report.likely_unit}`), " ", el("button", { type: "button", onclick: () => this.put("unit", quoted("mm")) }, "It is in mm"))] : []),
       el("div", { class: "row" }, el("label", {}, report.unit_is_stated ? "Unit" : "Unit (the file states none)", unit), el("label", {}, "Scale", scale)),
       el("h2", {}, "Defects"),
       found.length === 0 ? el("p", { class: "note", id: "defects" }, "None: the surface is closed.") : el("table", { id: "defects" }, ...found.map(([n, words]) => fact(words, String(n)))),
       ...this.defects(report),
-      ...this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      ...warnings,
       el("h2", {}, "Turn"), el("div", { class: "row" }, turn(0), turn(1), turn(2)), el("div", { class: "row" }, lay),
       el("p", { class: "note" }, "Choose a face by a click on the part, or in the list of the next tab."),
       el("h2", {}, "Build direction"), this.poses.element,

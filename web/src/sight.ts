@@ -6,8 +6,8 @@ import { CLASS_COLOURS, COLOUR_BY, PLAIN, SEAM, circle, css, gradient, ramp, typ
 import { el, fixed } from "./dom";
 import type { Viewer } from "./viewer";
 
-/** The ends of the scale of a way of colouring. */
-export function scaleOf(index: Index, by: ColourBy): [number, number] {
+/** The ends of the scale of a way of colouring; `least` is the factor on the loads at first failure. */
+export function scaleOf(index: Index, by: ColourBy, least = 1): [number, number] {
   const speeds = index.speeds_mm_s;
   switch (by) {
     case "speed": return speeds.length > 0 ? [Math.min(...speeds), Math.max(...speeds)] : [0, 1];
@@ -16,6 +16,8 @@ export function scaleOf(index: Index, by: ColourBy): [number, number] {
     case "height": return [0, index.layers[index.layers.length - 1]!.z_mm];
     case "time": { const times = index.layers.map((l) => l.time_s ?? 0); return [Math.min(...times), Math.max(...times)]; }
     case "load": return [0, 90];
+    // Of nearness to failing, so that the least reserve is bright: in doublings, from ten times the least on.
+    case "reserve": return [-Math.log2(10 * least), -Math.log2(least)];
     case "role": case "angle": case "seam": return [0, 180];
   }
 }
@@ -26,8 +28,11 @@ export function swatch(colour: Rgb): HTMLElement {
   return box;
 }
 
+/** A factor on the loads. The bytes of the beads end at 416. */
+export const times = (factor: number) => (factor > 400 ? "over 400 ×" : `${fixed(factor, factor < 1 ? 2 : factor < 10 ? 1 : 0)} ×`);
+
 /** What the colours mean. */
-export function legend(index: Index, by: ColourBy): HTMLElement[] {
+export function legend(index: Index, by: ColourBy, least = 1): HTMLElement[] {
   if (by === "role") return index.shares.flatMap((share, k) => (share.beads > 0 ? [el("div", {}, swatch(CLASS_COLOURS[k]!), index.classes[k]!)] : []));
   if (by === "seam") {
     const n = index.layers.reduce((sum, layer) => sum + layer.seams, 0);
@@ -36,16 +41,18 @@ export function legend(index: Index, by: ColourBy): HTMLElement[] {
   const bar = el("div", { class: "ramp" });
   bar.style.background = gradient(by === "angle" ? circle : ramp);
   const isAngle = by === "angle" || by === "load";
-  const end = (value: number) => el("span", {}, fixed(value, by === "width" ? 2 : isAngle ? 0 : 1) + (isAngle ? "°" : ""));
+  const words = (value: number) => fixed(value, by === "width" ? 2 : isAngle ? 0 : 1) + (isAngle ? "°" : "");
+  const ends = by === "reserve" ? [10, Math.sqrt(10), 1].map((k) => times(k * least)) : scaleOf(index, by).map(words);
+  const plain = by === "load" ? "no direction asked for" : by === "reserve" ? "no part, or near fixtures and loads" : null;
   const name = COLOUR_BY.find(([k]) => k === by)![1];
-  return [el("div", {}, name), bar, el("div", { class: "ends" }, ...scaleOf(index, by).map(end)), ...(by === "load" ? [el("div", {}, swatch(PLAIN), "no direction asked for")] : [])];
+  return [el("div", {}, name), bar, el("div", { class: "ends" }, ...ends.map((end) => el("span", {}, end))), ...(plain ? [el("div", {}, swatch(PLAIN), plain)] : [])];
 }
 
 /** The numbers of a bead. */
 export function beadWords(index: Index, bead: Bead): string {
   return [
     index.classes[bead.kind]!, `layer ${bead.layer + 1}`, `${fixed(bead.width_mm, 2)} mm wide`, `${fixed(index.layers[bead.layer]!.height_mm, 2)} mm high`,
-    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]),
+    ...(bead.isSeam ? ["seam"] : []), ...(bead.off_deg === null ? [] : [`${fixed(bead.off_deg, 1)}° off the load`]), ...(bead.reserve === null ? [] : [`fails at ${times(bead.reserve)} the load`]),
     `${fixed(bead.speed_mm_s, 1)} mm/s`, `${fixed(bead.flow_mm3_s, 1)} mm³/s`, `${fixed(bead.length_mm, 2)} mm long`, `${fixed(bead.angle_deg, 0)}°`, `at (${fixed(bead.b[0], 1)}, ${fixed(bead.b[1], 1)})`,
   ].join(" · ");
 }

@@ -11,9 +11,9 @@ import {
   Quaternion, Raycaster, type Ray, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { Beads, WORDS, type Bead } from "./beads";
+import { Beads, RESERVE_OF_1, RESERVE_STEPS, TRAVEL, WORDS, type Bead } from "./beads";
 import type { PartView } from "./part";
-import { CLASS_COLOURS, COLOUR_BY, PLAIN, SEAM, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
+import { CLASS_COLOURS, COLOUR_BY, MARK_COLOURS, PLAIN, SEAM, circle, ramp, table, type ColourBy, type CrackBy } from "./colours";
 
 /** Records up to which a window gets a chunk of its own. */
 const WINDOW_RECORDS = 60_000;
@@ -26,6 +26,10 @@ const HOVER_RECORDS = 3_000_000;
 const number = (by: ColourBy) => COLOUR_BY.findIndex(([key]) => key === by);
 /** That of the order of breaking, which is chosen elsewhere. */
 const BY_BREAK = COLOUR_BY.length;
+/** Classes of records. */
+const CLASSES = TRAVEL + 4;
+/** Half the width of the mark of a retraction, mm. Source: chosen; wider than a bead, so that it is seen beside its end. */
+const MARK_MM = 0.6;
 /** How much of a bead is drawn as its seam, in widths of the bead. Source: chosen; a dot beside the next bead's. */
 const SEAM_WIDTHS = 2;
 const vec3 = (c: readonly number[]) => `vec3(${c.map((v) => (v / 255).toFixed(4)).join(", ")})`;
@@ -38,7 +42,7 @@ ${COLOUR_BY.map(([key]) => `#define BY_${key.toUpperCase()} ${number(key)}`).joi
 const VERTEX = `${NUMBERS}
 in vec2 a; in vec2 b; in vec4 meta;
 uniform vec2 origin; uniform float unit; uniform sampler2D heights; uniform float firstRecord; uniform vec2 range; uniform vec2 scale;
-uniform vec3 classColours[16]; uniform float classShown[16]; uniform sampler2D speeds; uniform sampler2D colours; uniform sampler2D circleColours; uniform float hovered; uniform float ghost;
+uniform vec3 classColours[${CLASSES}]; uniform float classShown[${CLASSES}]; uniform sampler2D speeds; uniform sampler2D colours; uniform sampler2D circleColours; uniform float hovered; uniform float ghost;
 flat out vec3 colour; flat out vec4 lit; out float side;
 #if BY == BY_BREAK
 out vec3 at;
@@ -57,11 +61,19 @@ void main() {
   int k = int(kind + 0.5);
   vec4 layer = texelFetch(heights, ivec2(int(meta.z) % 256, int(meta.z) / 256), 0);
   vec2 h = layer.rg;
-  bool shown = record >= range.x && record <= range.y && k < 15 && classShown[k] > 0.5;
+  bool shown = record >= range.x && record <= range.y && k != ${TRAVEL + 1} && classShown[k] > 0.5;
   vec2 p = origin + unit * a; vec2 q = origin + unit * b; vec2 d = q - p; float len = length(d);
+  if (shown && k > ${TRAVEL}) {
+    // A mark that faces the eye: on its corner where filament is pulled back, upright where it is pushed again.
+    vec2 e = vec2(2.0 * position.x - 1.0, position.y) * ${MARK_MM};
+    if (k == ${TRAVEL + 2}) e = 0.7 * vec2(e.x - e.y, e.x + e.y);
+    colour = mix(classColours[k], vec3(0.72, 0.75, 0.77), ghost);
+    gl_Position = projectionMatrix * (viewMatrix * vec4(vec3(q, h.r + ${MARK_MM}), 1.0) + vec4(e, 0.0, 0.0));
+    return;
+  }
   if (!shown || len < 1e-6) { gl_Position = vec4(2.0, 2.0, 2.0, 0.0); return; }
   vec2 along = d / len; vec2 across = vec2(-along.y, along.x);
-  bool travel = k == ${CLASS_COLOURS.length - 1};
+  bool travel = k == ${TRAVEL};
   float width = travel ? 0.12 : meta.x * 1e-3;
   float over = travel ? 0.0 : 0.3 * width;
   vec2 radii = vec2(0.5 * width, (travel ? 0.1 : 0.45) * h.g);
@@ -93,8 +105,12 @@ void main() {
 #elif BY == BY_TIME
   float value = layer.b;
 #elif BY == BY_LOAD
-  float value = 0.5 * meta.w;
-  if (meta.w > 254.5) colour = travel ? colour : ${vec3(PLAIN)}; else
+  float own = mod(meta.w, 256.0); float value = 0.5 * own;
+#elif BY == BY_RESERVE
+  float own = floor(meta.w / 256.0); float value = (${RESERVE_OF_1}.0 - own) / ${RESERVE_STEPS}.0;
+#endif
+#if BY == BY_LOAD || BY == BY_RESERVE
+  if (own > 254.5) colour = travel ? colour : ${vec3(PLAIN)}; else
 #endif
   if (!travel) colour = texture(colours, vec2(clamp((value - scale.x) / max(scale.y - scale.x, 1e-6), 0.002, 0.998), 0.5)).rgb;
 #endif
@@ -208,7 +224,7 @@ export class Viewer {
   private isDirty = false;
   /** The direction from which the whole part is seen, while it is. */
   private fitted: string | null = null;
-  private readonly classShown: number[] = new Array(16).fill(1) as number[];
+  private readonly classShown: number[] = new Array(CLASSES).fill(1) as number[];
   private pointer: { x: number; y: number } | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -223,12 +239,12 @@ export class Viewer {
       uniforms: {
         origin: { value: new Vector2() }, unit: { value: 1 }, heights: { value: null }, firstRecord: { value: 0 }, range: { value: new Vector2(0, -1) },
         scale: { value: new Vector2(0, 1) }, speeds: { value: null }, hovered: { value: -1 }, ghost: { value: 0 },
-        classColours: { value: Array.from({ length: 16 }, (_, k) => new Vector3(...(CLASS_COLOURS[k] ?? [0, 0, 0]).map((c) => c / 255))) },
+        classColours: { value: Array.from({ length: CLASSES }, (_, k) => new Vector3(...(CLASS_COLOURS[k] ?? MARK_COLOURS[k - TRAVEL - 2] ?? PLAIN).map((c) => c / 255))) },
         classShown: { value: this.classShown },
         breaks: { value: null }, breaksFrom: { value: new Matrix4() }, state: { value: 0 }, colours: { value: palette(ramp) }, circleColours: { value: palette(circle) },
       },
     });
-    this.setShown(CLASS_COLOURS.length - 1, false);
+    for (const k of [TRAVEL, TRAVEL + 2, TRAVEL + 3]) this.setShown(k, false);
     this.scene.add(this.plate, this.chunks, this.window, this.places, this.broken);
     new ResizeObserver(() => this.resize()).observe(canvas);
     canvas.addEventListener("pointermove", (event) => this.move(event));

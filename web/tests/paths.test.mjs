@@ -16,7 +16,9 @@ const emptyAt = [54, 47, 1.2];
 
 let files, server, browser, visited, page;
 before(async () => {
-  files = folder({ "squares.gcode": squares() });
+  // On the way from the first line of fill to the second one filament is pulled back and pushed again, in every other layer.
+  const pulled = squares().replaceAll("G1 X48.000 Y41.000 F6000", "G1 E-0.8 F2400\nG1 X48.000 Y41.000 F6000\nG1 E0.8 F2400");
+  files = folder({ "squares.gcode": pulled });
   server = await studio(files.dir, "squares.gcode");
   browser = await launch();
   visited = await visit(browser, server.address);
@@ -182,6 +184,65 @@ test("a plan that follows its guide is coloured by the angle off the load", asyn
   own.remove();
 });
 
+test("a plan with loads is coloured by the factor at which its beads fail", async () => {
+  // A beam that is bent in its plane, with beads across it: they fail in proportion to their distance from the load.
+  const job = `[shape]\nmesh = "bar.stl"\n[process]\nwalls = 1\n[fill]\npattern = "rectilinear"\ndensity = 1.0\nangles_deg = [90]\n[guide]\nkind = "stress"\n` +
+    '[[guide.fixture]]\non = { box_mm = [[0, 0, 0], [0, 8, 2]] }\nfix = "xyz"\n[[guide.load]]\non = { box_mm = [[40, 0, 0], [40, 8, 2]] }\nforce_n = [0, 10, 0]\n';
+  const own = folder({ "bar.stl": boxStl([40, 8, 2]), "bent.toml": job });
+  const other = await studio(own.dir);
+  const visited = await visit(browser, other.address);
+  await choose(visited.page, "bent.toml");
+  await shaped(visited.page);
+  await visited.page.click("#tab-job");
+  await visited.page.click("#panel-job button.main");
+  await visited.page.waitForFunction(() => document.documentElement.dataset.reserve, null, { timeout: 240_000 });
+  await view(visited.page, "top");
+  // The beads of the top layer that lie 10 and 30 mm from the fixture: their middles, and their reserves as they were sent.
+  const found = await visited.page.evaluate(async () => {
+    const { beads } = window.studio.viewer;
+    const id = document.documentElement.dataset.reserve;
+    const last = beads.index.layers.length - 1;
+    const bytes = new Uint8Array(await (await fetch(`v1/jobs/${id}/layers/${last}-${last}/reserve`)).arrayBuffer());
+    const near = (x) => {
+      const all = Array.from(bytes.keys()).slice(1).map((k) => ({ k, ...beads.bead(beads.first[last] + k) }));
+      const across = all.filter((b) => b.kind < beads.travel && Math.abs(b.b[1] - b.a[1]) > 5 && Math.abs(b.b[0] - b.a[0]) < 0.1);
+      const best = across.sort((p, q) => Math.abs(p.a[0] - x) - Math.abs(q.a[0] - x))[0];
+      return { at: [best.a[0], 0.5 * (best.a[1] + best.b[1]), beads.index.part_mm[1][2]], factor: 2 ** ((bytes[best.k] - 80) / 20) };
+    };
+    const x = beads.index.part_mm[0][0];
+    const told = (await (await fetch(`v1/jobs/${id}/result`)).json()).report.reserve.first_failure[1];
+    return { told, root: near(x + 10), tip: near(x + 30) };
+  });
+  const { told, root, tip } = found;
+  assert.ok(told < root.factor && Math.abs(tip.factor / root.factor / 3 - 1) < 0.2, JSON.stringify(found));
+  const viridis = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [253, 231, 37]];
+  const wanted = ({ factor }) => {
+    const at = 8 * Math.min(Math.max(1 - Math.log10(factor / told), 0), 1);
+    const k = Math.min(Math.floor(at), 7);
+    return viridis[k].map((v, c) => v + (viridis[k + 1][c] - v) * (at - k));
+  };
+  const role = await colours(visited.page, [root.at, tip.at]);
+  await visited.page.selectOption("#colour-by", "reserve");
+  const shown = await colours(visited.page, [root.at, tip.at]);
+  near(shown[0], wanted(root), "near the fixture");
+  near(shown[1], wanted(tip), "near the load");
+  unlike(shown[0], wanted(tip), "near the fixture");
+  unlike(role[0], wanted(root), "by role");
+  unlike(role[1], wanted(tip), "by role");
+  const ends = await visited.page.$$eval("#legend .ends span", (s) => s.map((x) => x.textContent));
+  assert.equal(ends.length, 3);
+  for (const [k, factor] of [10, Math.sqrt(10), 1].entries()) assert.ok(ends[k].endsWith(" ×") && Math.abs(Number.parseFloat(ends[k]) / (factor * told) - 1) < 0.06, `${ends} and ${told}`);
+  const [[x, y]] = await places(visited.page, [root.at]);
+  await visited.page.mouse.move(x, y);
+  await visited.page.waitForFunction(() => document.getElementById("bead").textContent.includes("fails at"));
+  const words = await visited.page.textContent("#bead");
+  assert.ok(Math.abs(Number.parseFloat(words.split("fails at ")[1]) / root.factor - 1) < 0.06, `${words} and ${root.factor}`);
+  assert.deepEqual(visited.wrong, []);
+  await visited.close();
+  await other.end();
+  own.remove();
+});
+
 test("a lower layer shows its own lines", async () => {
   await reset();
   await slide("high", 4);
@@ -238,6 +299,31 @@ test("travels are drawn when asked for", async () => {
   const shades = await colours(page, [[46, 50, 1.2], [45.95, 50, 1.2], [46.05, 50, 1.2]]);
   assert.ok(shades.some((c) => far(c, without) > 12), `${shades} beside ${without}`);
   await page.click("#class-14");
+});
+
+test("places where filament is pulled back and pushed again are marked when asked for", async () => {
+  const [RETRACTION, PUSH] = [[206, 0, 160], [0, 146, 70]];
+  await reset();
+  await slide("low", 5);
+  // The end of the first line and the start of the second one; marks stand on the layer.
+  const at = [[44, 59, 1.8], [48, 41, 1.8]];
+  const look = () => colours(page, at);
+  for (const found of await look()) { unlike(found, RETRACTION, "before"); unlike(found, PUSH, "before"); }
+  assert.match(await page.textContent("tr:has(#class-16)"), /^Retraction3$/);
+  await page.click("#class-16");
+  const [pulled, other] = await look();
+  near(pulled, RETRACTION, "the end of a line");
+  unlike(other, RETRACTION, "the start of the next one");
+  await page.click("#class-17");
+  near((await look())[1], PUSH, "the start of the next line");
+  unlike((await colours(page, [[52, 41, 1.8]]))[0], PUSH, "the start of a line without a retraction before it");
+  // Before the retraction nothing is drawn of it.
+  await slide("to", 5);
+  unlike((await look())[0], RETRACTION, "before its move");
+  await page.click("#class-16");
+  await page.click("#class-17");
+  await reset();
+  for (const found of await look()) { unlike(found, RETRACTION, "after"); unlike(found, PUSH, "after"); }
 });
 
 test("the bead under the pointer tells its numbers", async () => {

@@ -5,7 +5,7 @@ import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { PNG } from "pngjs";
-import { command, far, folder, hands, launch, picture, settle, shaped, shown, studio, visit } from "./bench.mjs";
+import { colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
 
 /** Corners of the board in the photograph below, pixels of the picture from its upper left corner. */
 const BOARD = [[40, 30], [290, 50], [270, 180], [60, 160]];
@@ -174,11 +174,28 @@ test("the corners of a photographed board are dragged to it, and the command lin
 });
 
 test("a scan is planned from its file", async () => {
-  const { page, close } = await opened("ball.nrrd");
-  await page.waitForSelector("#panel-job textarea");
+  const { page, wrong, close } = await opened("ball.nrrd");
+  await page.waitForSelector("#panel-job textarea", { state: "attached" });
   assert.match(await job(page), /^# Taken for a scan/);
+  // Its surface is shown before it is planned: a ball of 16 mm that stands on the plate.
+  await shaped(page);
+  await view(page, "top");
+  const { low_mm: low, high_mm: high, volume_mm3 } = await page.evaluate(() => window.studio.report);
+  for (const k of [0, 1, 2]) assert.ok(Math.abs(high[k] - low[k] - 16) < 0.6, JSON.stringify([low, high]));
+  assert.ok(Math.abs(volume_mm3 / (4 / 3 * Math.PI * 8 ** 3) - 1) < 0.05 && Math.abs(low[2]) < 1e-6, `${volume_mm3} ${low[2]}`);
+  assert.match(await page.textContent("#preview"), /^A preview at \d\.\d\d mm: no voxels were merged\./);
+  const middle = [0, 1].map((k) => 0.5 * (low[k] + high[k]));
+  // The top of the ball, its flank, and a corner of its box, which is beside it.
+  const [top, flank, beside] = await colours(page, [[...middle, high[2]], [middle[0] + 5, middle[1], high[2] - 2], [low[0] + 0.5, low[1] + 0.5, high[2]]]);
+  const grey = (c) => Math.abs(c[0] - c[2]) < 25 && c[1] > 90;
+  assert.ok(grey(top) && grey(flank) && far(beside, top) > 30, `${top} ${flank} ${beside}`);
+  await page.click("#tab-loads");
+  assert.match(await page.textContent("#panel-loads"), /A scan has no faces/);
+  assert.equal(await page.$("#solve"), null);
+  await page.click("#tab-job");
   await page.click("#panel-job >> text=Plan the paths");
   await shown(page);
+  assert.deepEqual(wrong, []);
   const size = await page.evaluate(() => window.studio.viewer.beads.index.part_mm);
   for (const k of [0, 1, 2]) assert.ok(Math.abs(size[1][k] - size[0][k] - 16) < 1.2, JSON.stringify(size));
   await close();
@@ -187,7 +204,7 @@ test("a scan is planned from its file", async () => {
 test("a folder of slices is opened as a scan", async () => {
   const { page, close } = await opened("slices/");
   await page.click("#open-folder");
-  await page.waitForSelector("#panel-job textarea");
+  await page.waitForSelector("#panel-job textarea", { state: "attached" });
   assert.match(await job(page), /ct = ".*slices"/);
   await close();
 });

@@ -16,6 +16,7 @@ use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
 use grainpath_gcode::{Program, Replay, Thumbnail, Written, write_gcode};
 use grainpath_job::{Row, Settings};
+use grainpath_view::bead_reserve::{BeadReserves, SCALE, reserve_png};
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath_view::page;
@@ -110,8 +111,8 @@ impl Paths {
 }
 
 /// Pictures of a part in the folder of `output.preview`, by their names.
-const PICTURES: [&str; 6] =
-    ["part.png", "density.png", "damage.png", "index.png", "loads.png", "deformed.png"];
+const PICTURES: [&str; 7] =
+    ["part.png", "density.png", "damage.png", "index.png", "loads.png", "deformed.png", "reserve.png"];
 /// Pictures of a layer or of a step, by the beginnings of their names.
 const PICTURES_OF: [&str; 6] = ["layer_", "stress_", "field_", "texture_", "grain_", "support_"];
 
@@ -190,6 +191,9 @@ pub(crate) fn write(
                 scale: Some(page::ColourScale { low: laid.min, high: laid.max, what: "share" }),
             };
             drawn.push(("density.png".into(), picture));
+        }
+        if paths.report.is_some() || paths.preview.is_some() {
+            drawn.extend(reserve_picture(&report, &program));
         }
         let supports = planned.supported_mesh.as_ref().zip(planned.support.as_ref());
         let pictures =
@@ -435,6 +439,22 @@ fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
         .into_iter()
         .filter_map(|(what, at)| at.map(|at| mark(what, at + plate_from_part_mm)))
         .collect()
+}
+
+/// A picture of the layer that holds the least reserve, with its name.
+fn reserve_picture(report: &Report, program: &Program) -> Option<(String, page::Picture)> {
+    let map = report.reserve.as_ref()?.map.as_ref()?;
+    let BeadReserves { least, layer, .. } = BeadReserves::new(map, program)?;
+    let (beads, least) = (&program.layers[layer], f64::from(least));
+    let title = format!(
+        "Reserve in layer {} at {:.2} mm, which holds the least: the factor on the loads at first failure, red where the part \
+         fails first; grey beads lie near fixtures and loads and do not count",
+        layer + 1,
+        beads.z_mm
+    );
+    let png = reserve_png(map, beads, least, GUIDE_PX);
+    let scale = page::ColourScale { low: SCALE * least, high: least, what: "times the load" };
+    Some(("reserve.png".into(), page::Picture { title, png, of: page::Of::Stress, scale: Some(scale) }))
 }
 
 /// Tests the strength of the program. Returns the test and its time in seconds.

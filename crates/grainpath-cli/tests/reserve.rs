@@ -6,6 +6,13 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use grainpath::measure::report::Report;
+use grainpath_cli::Given;
+use grainpath_core::segment::distance_squared_mm2;
+use grainpath_core::{DVec2, Diagnostics};
+use grainpath_gcode::{Bead, Program};
+use grainpath_job::parse_job;
+use grainpath_view::bead_reserve::BeadReserves;
 use serde_json::Value;
 use support::{box_stl, folder, grainpath, json};
 
@@ -211,6 +218,77 @@ fn the_reserve_of_sparse_infill_is_the_first_failure_of_the_test() {
     held.finish();
 }
 
+/// Plans a job with the code of the command line. Returns the report, the program, read back, and where the part stands on
+/// the plate.
+fn planned(dir: &Path, job: &str) -> (Report, Program, DVec2) {
+    let settings = parse_job(job, "job.toml", &[], &|_| Err("no own profiles".into())).expect("a job");
+    let shape = grainpath_cli::shape_of(&settings, dir).expect("a shape");
+    let diagnostics = Diagnostics::default();
+    let planned = grainpath_cli::plan_given(&settings, Given::default(), &shape, dir, &diagnostics);
+    let (planned, _) = planned.expect("a plan");
+    let (bytes, written) = grainpath_cli::program_bytes(&settings, &planned).expect("G-code");
+    let program = grainpath_cli::read_back(&settings, &bytes).expect("a program");
+    let report = grainpath_cli::report_of(&settings, &planned, &written, Some(&program), &diagnostics);
+    (report, program, planned.plan.plate_from_part_mm.truncate())
+}
+
+/// Every bead has its reserve, in plates and solids, dense and sparse, with one load case and with two.
+#[test]
+fn the_least_reserve_of_all_beads_is_the_one_that_is_told() {
+    let dir = folder("reserve of beads");
+    write_shapes(&dir);
+    let sparse = "[shape]\nmesh = \"beam.stl\"\n[process]\nwalls = 1\ntop_layers = 2\nbottom_layers = 2\n[guide]\nkind = \"stress\"\n\
+                  [[guide.fixture]]\non = { box_mm = [[0, 0, 0], [1, 6, 6]] }\nfix = \"xyz\"\n\
+                  [[guide.load]]\non = { box_mm = [[31, 0, 0], [32, 6, 6]] }\nforce_n = [0, 0, -10]\n\
+                  [fill]\npattern = \"grid\"\ndensity = 0.3\n[strength]\ncell_mm = 0.9\ncheck = false\n";
+    let twice = "[[guide.case]]\nname = \"double\"\nload = [{ on = { box_mm = [[34, 0, 0], [40, 8, 1]] }, force_n = [200, 0, 0] }]\n[strength]";
+    let off_axis = job(&PIECES[1]);
+    let jobs = [
+        ("plate", off_axis.clone()),
+        ("plate, two cases", off_axis.replace("[strength]", twice)),
+        ("solid", job(&PIECES[4])),
+        ("sparse", sparse.to_owned()),
+    ];
+    // The cells of a plate reach through all layers, those of a solid do not, and those of sparse infill are solved instead
+    // of judged by the stress of a solid part.
+    let mut least = Vec::new();
+    for (name, job) in jobs {
+        let (report, program, shift) = planned(&dir, &job);
+        let reserve = report.reserve.as_ref().expect("loads");
+        let told = reserve.least.as_ref().unwrap_or_else(|| panic!("{name}: {:?}", reserve.untold));
+        let map = reserve.map.as_ref().expect("a map");
+        // The studio and the pictures take the values of the beads from here.
+        let beads = BeadReserves::new(map, &program).expect("values");
+        // The report rounds to five digits.
+        let off = f64::from(beads.least) / told.first_failure[1] - 1.0;
+        assert!(off.abs() < 1e-4, "{name}: {} and {}", beads.least, told.first_failure[1]);
+        let all: Vec<(usize, &Bead, f32)> = (program.layers.iter().zip(&beads.of_beads).enumerate())
+            .flat_map(|(k, (layer, own))| layer.beads.iter().zip(own).map(move |(b, f)| (k, b, *f)))
+            .collect();
+        let found = all.iter().map(|(.., f)| *f).fold(f32::INFINITY, f32::min);
+        assert_eq!(found, beads.least, "{name}");
+        // One of the beads that hold it lies where the report says: within a cell, and in a solid within a cell's layers.
+        let [x, y, z] = told.at_mm;
+        let at = DVec2::new(x, y) + shift;
+        let near = |(k, bead, f): &(usize, &Bead, f32)| {
+            let layer = &program.layers[*k];
+            *f == beads.least
+                && distance_squared_mm2(at, bead.start(), bead.end()) < 1.0
+                && (name.starts_with("plate") || (layer.z_mm - 0.5 * layer.height_mm - z).abs() < 0.7)
+        };
+        assert!(all.iter().any(near), "{name}: no bead near {at} with {}", beads.least);
+        // Long beads that begin in a grip have the value of what lies between the grips.
+        // Skirts have none; of the part nearly all have one, but for what lies in the grips.
+        let part: Vec<f32> = all.iter().filter(|(_, b, _)| b.role.is_part()).map(|(.., f)| *f).collect();
+        let with = part.iter().filter(|f| f.is_finite()).count();
+        assert!(10 * with > 3 * part.len(), "{name}: {with} of {}", part.len());
+        assert!(all.iter().all(|(_, b, f)| b.role.is_part() || f.is_infinite()), "{name}");
+        least.push(beads.least);
+        assert!(report.to_json()["reserve"]["map"].is_null(), "the map is no part of the JSON");
+    }
+    assert!((least[0] / least[1] - 2.0).abs() < 1e-3, "the case of twice the load counts: {least:?}");
+}
+
 #[test]
 fn a_reserve_is_told_in_words_or_the_reason_why_not() {
     let dir = folder("reserve words");
@@ -230,13 +308,19 @@ fn a_reserve_is_told_in_words_or_the_reason_why_not() {
     // Two cases: the one with twice the load has half the reserve.
     let load = "[[guide.case]]\nname = \"double\"\nload = [{ on = { box_mm = [[34, 0, 0], [40, 8, 1]] }, force_n = [200, 0, 0] }]\n[strength]";
     fs::write(dir.join("two.toml"), plain.replace("[strength]", load)).expect("written");
-    let report = json(&grainpath(&dir, &["run", "two.toml", "--json", "--set", "output.report=two.html"]));
+    let drawn =
+        ["run", "two.toml", "--json", "--set", "output.report=two.html", "--set", "output.preview=drawn"];
+    let report = json(&grainpath(&dir, &drawn));
     let reserve = &report["reserve"];
     let [one, two] = [0, 1].map(|k| number(&reserve["cases"][k]["first_failure"][1]));
     assert!((one / two - 2.0).abs() < 1e-3, "{reserve}");
     assert_eq!((&reserve["case"], number(&reserve["first_failure"][1])), (&Value::from("double"), two));
     let page = fs::read_to_string(dir.join("two.html")).expect("a page");
     assert!(page.contains("first failure, case double"), "the page tells every case");
+    // The page shows the layer of the least reserve with its scale, and so does the folder of pictures.
+    let scale = format!("<span>{two:.3}</span><span>times the load</span>");
+    assert!(page.contains("alt=\"Reserve in layer 1 at ") && page.contains(&scale), "{scale}");
+    assert!(dir.join("drawn").join("reserve.png").is_file());
 }
 
 /// A square plate that is pulled along x and, at another time, along y, turned by an angle. `single` is the weight of the pull

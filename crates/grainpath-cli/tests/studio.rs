@@ -365,6 +365,73 @@ fn angles_off_the_load_are_those_of_the_report() {
     }
 }
 
+/// A scan is shown by its surface before it is planned, in the coordinates of its plan and never mirrored.
+#[test]
+fn a_scan_shows_its_surface_before_it_is_planned() {
+    let dir = folder("studio scan");
+    // Voxels of 0.4 mm: a block of 16 x 12 x 4 mm whose corner at low x and low y is a tower of 12 mm. No mirror image of it
+    // can be turned to look the same with these sides.
+    let (n, mut voxels) = ([50, 40, 36], Vec::new());
+    for (z, y, x) in (0..n[2]).flat_map(|z| (0..n[1]).flat_map(move |y| (0..n[0]).map(move |x| (z, y, x)))) {
+        let is_in = |high: [usize; 3]| {
+            (4..4 + high[0]).contains(&x) && (5..5 + high[1]).contains(&y) && (3..3 + high[2]).contains(&z)
+        };
+        voxels.push(if is_in([40, 30, 10]) || is_in([10, 10, 30]) { 200 } else { 20 });
+    }
+    let sizes = n.map(|n: usize| n.to_string()).join(" ");
+    let head = format!(
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: {sizes}\nspacings: 0.4 0.4 0.4\nencoding: raw\n\n"
+    );
+    fs::write(dir.join("scan.nrrd"), [head.as_bytes(), &voxels[..]].concat()).expect("written");
+    let studio = Studio::start(&dir, &[]);
+    let text = format!("[shape.ct]\npath = {:?}\n", dir.join("scan.nrrd").display().to_string());
+    let state = studio.run(&object!({ "kind": "shape", "text": text }));
+    assert_eq!(state["phase"], "done", "{state}");
+    let id = &state["id"];
+    let report = studio.get(&format!("/v1/jobs/{id}/result"))["report"].clone();
+    assert_eq!(report["preview"]["merged"], object!([1, 1, 1]), "{report}");
+    assert_eq!(report["preview"]["resolution_mm"], 0.4);
+    let bytes = studio.ask("GET", &format!("/v1/jobs/{id}/surface"), "", &studio.token).1;
+    let word = |k: usize| [0, 1, 2, 3].map(|b| bytes[4 * k + b]);
+    let (n_points, n_triangles) =
+        (u32::from_le_bytes(word(0)) as usize, u32::from_le_bytes(word(1)) as usize);
+    assert!((1000..=300_000).contains(&n_triangles), "{n_triangles}");
+    let point = |k: usize| [0, 1, 2].map(|axis| f64::from(f32::from_le_bytes(word(5 + 3 * k + axis))));
+    let corner = |k: usize| point(u32::from_le_bytes(word(5 + 3 * n_points + k)) as usize);
+    let volume: f64 = (0..n_triangles)
+        .map(|t| {
+            let [a, b, c] = [0, 1, 2].map(|k| corner(3 * t + k));
+            let cross = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+            (a[0] * cross(1, 2) + a[1] * cross(2, 0) + a[2] * cross(0, 1)) / 6.0
+        })
+        .sum();
+    let true_mm3 = 16.0 * 12.0 * 4.0 + 4.0 * 4.0 * 8.0;
+    assert!((volume / true_mm3 - 1.0).abs() < 0.03, "{volume} mm3 instead of {true_mm3}");
+    // The tower stands at low x and low y, and the block lies below it; coordinates begin at the first voxel.
+    let points: Vec<[f64; 3]> = (0..n_points).map(point).collect();
+    let span = |axis: usize, from_z: f64| {
+        let all = points.iter().filter(|p| p[2] >= from_z).map(|p| p[axis]);
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    let wanted = [
+        (0, 0.0, [1.6, 17.6]),
+        (1, 0.0, [2.0, 14.0]),
+        (2, 0.0, [0.0, 12.0]),
+        (0, 6.0, [1.6, 5.6]),
+        (1, 6.0, [2.0, 6.0]),
+    ];
+    for (axis, from_z, wanted) in wanted {
+        let found = span(axis, from_z);
+        assert!(
+            (0..2).all(|k| (found[k] - wanted[k]).abs() < 0.25),
+            "{axis} from {from_z}: {found:?} {wanted:?}"
+        );
+    }
+    // What else looks at a part before it is planned refuses a scan with the reason.
+    let state = studio.run(&object!({ "kind": "stress", "text": text }));
+    assert!(state["error"].as_str().is_some_and(|e| e.contains("plan scans")), "{state}");
+}
+
 /// A studio that works all day needs no more memory in the evening than at noon.
 #[cfg(target_os = "linux")]
 #[test]

@@ -51,6 +51,17 @@ impl Bead {
     }
 }
 
+/// A move of filament alone while the nozzle travels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pull {
+    /// Where the nozzle is, mm.
+    pub at: [f32; 2],
+    /// Number of the bead of the layer that follows.
+    pub bead: u32,
+    /// Whether filament that was pulled back is pushed again; otherwise it is pulled back.
+    pub is_push: bool,
+}
+
 /// All that is printed in one layer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeadLayer {
@@ -62,6 +73,9 @@ pub struct BeadLayer {
     pub beads: Vec<Bead>,
     /// Straight moves in plan that print nothing.
     pub travels: Vec<[[f32; 2]; 2]>,
+    /// Where filament is pulled back and pushed again, in the order of the program. Those behind the last bead of a layer
+    /// belong to the next one, as travels do.
+    pub pulls: Vec<Pull>,
     /// Number of paths.
     pub paths: usize,
     /// Pieces of continuous fibre that begin here.
@@ -170,6 +184,7 @@ impl LayerCollector {
         if let Some((_, part)) = self.marked.last_mut().and_then(|marked| marked.parts.last_mut()) {
             part.beads.shrink_to_fit();
             part.travels.shrink_to_fit();
+            part.pulls.shrink_to_fit();
         }
     }
 
@@ -238,6 +253,8 @@ impl LayerCollector {
 
 impl BeadLayer {
     fn append(&mut self, mut other: Self) {
+        let n = self.beads.len() as u32;
+        self.pulls.extend(other.pulls.into_iter().map(|pull| Pull { bead: n + pull.bead, ..pull }));
         self.beads.append(&mut other.beads);
         self.travels.append(&mut other.travels);
         self.cuts.append(&mut other.cuts);

@@ -10,7 +10,7 @@ mod simulate;
 mod write;
 
 pub use kinematics::{Corner, KLIPPER_ARC_SEGMENT_MM, KLIPPER_MIN_CRUISE_RATIO, Limits, Move, TimeEstimator};
-pub use layer_groups::{Bead, BeadLayer};
+pub use layer_groups::{Bead, BeadLayer, Pull};
 pub use machine::{Cooling, FibreTool, Flavour, Machine, Material, Retraction, Speeds};
 pub use quality::{Quality, quality};
 pub use read::{Line, Lines};

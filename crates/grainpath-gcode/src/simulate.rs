@@ -19,7 +19,7 @@ use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::{DVec2, Role, Warning, WarningId};
 
 use crate::kinematics::{Limits, Move, TimeEstimator, arc_pieces};
-use crate::layer_groups::{Bead, BeadLayer, LayerCollector, LayerMark};
+use crate::layer_groups::{Bead, BeadLayer, LayerCollector, LayerMark, Pull};
 use crate::read::{Line, Lines};
 
 /// The result of replaying a program.
@@ -209,6 +209,10 @@ struct Machine {
     path_open: bool,
     layers: LayerCollector,
     travels: Vec<[[f32; 2]; 2]>,
+    /// Pulls and pushes of filament that no bead has followed yet.
+    pulls: Vec<Pull>,
+    /// Whether filament is pulled back.
+    is_pulled: bool,
     /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
     /// How far the lower and the upper edges of beads are raised above those of their layer, mm.
@@ -238,6 +242,8 @@ impl Machine {
             path_open: false,
             layers: LayerCollector::default(),
             travels: Vec::new(),
+            pulls: Vec::new(),
+            is_pulled: false,
             fibre_starts: 0,
             raise_mm: [0.0; 2],
             time: TimeEstimator::new(limits),
@@ -263,6 +269,9 @@ impl Machine {
                 let s = line.word(b'S').unwrap_or(0.0) + line.word(b'P').unwrap_or(0.0) * 1e-3;
                 self.time.dwell(s.min(3600.0));
             }
+            // Retraction by the firmware. With P or L, G10 sets temperatures and offsets of a tool instead.
+            (b'G', 100) if line.word(b'P').or(line.word(b'L')).is_none() => self.pull(-1.0),
+            (b'G', 110) => self.pull(1.0),
             // G20 and G21: inches and millimetres.
             (b'G', 200) => self.scale = 25.4,
             (b'G', 210) => self.scale = 1.0,
@@ -431,6 +440,9 @@ impl Machine {
             let fibre = self.fibre_mm2.filter(|_| self.role == Role::Fibre);
             (1.0, fibre.unwrap_or(self.filament_mm2))
         };
+        if !prints {
+            self.pull(de);
+        }
         // A move of E alone, backwards, is a retraction. Firmware retraction (G10) is not counted.
         if length == 0.0 && dz == 0.0 {
             self.program.retractions += usize::from(de < 0.0);
@@ -456,6 +468,10 @@ impl Machine {
                 layer.paths += usize::from(!self.path_open);
                 // Travels belong to the layer of the bead that follows them.
                 layer.travels.append(&mut self.travels);
+                let bead = layer.beads.len() as u32;
+                layer.pulls.extend(self.pulls.drain(..).map(|pull| Pull { bead, ..pull }));
+                // Filament that is pushed while the nozzle prints is not pulled back any more.
+                self.is_pulled = false;
                 layer.beads.push(Bead {
                     a: single(p),
                     b: single(q),
@@ -470,6 +486,18 @@ impl Machine {
                 self.travels.push([single(p), single(q)]);
             }
             p = q;
+        }
+    }
+
+    /// Keeps where filament is pulled back (`de` below 0) or pushed again. The first pull of several counts, as of a wipe.
+    fn pull(&mut self, de: f64) {
+        // A second pull in a row and a push without one change nothing: wipes pull in several moves, and programs prime
+        // the nozzle before they begin.
+        let is_push = de > 0.0;
+        if de != 0.0 && self.is_pulled == is_push {
+            self.is_pulled = !is_push;
+            let at = [self.at[0] as f32, self.at[1] as f32];
+            self.pulls.push(Pull { at, bead: 0, is_push });
         }
     }
 

@@ -69,6 +69,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::LAYERS, get(layer_index)),
         (openapi::RECORDS, get(layer_records)),
         (openapi::ANGLES, get(layer_angles)),
+        (openapi::RESERVE, get(layer_reserve)),
         (openapi::DAMAGE, get(damage)),
         (openapi::SURFACE, get(surface_bytes)),
         (openapi::STRESSED, get(stressed)),
@@ -610,7 +611,7 @@ async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde
         .collect();
     Ok(Json(json!({
         "ok": true, "report": finished.report, "warnings": finished.warnings, "outputs": outputs,
-        "angles": finished.angles.is_some(),
+        "angles": finished.angles.is_some(), "reserve": finished.reserve.is_some(),
         "cases": finished.stress.as_ref().map(|s| s.cases.iter().map(|c| c.name.as_str()).collect::<Vec<_>>()),
         "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len(), "states": d.states })),
     })))
@@ -655,14 +656,48 @@ async fn layer_angles(
     Path((id, range)): Path<(u64, String)>,
     headers: HeaderMap,
 ) -> Answer<Response> {
-    let result = done(&studio, id)?;
-    let range = layer_range(&range, result.finished.program.layers.len())?;
-    let none = || Problem::new(StatusCode::NOT_FOUND, "the paths of this job follow no guide");
-    made(&headers, move || {
-        let angles = result.finished.angles.as_deref().ok_or_else(none)?;
-        let layers =
-            range.map(|k| (&result.finished.program.layers[k], angles.get(k).map_or(&[][..], Vec::as_slice)));
-        Ok(layers.flat_map(|(layer, of_beads)| Records::angles(layer, of_beads)).collect())
+    bytes_of_beads(
+        &studio,
+        (id, &range),
+        &headers,
+        |f| f.angles.as_deref(),
+        "the paths of this job follow no guide",
+    )
+    .await
+}
+
+/// The reserve of the same records, a byte each.
+async fn layer_reserve(
+    State(studio): Shared,
+    Path((id, range)): Path<(u64, String)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    bytes_of_beads(
+        &studio,
+        (id, &range),
+        &headers,
+        |f| f.reserve.as_deref(),
+        "this job tells no reserve of its beads",
+    )
+    .await
+}
+
+/// A byte for each record of layers `a-b`, from those of the beads; 404 with the reason `why_not` where a job has none.
+async fn bytes_of_beads(
+    studio: &Studio,
+    (id, range): (u64, &str),
+    headers: &HeaderMap,
+    of_beads: fn(&Finished) -> Option<&[Vec<u8>]>,
+    why_not: &'static str,
+) -> Answer<Response> {
+    let result = done(studio, id)?;
+    let range = layer_range(range, result.finished.program.layers.len())?;
+    made(headers, move || {
+        let none = || Problem::new(StatusCode::NOT_FOUND, why_not);
+        let of_beads = of_beads(&result.finished).ok_or_else(none)?;
+        let layers = range
+            .map(|k| (&result.finished.program.layers[k], of_beads.get(k).map_or(&[][..], Vec::as_slice)));
+        Ok(layers.flat_map(|(layer, of_beads)| Records::of_beads(layer, of_beads)).collect())
     })
     .await
 }

@@ -119,8 +119,11 @@ pub struct Finished {
     /// The program that was written or tested.
     pub program: Arc<Program>,
     /// Angle of each bead of each layer of the program to the direction that its guide asks for, in halves of a degree, or
-    /// [`NO_ANGLE`](crate::records::NO_ANGLE); `None` without a guide.
+    /// [`NO_VALUE`](crate::records::NO_VALUE); `None` without a guide.
     pub angles: Option<Vec<Vec<u8>>>,
+    /// Reserve of each bead of each layer, as [`reserve_byte`](crate::records::reserve_byte) gives it; `None` where none is
+    /// told.
+    pub reserve: Option<Vec<Vec<u8>>>,
     /// The elements that broke in a strength test.
     pub damage: Option<Damage>,
     /// The part as it is placed.

@@ -162,6 +162,12 @@ pub(crate) const ANGLES: Route = Route::get(
     "The angle of each record of these layers to the direction that the guide asks for: a byte in halves of a degree, 255 where there is none; of plans with a guide, once they are done.",
     Answers::Bytes,
 );
+pub(crate) const RESERVE: Route = Route::get(
+    "/v1/jobs/{id}/layers/{range}/reserve",
+    "reserve",
+    "The reserve of each record of these layers, the factor on the loads at which the bead first fails, with nominal strengths, least of all load cases: a byte b for the factor 2^((b - 80) / 20), where 0 is that or less and 254 that or more; 255 where there is none. Of plans that tell a reserve, once they are done.",
+    Answers::Bytes,
+);
 pub(crate) const DAMAGE: Route = Route::get(
     "/v1/jobs/{id}/damage",
     "damage",
@@ -329,7 +335,7 @@ fn schemas() -> Value {
             "stage": maybe("string"), "done": whole, "total": whole, "layers": { "type": "boolean" }, "ready": whole, "elapsed_s": number,
             "error": maybe("string"), "code": maybe("integer") })),
         "States": object(json!({ "jobs": list(&reference("State")) })),
-        "Result": object(json!({ "report": { "type": "object" }, "angles": { "type": "boolean" }, "warnings": list(&json!({ "type": "object" })),
+        "Result": object(json!({ "report": { "type": "object" }, "angles": { "type": "boolean" }, "reserve": { "type": "boolean" }, "warnings": list(&json!({ "type": "object" })),
             "outputs": list(&object(json!({ "kind": text, "path": text }))),
             "cases": { "type": ["array", "null"], "items": text },
             "damage": { "type": ["object", "null"], "properties":
@@ -338,7 +344,7 @@ fn schemas() -> Value {
             "input": maybe("string"), "mass_g": maybe("number"), "time_s": maybe("number"), "layers": maybe("integer"),
             "filament_mm": maybe("number"), "strength": { "type": ["object", "null"] } }))) })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
-            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole,
+            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole, "pulls": list(&whole),
             "generator": maybe("string"), "time_s": number, "filament_mm": number,
             "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
             "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,

@@ -7,10 +7,11 @@
 //! | 0, 1 | x of the point, in steps from the origin of the program |
 //! | 2, 3 | y |
 //! | 4, 5 | width of the bead, um |
-//! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], or [`START`]; [`SEAM`] is added where a closed wall begins |
+//! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], [`START`], [`RETRACTION`] or [`PUSH`]; [`SEAM`] is added where a closed wall begins |
 //! | 7 | speed, as its index in the program's table of speeds |
 //!
-//! Numbers are little-endian. The first record of a layer is a [`START`], which draws nothing. The page hands the bytes
+//! Numbers are little-endian. The first record of a layer is a [`START`], which draws nothing. [`RETRACTION`] and [`PUSH`] lie
+//! at the point before them: filament is pulled back and pushed again there, and the nozzle stays. The page hands the bytes
 //! to the graphics card as they are: record k and record k + 1 are the two ends of a segment.
 //!
 //! A step is the longer side of the box round all moves, divided by 65535: 5 um for 300 mm, which is finer than the 10 um
@@ -24,18 +25,30 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use grainpath_core::math::ln;
 use grainpath_core::{Bounds2, DVec2, Role};
-use grainpath_gcode::{Bead, BeadLayer, Program};
+use grainpath_gcode::{Bead, BeadLayer, Program, Pull};
 use serde::Serialize;
 
 /// Class of a move that prints nothing. Source: one more than the last role.
 pub const TRAVEL: u8 = Role::ALL.len() as u8;
 /// Class of the first record of a layer. Source: one more than travels.
 pub const START: u8 = TRAVEL + 1;
+/// Class of a place where filament is pulled back. Source: one more than starts.
+pub const RETRACTION: u8 = START + 1;
+/// Class of a place where filament is pushed again. Source: one more than retractions.
+pub const PUSH: u8 = RETRACTION + 1;
 /// Added to the role of the first bead of a closed wall. Source: the top bit; roles need the lower ones.
 pub const SEAM: u8 = 128;
-/// Place of a record in the angles of a layer that has none: travels, starts, and beads where the guide asks for nothing.
-pub const NO_ANGLE: u8 = u8::MAX;
+/// Byte of a record without an angle or a reserve: travels, starts, and beads where the guide asks for nothing or nothing can
+/// fail.
+pub const NO_VALUE: u8 = u8::MAX;
+/// The byte of a reserve of 1: a bead that fails at the loads as they are. Source: chosen; the scale then begins at a
+/// sixteenth of the loads, and a run whose peak is above five times the strength tells no reserve.
+const RESERVE_OF_1: f64 = 80.0;
+/// Steps of the byte of a reserve while it doubles. Source: chosen; a step is 3.5 %, less than the reserve is known, and the
+/// scale ends above 400 times the loads.
+const RESERVE_STEPS: f64 = 20.0;
 /// Bytes of a record. Source: the table above.
 pub const RECORD_BYTES: usize = 8;
 /// The greatest number of different speeds. Source: the values of one byte.
@@ -107,7 +120,7 @@ pub struct Index {
     pub origin_mm: [f64; 2],
     /// Length of a step, mm.
     pub step_mm: f64,
-    /// Names of the classes: roles as slicers write them, travels, starts.
+    /// Names of the classes: roles as slicers write them, travels, starts, retractions, pushes.
     pub classes: Vec<&'static str>,
     /// Speeds, mm/s.
     pub speeds_mm_s: Vec<f64>,
@@ -125,6 +138,8 @@ pub struct Index {
     pub more: bool,
     /// Number of records of all layers.
     pub records: usize,
+    /// Number of places where filament is pulled back, and where it is pushed again.
+    pub pulls: [usize; 2],
     /// The software that wrote the G-code; `None` if the G-code does not say.
     pub generator: Option<String>,
     /// Estimated time, s.
@@ -147,15 +162,20 @@ fn class(role: Role) -> u8 {
     role as u8
 }
 
-/// What a record of a layer stands for: the start of the layer, a travel or a bead.
+/// What a record of a layer stands for: the start of the layer, a travel, a pull or push of filament, or a bead.
 enum Step<'a> {
     Start([f32; 2]),
     Travel([f32; 2]),
+    Pull([f32; 2], bool),
     Bead(&'a Bead),
 }
 
 fn far(a: [f32; 2], b: [f32; 2]) -> bool {
-    (a[0] - b[0]).abs() > SAME_MM || (a[1] - b[1]).abs() > SAME_MM
+    far_by(a, b, SAME_MM)
+}
+
+fn far_by(a: [f32; 2], b: [f32; 2], mm: f32) -> bool {
+    (a[0] - b[0]).abs() > mm || (a[1] - b[1]).abs() > mm
 }
 
 /// Whether each bead of a layer is the first of a closed wall. A wall is closed where its path ends within a bead's width of
@@ -177,23 +197,35 @@ fn seams(layer: &BeadLayer) -> Vec<bool> {
     seams
 }
 
-/// Walks a layer: beads, and between them the travels that lead from one to the next.
+/// Walks a layer: beads, and between them the travels that lead from one to the next, with pulls and pushes of filament.
 fn walk<'a>(layer: &'a BeadLayer, mut step: impl FnMut(Step<'a>)) {
     let mut travels = layer.travels.iter().peekable();
+    let mut pulls = layer.pulls.iter().peekable();
     let first = travels.peek().map(|t| t[0]).or(layer.beads.first().map(|b| b.a));
     let Some(mut at) = first else { return };
     step(Step::Start(at));
-    for bead in &layer.beads {
+    for (bead, number) in layer.beads.iter().zip(0..) {
+        let mut pull = |at: [f32; 2], reach_mm: f32, step: &mut dyn FnMut(Step<'a>)| {
+            // Pulls come in the order of the program, so the first that lies elsewhere waits for a later move.
+            let is_here = |p: &&Pull| p.bead <= number && !far_by(p.at, at, reach_mm);
+            while let Some(pull) = pulls.next_if(is_here) {
+                step(Step::Pull(at, pull.is_push));
+            }
+        };
         // Travels are in the order of the program. Those before this bead come first; each begins where the last move ended.
+        pull(at, SAME_MM, &mut step);
         while far(at, bead.a) {
             let Some(travel) = travels.next_if(|t| !far(t[0], at)) else { break };
             at = travel[1];
             step(Step::Travel(at));
+            pull(at, SAME_MM, &mut step);
         }
         if far(at, bead.a) {
             // No travel of the layer leads to the bead, so one is added: a layer may consist of several pieces.
             step(Step::Travel(bead.a));
         }
+        // A record lies on the way of the nozzle, so a pull from a move that the layer does not have comes here.
+        pull(bead.a, f32::INFINITY, &mut step);
         step(Step::Bead(bead));
         at = bead.b;
     }
@@ -272,8 +304,13 @@ impl Records {
             speeds: speeds(program),
             ..Frame::of_box([all.min.to_array(), all.max.to_array()])
         });
-        let classes = Role::ALL.iter().map(|r| r.gcode_name()).chain(["Travel", "Start"]).collect();
-        let mut shares = vec![Share::default(); usize::from(START) + 1];
+        let classes = Role::ALL
+            .iter()
+            .map(|r| r.gcode_name())
+            .chain(["Travel", "Start", "Retraction", "Push"])
+            .collect();
+        let mut shares = vec![Share::default(); usize::from(PUSH) + 1];
+        let mut pulls = [0; 2];
         let (mut widths, mut flows): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
         let mut layers = Vec::with_capacity(program.layers.len());
         for layer in &program.layers {
@@ -289,6 +326,9 @@ impl Records {
             };
             walk(layer, |step| {
                 entry.records += 1;
+                if let Step::Pull(_, is_push) = step {
+                    pulls[usize::from(is_push)] += 1;
+                }
                 if let Step::Bead(bead) = step {
                     let length_mm = bead.start().distance(bead.end());
                     let share = &mut shares[usize::from(class(bead.role))];
@@ -338,6 +378,7 @@ impl Records {
             layers,
             more: false,
             records,
+            pulls,
             generator: program.generator.clone(),
             time_s: program.time_s,
             filament_mm: program.filament_mm,
@@ -381,6 +422,7 @@ impl Records {
         walk(layer, |step| match step {
             Step::Start(p) => push(p, 0, START, 0),
             Step::Travel(p) => push(p, 0, TRAVEL, 0),
+            Step::Pull(p, is_push) => push(p, 0, if is_push { PUSH } else { RETRACTION }, 0),
             Step::Bead(bead) => {
                 let width_um = (bead.width_mm(layer.height_mm) * 1e3).round().clamp(0.0, f64::from(u16::MAX));
                 let key = speed_key(bead.speed_mm_s);
@@ -393,16 +435,33 @@ impl Records {
         bytes
     }
 
-    /// A byte for each record of a layer: that of its bead, or [`NO_ANGLE`].
-    pub fn angles(layer: &BeadLayer, of_beads: &[u8]) -> Vec<u8> {
+    /// A byte for each record of a layer: that of its bead, or [`NO_VALUE`].
+    pub fn of_beads(layer: &BeadLayer, of_beads: &[u8]) -> Vec<u8> {
         let mut of_beads = of_beads.iter();
         let mut bytes = Vec::with_capacity(layer.beads.len() + layer.travels.len() + 1);
         walk(layer, |step| {
             let own = if matches!(step, Step::Bead(_)) { of_beads.next() } else { None };
-            bytes.push(own.copied().unwrap_or(NO_ANGLE));
+            bytes.push(own.copied().unwrap_or(NO_VALUE));
         });
         bytes
     }
+}
+
+/// The byte of a bead's reserve, the factor on the loads at which it fails: 20 steps while it doubles, 80 for 1.
+///
+/// ```
+/// use grainpath_studio::records::{NO_VALUE, reserve_byte};
+///
+/// assert_eq!([0.5, 1.0, 8.0].map(reserve_byte), [60, 80, 140]);
+/// assert_eq!([0.01, 1e4, f32::INFINITY].map(reserve_byte), [0, 254, NO_VALUE]);
+/// ```
+pub fn reserve_byte(factor: f32) -> u8 {
+    if !factor.is_finite() {
+        return NO_VALUE;
+    }
+    // Equal steps are equal ratios: what carries twice as much is as far away at any load.
+    let doubled = ln(f64::from(factor.max(f32::MIN_POSITIVE))) / std::f64::consts::LN_2;
+    (RESERVE_OF_1 + RESERVE_STEPS * doubled).round().clamp(0.0, f64::from(NO_VALUE - 1)) as u8
 }
 
 #[cfg(test)]
@@ -464,6 +523,54 @@ mod tests {
         assert!((index.shares[usize::from(wall)].length_mm - 60.0).abs() < 1e-4);
     }
 
+    /// Filament is pulled back where a bead ends and pushed where the next one begins: by E alone, by a wipe, and by the
+    /// firmware. What primes the nozzle before the first bead is no push, and a change of the tool's offset no retraction.
+    #[test]
+    fn pulls_of_filament_lie_on_the_way_of_the_nozzle() {
+        let text = "M83\nG1 X1 Y1 F6000\nG1 E5 F300\nG10 P0 S200\n;LAYER_CHANGE\nG1 Z0.2\n;TYPE:Internal infill\nG1 X10 Y0 F6000\n\
+                    G1 X20 E0.4 F1200\nG1 E-0.8 F2400\nG1 X20 Y5 F6000\nG1 E0.8 F2400\nG1 X10 E0.4 F1200\nG1 X12 E-0.3\nG1 X14 E-0.3\n\
+                    G1 X20 Y10\nG1 E0.6\nG1 X10 E0.4\nG10\n;LAYER_CHANGE\nG1 Z0.4\nG1 X30 Y10\nG11\nG1 X40 E0.4\nG1 E-0.8\n";
+        let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let records = Records::new(&program);
+        let index = records.index();
+        let rows = |layer: usize| -> Vec<(u8, [f64; 2])> {
+            let bytes = records.layer(&program.layers[layer]);
+            assert_eq!(bytes.len(), RECORD_BYTES * index.layers[layer].records);
+            let point = |r: &[u8]| [0, 1].map(|k| index.origin_mm[k] + number(r, 2 * k) * index.step_mm);
+            bytes.chunks(RECORD_BYTES).map(|r| (r[6], point(r).map(f64::round))).collect()
+        };
+        let fill = class(Role::SparseFill);
+        let first = [
+            (START, [0.0, 0.0]),
+            (TRAVEL, [1.0, 1.0]),
+            (TRAVEL, [10.0, 0.0]),
+            (fill, [20.0, 0.0]),
+            (RETRACTION, [20.0, 0.0]),
+            (TRAVEL, [20.0, 5.0]),
+            (PUSH, [20.0, 5.0]),
+            (fill, [10.0, 5.0]),
+            (RETRACTION, [10.0, 5.0]),
+            (TRAVEL, [12.0, 5.0]),
+            (TRAVEL, [14.0, 5.0]),
+            (TRAVEL, [20.0, 10.0]),
+            (PUSH, [20.0, 10.0]),
+            (fill, [10.0, 10.0]),
+        ];
+        assert_eq!(rows(0), first);
+        // The firmware's retraction behind the last bead of a layer comes with the travel to the next layer.
+        let at = [10.0, 10.0];
+        let second = [
+            (START, at),
+            (RETRACTION, at),
+            (TRAVEL, [30.0, 10.0]),
+            (PUSH, [30.0, 10.0]),
+            (fill, [40.0, 10.0]),
+        ];
+        assert_eq!(rows(1), second);
+        assert_eq!(index.pulls, [3, 3]);
+        assert_eq!(index.shares.iter().map(|s| s.beads).sum::<usize>(), 4);
+    }
+
     /// Closed walls begin with a seam; open ones, fill and what only turns back do not.
     #[test]
     fn closed_walls_have_one_seam_each() {
@@ -511,13 +618,16 @@ mod tests {
         assert!((index.index().widths_mm[1] - 1.04).abs() < 0.02, "{:?}", index.index().widths_mm);
     }
 
-    /// Angles of beads lie at the records of these beads.
+    /// Angles and reserves of beads lie at the records of these beads.
     #[test]
-    fn angles_are_those_of_the_beads() {
+    fn bytes_are_those_of_the_beads() {
         let program = simulate(TEXT.as_bytes(), 1.75, &Limits::default()).expect("G-code");
-        let none = NO_ANGLE;
-        assert_eq!(Records::angles(&program.layers[0], &[0, 180, 90]), [none, none, 0, 180, none, none, 90]);
-        assert_eq!(Records::angles(&program.layers[0], &[]), [none; 7]);
+        let none = NO_VALUE;
+        assert_eq!(
+            Records::of_beads(&program.layers[0], &[0, 180, 90]),
+            [none, none, 0, 180, none, none, 90]
+        );
+        assert_eq!(Records::of_beads(&program.layers[0], &[]), [none; 7]);
     }
 
     /// A program of many speeds keeps 256 of them, and no bead is put far from its own.

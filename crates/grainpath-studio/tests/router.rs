@@ -981,7 +981,7 @@ fn the_index_tells_layers_roles_and_the_box_of_the_part() {
         (Some(0.2), Some(4))
     );
     assert_eq!(index["speeds_mm_s"], json!([30.0, 50.0]));
-    assert_eq!(index["classes"].as_array().expect("classes").len(), 16);
+    assert_eq!(index["classes"].as_array().expect("classes").len(), 18);
     assert_eq!(index["generator"], "Squares 1");
     let part = &index["part_mm"];
     // E 0.7 over 20 mm and 0.2 mm high is 0.464 mm wide.
@@ -1042,10 +1042,10 @@ fn angles_to_the_load_are_sent_for_plans_with_a_guide_alone() {
     let (mut bead, mut compared) = (0, 0);
     for (record, angle) in records.chunks(8).zip(&angles) {
         let kind = record[6] & 127;
-        // Travels and starts come after the last role.
+        // Travels, starts and moves of filament come after the last role.
         if kind as usize >= grainpath_core::Role::ALL.len() {
             assert_eq!(*angle, 255);
-            bead = if kind as usize > grainpath_core::Role::ALL.len() { 0 } else { bead };
+            bead = if kind == grainpath_studio::records::START { 0 } else { bead };
             continue;
         }
         assert_eq!(usize::from(*angle), bead % 181);
@@ -1059,6 +1059,30 @@ fn angles_to_the_load_are_sent_for_plans_with_a_guide_alone() {
         let answer = bench.get(&format!("/v1/jobs/{guided}/layers/{range}/angles"));
         assert_eq!(answer.status, StatusCode::BAD_REQUEST, "{range}");
     }
+}
+
+#[test]
+fn reserves_are_sent_for_plans_that_tell_them_alone() {
+    let bench = Bench::new();
+    let text = format!("[shape]\nmesh = {:?}\n", bench.shown("files/part.stl"));
+    let loaded = bench.run(&json!({ "kind": "plan", "text": format!("{text}# tells a reserve\n") }));
+    let guided = bench.run(&json!({ "kind": "plan", "text": format!("{text}# follows a guide\n") }));
+    let (loaded, guided) = (&loaded["id"], &guided["id"]);
+    let told = |id: &serde_json::Value| bench.get(&format!("/v1/jobs/{id}/result")).json()["reserve"].clone();
+    assert_eq!((told(loaded), told(guided)), (json!(true), json!(false)));
+    let records = bench.get(&format!("/v1/jobs/{loaded}/layers/1-1")).bytes;
+    let reserves = bench.get(&format!("/v1/jobs/{loaded}/layers/1-1/reserve")).bytes;
+    assert_eq!(8 * reserves.len(), records.len());
+    let is_bead = |record: &[u8]| usize::from(record[6] & 127) < grainpath_core::Role::ALL.len();
+    let of_beads: Vec<u8> =
+        records.chunks(8).zip(&reserves).filter(|(r, _)| is_bead(r)).map(|(_, byte)| *byte).collect();
+    let wanted: Vec<u8> = (0..of_beads.len()).map(|k| 200 - (k % 181) as u8).collect();
+    assert!(of_beads.len() > 20 && of_beads == wanted, "{of_beads:?}");
+    let others = records.chunks(8).zip(&reserves).filter(|(r, _)| !is_bead(r));
+    assert!(others.map(|(_, byte)| *byte).all(|byte| byte == 255), "travels have none");
+    let none = bench.get(&format!("/v1/jobs/{guided}/layers/0-0/reserve"));
+    assert_eq!(none.status, StatusCode::NOT_FOUND);
+    assert!(none.error().contains("no reserve"), "{}", none.error());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! All pictures show data that the planner returns; this crate decides nothing about beads.
 
+pub mod bead_reserve;
 pub mod density_map;
 pub mod faces;
 pub mod grain;

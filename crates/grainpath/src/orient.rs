@@ -343,7 +343,7 @@ fn of_case(
     }
     let found = first_failure_of_bricks(&bricks, cards, &|cell| Some(stress[cell]))
         .map_err(|e| StrengthError::Test(e.into()))?;
-    let [Some(low), Some(nominal), Some(high)] = found else { return Ok(None) };
+    let [Some(low), Some(nominal), Some(high)] = found.first else { return Ok(None) };
     let mut across: Vec<f64> = stress.iter().map(|s| s[2]).collect();
     across.sort_by(f64::total_cmp);
     let covered = ((n as f64 - 1.0) * COVERED) as usize;

@@ -14,11 +14,12 @@ use grainpath_core::Diagnostics;
 use grainpath_gcode::Program;
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
-use grainpath_studio::records::NO_ANGLE;
+use grainpath_studio::records::{NO_VALUE, reserve_byte};
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, RefusalKind, serve,
 };
+use grainpath_view::bead_reserve::BeadReserves;
 use serde_json::json;
 
 use super::render::angles_to_guide;
@@ -141,12 +142,12 @@ fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
     claims.check().map_err(refusal)
 }
 
-/// The settings and the shape file of a job that is shown without planning it.
-fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusal> {
+/// The settings and the shape file of a job that is shown without planning it. Scans have only a surface to look at.
+fn looked_at(job: &JobText, roots: &Roots, with_scans: bool) -> Result<(Settings, PathBuf), Refusal> {
     let settings = settings(job, roots)?;
-    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+    if !settings.photo.files.is_empty() || !settings.ct.path.is_empty() && !with_scans {
         return Err(Refusal::usage(format!(
-            "{}: only meshes and drawings have a shape before they are planned; plan scans and photographs",
+            "{}: only meshes and drawings are looked at in this way before they are planned; plan scans and photographs",
             job.name
         )));
     }
@@ -182,24 +183,26 @@ impl Engine for Commands {
     }
 
     fn shape(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
-        studio_part::shape(&settings, &shape, diagnostics).map_err(refusal)
+        let (settings, shape) = looked_at(job, roots, true)?;
+        let is_scan = !settings.ct.path.is_empty();
+        let looked = if is_scan { studio_part::scan } else { studio_part::shape };
+        looked(&settings, &shape, diagnostics).map_err(refusal)
     }
 
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::stress(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
             .map_err(refusal)
     }
 
     fn orient(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::orient(&settings, &shape, &job.folder, Arc::clone(&self.known), diagnostics)
             .map_err(refusal)
     }
 
     fn supports(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
-        let (settings, shape) = looked_at(job, roots)?;
+        let (settings, shape) = looked_at(job, roots, false)?;
         studio_part::supports(&settings, &shape, diagnostics).map_err(refusal)
     }
 
@@ -227,13 +230,16 @@ impl Engine for Commands {
             ready(read);
             program.get_or_init(|| Arc::clone(read));
             // In halves of a degree.
-            let told = |off: Option<f64>| off.map_or(NO_ANGLE, |deg| (2.0 * deg).round() as u8);
+            let told = |off: Option<f64>| off.map_or(NO_VALUE, |deg| (2.0 * deg).round() as u8);
             angles.get_or_init(|| angles_to_guide(read, planned, told));
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
         let report = report.map_err(refusal)?;
+        let map = report.reserve.as_ref().and_then(|r| r.map.as_ref());
         // `outputs::write` was called with `measured`, so it has read the program back.
         let program = program.into_inner().unwrap_or_default();
+        let reserves = map.and_then(|map| BeadReserves::new(map, &program));
+        let bytes = |layer: &Vec<f32>| layer.iter().map(|factor| reserve_byte(*factor)).collect();
         let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
         let outputs = outputs.filter(|(_, path)| path.is_file());
         Ok(Finished {
@@ -241,6 +247,7 @@ impl Engine for Commands {
             report: report.to_json(),
             program,
             angles: angles.into_inner().flatten(),
+            reserve: reserves.map(|reserves| reserves.of_beads.iter().map(bytes).collect()),
             warnings: report.warnings,
             ..Finished::default()
         })

@@ -14,7 +14,8 @@ use grainpath::support::tree::{Kind as NodeKind, Node};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::faces::Faces;
 use grainpath_core::mesh::{EdgeUses, MeshHealth, examine};
-use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
+use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh, WarningId};
+use grainpath_imaging::scan::{PreviewError, ScanError, ScanPreview, preview};
 use grainpath_job::Settings;
 use grainpath_job::choices::{LoadFrame, SupportStyle};
 use grainpath_studio::{Branch, CaseValues, Finished, StressSurface, StressVolume, Surface};
@@ -24,7 +25,7 @@ use super::inspect_faces::face_json;
 use super::orient;
 use super::support::supported;
 use crate::Failure;
-use crate::inputs::{Given, read_body, read_deck, read_stress};
+use crate::inputs::{Given, open_scan, read_body, read_deck, read_stress};
 
 /// Most faces that are listed with name and measures. Source: chosen; a part with a thousand faces is rare, and the time
 /// for naming n faces grows with n squared.
@@ -123,6 +124,37 @@ pub(super) fn shape(
         triangles: mesh.triangles,
     };
     Ok(Finished { report, surface: Some(surface), warnings: diagnostics.warnings(), ..Finished::default() })
+}
+
+/// The surface of a scan at a bounded resolution, in the coordinates of the part that is planned from it.
+pub(super) fn scan(settings: &Settings, path: &Path, diagnostics: &Diagnostics) -> Result<Finished, Failure> {
+    let raw = config::raw_header(settings);
+    let mut source = open_scan(path, raw.as_ref(), settings.ct.outside_folder)?;
+    let name = path.display().to_string();
+    let made = preview(&mut *source, &config::scan(settings), diagnostics).map_err(|e| match e {
+        PreviewError::Scan(ScanError::Slices(e)) => grainpath::Error::Slices(e),
+        PreviewError::Scan(source) => grainpath::Error::Scan { path: name.clone(), source },
+        PreviewError::Loft(e) => grainpath::Error::Shape { path: name.clone(), source: e.into() },
+    })?;
+    let ScanPreview { mesh, voxels, merged, cell_mm } = made;
+    let (low, high) = mesh.bounds().unwrap_or_default();
+    let report = json!({
+        "ok": true, "kind": "shape", "preview": { "resolution_mm": cell_mm, "voxels": voxels, "merged": merged },
+        "triangles": mesh.triangles.len(), "low_mm": low.to_array(), "high_mm": high.to_array(),
+        "volume_mm3": mesh.signed_volume(), "unit": "mm", "unit_is_stated": true, "likely_unit": Value::Null,
+        "open_edges": 0, "nonmanifold_edges": 0, "badly_wound_edges": 0, "zero_area_facets": 0, "edges_left": 0,
+        "frame_is_part": false, "rotation": DMat3::IDENTITY.to_cols_array_2d(), "shift_mm": [0.0, 0.0, 0.0],
+        "scale": settings.shape.scale, "faces_in_all": 0, "faces": [],
+    });
+    let surface = Surface {
+        vertices: mesh.vertices.iter().map(|p| single(*p)).collect(),
+        face: vec![u32::MAX; mesh.triangles.len()],
+        triangles: mesh.triangles,
+        ..Surface::default()
+    };
+    // The height of the print follows from its own layers, not from those of the preview.
+    let warnings = diagnostics.warnings().into_iter().filter(|w| w.id != WarningId::ScanHeightRounded);
+    Ok(Finished { report, surface: Some(surface), warnings: warnings.collect(), ..Finished::default() })
 }
 
 /// The edges between two faces.

@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use super::bricks::{Bricks, DIRECTIONS, SHARE_STEPS};
 use super::card::StrengthCard;
 use super::damage::{damaged_stiffness, remaining_shares};
-use super::first_failure::{FirstFailure, IndexScale, OfCards, first_failures_of};
+use super::first_failure::{FirstFailure, IndexScale, Judged, first_failures_of};
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
 };
@@ -132,7 +132,7 @@ impl SolidTest<'_> {
         unresolved_bending(&solid.bending(&states))
     }
 
-    /// The first failure under the load for each of `N` cards with the elastic constants of the test's own card. It takes one
+    /// The first failures under the load for each of `N` cards with the elastic constants of the test's own card. It takes one
     /// solution; `index` of a failure is that of the whole load, times `scale`.
     ///
     /// # Errors
@@ -141,17 +141,18 @@ impl SolidTest<'_> {
         &self,
         cards: &[StrengthCard; N],
         scale: IndexScale,
-    ) -> Result<OfCards<N>, TestError> {
+    ) -> Result<Judged<N>, TestError> {
         let (solid, states) = self.before_damage()?;
         // Strains do not depend on strengths, so one solution serves all cards.
         let failures = |element: usize, k: usize| {
             let cell = solid.cells[element] as usize;
             let strain = solid.system.strain(solid.system.displacement(), cell).unwrap_or_default();
             let indices = solid.indices_of_strain(&cards[k], element, strain, &states);
-            let plies = solid.plies(element).map(|p| self.bricks.plies[solid.plies[p] as usize].angle_rad);
+            let plies = solid.plies(element).map(|p| solid.plies[p] as usize);
+            let plies = plies.map(|p| (p, self.bricks.plies[p].angle_rad));
             FirstFailure::of_plies(cell, plies.zip(indices), scale)
         };
-        Ok(first_failures_of(&solid, &failures))
+        Ok(first_failures_of(&solid, self.bricks.plies.len(), &failures))
     }
 
     /// The part under its load before anything is damaged, and the states of its plies.

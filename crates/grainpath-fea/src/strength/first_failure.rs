@@ -41,19 +41,22 @@ pub struct FirstFailure {
 }
 
 impl FirstFailure {
-    /// The first failure of a cell, from the directions of its plies and their failure indices times `scale`.
+    /// The failure of each ply of a cell, from their numbers and directions and from their failure indices times `scale`.
+    /// Layers come apart in the whole cell, so the index that its first ply has for this counts for all of them.
     pub(super) fn of_plies(
         cell: usize,
-        plies: impl Iterator<Item = (f64, FailureIndices)>,
+        plies: impl Iterator<Item = ((usize, f64), FailureIndices)>,
         scale: IndexScale,
-    ) -> Option<Self> {
-        let failure = |(angle_rad, ply): (f64, FailureIndices)| {
-            let [through, between, apart] = ply.index;
-            let index = [through * scale.in_plane, between * scale.in_plane, apart * scale.between_layers];
-            let mode = mode_of(index, ply.slides[1], ply.mode);
-            Self { index: index.into_iter().fold(0.0, f64::max), cell, angle_rad, mode }
+    ) -> Vec<(usize, Self)> {
+        let mut apart: f64 = 0.0;
+        let failure = |((ply, angle_rad), indices): ((usize, f64), FailureIndices)| {
+            let [through, between, own] = indices.index;
+            apart = apart.max(own * scale.between_layers);
+            let index = [through * scale.in_plane, between * scale.in_plane, apart];
+            let mode = mode_of(index, indices.slides[1], indices.mode);
+            (ply, Self { index: index.into_iter().fold(0.0, f64::max), cell, angle_rad, mode })
         };
-        plies.map(failure).fold(None, |worst, found| Self::worse(worst, Some(found)))
+        plies.map(failure).collect()
     }
 
     /// The failure with the higher index; of equal ones that in the cell with the lower number.
@@ -79,13 +82,76 @@ pub struct IndexScale {
 /// The first failure for each of several cards of one material, for example with low, nominal and high strengths.
 pub type OfCards<const N: usize> = [Option<FirstFailure>; N];
 
-/// The first failure of a part that was solved. `failures` gives the first failure of an element with the `k`-th card.
+/// The first failures of a part, and how far each ply is from failing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged<const N: usize> {
+    /// The first failure with each card.
+    pub first: OfCards<N>,
+    /// The failure index of every ply of the cells with the middle one of the cards, in the order of the plies; 0 for those
+    /// that were left out.
+    pub of_plies: Vec<f32>,
+}
+
+/// The first failures of a part that was solved, whose cells have `n_plies` plies. `failures` gives what fails in an element
+/// with the `k`-th card: the number of each ply, and its failure.
 pub(super) fn first_failures_of<const N: usize>(
     part: &dyn LoadedPart,
-    failures: &(dyn Fn(usize, usize) -> Option<FirstFailure> + Sync),
-) -> OfCards<N> {
+    n_plies: usize,
+    failures: &(dyn Fn(usize, usize) -> Vec<(usize, FirstFailure)> + Sync),
+) -> Judged<N> {
     let breakable = (0..part.n_elements()).into_par_iter().filter(|e| !part.is_unbreakable(*e));
-    worst(breakable.map(|e| std::array::from_fn(|k| failures(e, k))))
+    let of_element = |element: usize| {
+        // Strengths differ between the cards and strains do not, so each card judges the same plies.
+        let all: [Vec<(usize, FirstFailure)>; N] = std::array::from_fn(|k| failures(element, k));
+        let weakest = |plies: &Vec<(usize, FirstFailure)>| {
+            plies.iter().fold(None, |worst, (_, found)| FirstFailure::worse(worst, Some(*found)))
+        };
+        let indices: Vec<(usize, f32)> = all[N / 2].iter().map(|(ply, f)| (*ply, f.index as f32)).collect();
+        (all.each_ref().map(weakest), indices)
+    };
+    let found: Vec<(OfCards<N>, Vec<(usize, f32)>)> = breakable.map(of_element).collect();
+    // Elements hold only the cells that carry. The plies of all others keep the index of 0 and have no reserve.
+    let mut of_plies = vec![0.0; n_plies];
+    for (ply, index) in found.iter().flat_map(|(_, plies)| plies) {
+        of_plies[*ply] = *index;
+    }
+    Judged { first: worst(found.into_par_iter().map(|(first, _)| first)), of_plies }
+}
+
+/// Cells that are judged one after the other, so that their plies lie beside each other in the memory. Source: chosen; a
+/// run takes about a millisecond, and no result depends on it.
+const RUN_OF_CELLS: usize = 4096;
+
+/// Judges the plies of all cells. `starts` tells which plies a cell has. `judge` gives the first failure of a cell and writes
+/// the indices of its plies.
+fn judged<const N: usize>(
+    starts: &[u32],
+    judge: &(dyn Fn(usize, &mut [f32]) -> OfCards<N> + Sync),
+) -> Judged<N> {
+    let n = starts.len().saturating_sub(1);
+    let mut of_plies = vec![0.0; starts.last().map_or(0, |end| *end as usize)];
+    // The list of all indices is cut into the pieces of the runs, so that threads write to it without waiting for each
+    // other and no cell needs a list of its own.
+    let mut runs = Vec::new();
+    let mut rest = &mut of_plies[..];
+    for from in (0..n).step_by(RUN_OF_CELLS) {
+        let to = (from + RUN_OF_CELLS).min(n);
+        let (own, others) = rest.split_at_mut((starts[to] - starts[from]) as usize);
+        runs.push((from..to, own));
+        rest = others;
+    }
+    let of_run = |(cells, mut rest): (std::ops::Range<usize>, &mut [f32])| {
+        let mut worst = [None; N];
+        for cell in cells {
+            let (own, others) = rest.split_at_mut((starts[cell + 1] - starts[cell]) as usize);
+            let found = judge(cell, own);
+            worst = std::array::from_fn(|k| FirstFailure::worse(worst[k], found[k]));
+            rest = others;
+        }
+        worst
+    };
+    let first = worst(runs.into_par_iter().map(of_run));
+    Judged { first, of_plies }
 }
 
 fn worst<const N: usize>(cells: impl ParallelIterator<Item = OfCards<N>>) -> OfCards<N> {
@@ -108,7 +174,7 @@ fn mode_of([through, between, apart]: [f64; 3], slides: bool, mode: FailureMode)
     }
 }
 
-/// The first failure of a plate for each of `N` sets of cards: `cards[k]` holds the cards of set `k` in the numbering
+/// The first failures of a plate for each of `N` sets of cards: `cards[k]` holds the cards of set `k` in the numbering
 /// of the plies' materials. `stress` gives the stress on the filled share of a cell, `None` for cells to be left out.
 ///
 /// # Errors
@@ -117,7 +183,7 @@ pub fn first_failure_of_plate<const N: usize>(
     laminate: &Laminate,
     cards: &[Vec<StrengthCard>; N],
     stress: &(dyn Fn(usize) -> Option<[f64; 3]> + Sync),
-) -> Result<OfCards<N>, Unstable> {
+) -> Result<Judged<N>, Unstable> {
     for card in &cards[0] {
         damaged_plane_stiffness(&card.elastic, [0.0; 2])?;
     }
@@ -126,8 +192,7 @@ pub fn first_failure_of_plate<const N: usize>(
         let elastic = &cards[0][usize::from(ply.material)].elastic;
         damaged_plane_stiffness(elastic, with_joined([0.0; 2], ply.joined)).unwrap_or_default()
     };
-    let n = laminate.grid.nx * laminate.grid.ny;
-    Ok(worst((0..n).into_par_iter().map(|cell| {
+    Ok(judged(&laminate.starts, &|cell, indices| {
         let plies = laminate.plies_in(cell);
         let thickness_mm = laminate.thickness_mm(cell);
         let mut worst = [None; N];
@@ -139,22 +204,25 @@ pub fn first_failure_of_plate<const N: usize>(
             plies.iter().map(|p| (own(p), p.angle_rad, p.thickness_mm / thickness_mm)),
         );
         let mean = strain(&mean, stress);
-        for ply in plies {
+        for (ply, own_index) in plies.iter().zip(indices) {
             let material = usize::from(ply.material);
             // Strengths are those of whole beads, so the stress is taken on the share that carries.
             let [along, across, shear] = stress_of_ply(&own(ply), mean, ply.angle_rad);
             let stress = [along, across / ply.joined, shear / ply.joined];
-            for (worst, cards) in worst.iter_mut().zip(cards) {
+            for (k, (worst, cards)) in worst.iter_mut().zip(cards).enumerate() {
                 let card = &cards[material];
                 let ([through, between], mode) = card.indices(stress);
                 let mode = mode_of([through, between, 0.0], card.is_sliding(stress), mode);
                 let index = through.max(between);
+                if k == N / 2 {
+                    *own_index = index as f32;
+                }
                 let found = FirstFailure { index, cell, angle_rad: ply.angle_rad, mode };
                 *worst = FirstFailure::worse(*worst, Some(found));
             }
         }
         worst
-    })))
+    }))
 }
 
 /// The mean stiffness of plies that have the same strain: from the own stiffness, the direction and the share of the
@@ -251,7 +319,7 @@ fn mean_stiffness(
     Ok(std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (mean(i, j) + mean(j, i)))))
 }
 
-/// The first failure of a solid for each of `N` cards, as [`first_failure_of_plate`].
+/// The first failures of a solid for each of `N` cards, as [`first_failure_of_plate`].
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
@@ -259,7 +327,7 @@ pub fn first_failure_of_bricks<const N: usize>(
     bricks: &Bricks,
     cards: &[StrengthCard; N],
     stress: &(dyn Fn(usize) -> Option<[f64; 6]> + Sync),
-) -> Result<OfCards<N>, Unstable> {
+) -> Result<Judged<N>, Unstable> {
     let elastic = &cards[0].elastic;
     let n = bricks.filled.len();
     let bonds = bonds_around(bricks);
@@ -270,7 +338,7 @@ pub fn first_failure_of_bricks<const N: usize>(
             free.insert(mean_stiffness(elastic, key)?);
         }
     }
-    Ok(worst((0..n).into_par_iter().map(|cell| {
+    Ok(judged(&bricks.starts, &|cell, indices| {
         let mut worst = [None; N];
         let Some(mean) = known.get(&key(bricks, bonds[cell], cell)).filter(|_| bricks.filled[cell] > 0.0)
         else {
@@ -282,13 +350,14 @@ pub fn first_failure_of_bricks<const N: usize>(
         let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
         // The strengths are those of whole material, so the stress is taken on the area that is in contact.
         let remaining = remaining_shares([0.0; 3], bond);
-        for (k, ply) in bricks.plies_in(cell).iter().enumerate() {
+        let mut apart_of_cell = 0.0;
+        for (k, (ply, own_index)) in bricks.plies_in(cell).iter().zip(indices).enumerate() {
             let along = strain_along(mean, ply.angle_rad);
             let stress: [f64; 6] = std::array::from_fn(|i| {
                 own[i].iter().zip(along).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
             });
             let plane = [stress[0], stress[1], stress[3]];
-            for (worst, card) in worst.iter_mut().zip(cards) {
+            for (of_card, (worst, card)) in worst.iter_mut().zip(cards).enumerate() {
                 let ([through, between], mode) = card.indices(plane);
                 // All plies of a brick separate from the layer below together, so only the first is tested. A brick over
                 // air has nothing to separate from.
@@ -299,12 +368,17 @@ pub fn first_failure_of_bricks<const N: usize>(
                 };
                 let mode = mode_of([through, between, apart], card.is_sliding(plane), mode);
                 let index = through.max(between).max(apart);
+                if of_card == N / 2 {
+                    // Layers come apart below all plies of a brick, so the index of its first ply counts for all.
+                    apart_of_cell = f64::max(apart_of_cell, apart);
+                    *own_index = index.max(apart_of_cell) as f32;
+                }
                 let found = FirstFailure { index, cell, angle_rad: ply.angle_rad, mode };
                 *worst = FirstFailure::worse(*worst, Some(found));
             }
         }
         worst
-    })))
+    }))
 }
 
 #[cfg(test)]
@@ -338,7 +412,7 @@ mod tests {
         for deg in [0.0, 15.0, 30.0, 45.0, 60.0, 90.0f64] {
             let laminate = Laminate::from_layers(&sheets(&[deg]), 0.4).expect("cells");
             let stress = |cell: usize| middle(laminate.grid.centre(cell)).then_some([10.0, 0.0, 0.0]);
-            let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable");
+            let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable").first;
             let found = found.expect("a cell in the middle");
             let want = 10.0 / pla().tsai_hill_mpa(deg.to_radians());
             assert!((found.index / want - 1.0).abs() < 1e-3, "{deg}: {} {want}", found.index);
@@ -356,7 +430,7 @@ mod tests {
             let stress = |cell: usize| {
                 middle(bricks.centre(cell).truncate()).then_some([10.0, 0.0, 0.0, 0.0, 0.0, 0.0])
             };
-            let [found] = first_failure_of_bricks(&bricks, &[pla()], &stress).expect("stable");
+            let [found] = first_failure_of_bricks(&bricks, &[pla()], &stress).expect("stable").first;
             let found = found.expect("a cell in the middle");
             // Directions of the mean stiffness are rounded by up to 2.8 degrees.
             assert!((found.index / want - 1.0).abs() < 0.02, "{deg}: {} {want}", found.index);
@@ -370,7 +444,7 @@ mod tests {
         for stress in [[10.0, 0.0, 0.0], [0.0, -8.0, 2.0], [3.0, 5.0, -4.0]] {
             let laminate = Laminate::from_layers(&sheets(&[20.0, 110.0, 20.0]), 0.4).expect("cells");
             let at = |cell: usize| middle(laminate.grid.centre(cell)).then_some(stress);
-            let [found] = first_failure_of_plate(&laminate, &[vec![card]], &at).expect("stable");
+            let [found] = first_failure_of_plate(&laminate, &[vec![card]], &at).expect("stable").first;
             let plies = [(20f64.to_radians(), 2.0 / 3.0), (110f64.to_radians(), 1.0 / 3.0)];
             let mut told = Vec::new();
             judge.indices(&plies, &[stress, [0.0; 3]], &mut told);
@@ -383,7 +457,7 @@ mod tests {
     fn plies_across_each_other_share_the_load_by_stiffness() {
         let laminate = Laminate::from_layers(&sheets(&[0.0, 90.0]), 0.4).expect("cells");
         let stress = |cell: usize| middle(laminate.grid.centre(cell)).then_some([10.0, 0.0, 0.0]);
-        let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable");
+        let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable").first;
         let found = found.expect("a cell in the middle");
         // Classical lamination of two plies, without Poisson's coupling in the sum: the ply across carries
         // E2 / (E1 + E2) of the force, twice its share of the area.
@@ -401,7 +475,7 @@ mod tests {
         };
         let mut weak = pla();
         weak.zt_mpa = 10.0;
-        let [found, low] = first_failure_of_bricks(&bricks, &[pla(), weak], &stress).expect("stable");
+        let [found, low] = first_failure_of_bricks(&bricks, &[pla(), weak], &stress).expect("stable").first;
         let (found, low) = (found.expect("a cell"), low.expect("a cell"));
         assert_eq!((found.mode, low.mode), (FailureMode::Layers, FailureMode::Layers));
         assert!((found.index - 0.2).abs() < 1e-3 && (low.index - 0.8).abs() < 4e-3, "{found:?} {low:?}");
@@ -418,7 +492,8 @@ mod tests {
         let index = |contact: &dyn Fn(usize) -> f32| {
             let bond = (0..whole.bond.len()).map(contact).collect();
             let [found] = first_failure_of_bricks(&Bricks { bond, ..whole.clone() }, &[pla()], &stress)
-                .expect("stable");
+                .expect("stable")
+                .first;
             found.expect("a cell").index
         };
         let full = index(&|_| 1.0);
@@ -437,6 +512,7 @@ mod tests {
     fn what_is_left_out_does_not_fail() {
         let laminate = Laminate::from_layers(&sheets(&[0.0]), 0.4).expect("cells");
         let none = first_failure_of_plate(&laminate, &[vec![pla()]], &|_| None).expect("stable");
-        assert_eq!(none, [None]);
+        assert_eq!(none.first, [None]);
+        assert!(!none.of_plies.is_empty() && none.of_plies.iter().all(|index| *index == 0.0));
     }
 }

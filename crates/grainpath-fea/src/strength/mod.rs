@@ -8,7 +8,7 @@
 //! Both are loaded until they fail ([`plate_strength`], [`brick_strength`]): plies fail at the strengths of their
 //! material ([`card`]), lose stiffness on a straight softening line that spends its fracture energy ([`damage`]), and the
 //! load is stepped until the part carries no more. Where a stress is known already, [`first_failure`] tells what fails first
-//! without solving for the cells.
+//! without solving for the cells, and [`reserve_map`] how far each bead is from failing.
 
 pub mod brick_strength;
 pub mod bricks;
@@ -23,6 +23,7 @@ mod load_stepping;
 pub mod plate_strength;
 pub mod plate_system;
 pub mod ply_mix;
+pub mod reserve_map;
 mod wall_bending;
 
 use grainpath_core::DVec3;

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 
 use super::card::StrengthCard;
 use super::damage::{damaged_plane_stiffness, with_joined};
-use super::first_failure::{FirstFailure, IndexScale, OfCards, first_failures_of};
+use super::first_failure::{FirstFailure, IndexScale, Judged, first_failures_of};
 use super::laminate::Laminate;
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
@@ -139,7 +139,7 @@ impl PlateTest<'_> {
         unresolved_bending(&plate.bending(&states, &membranes))
     }
 
-    /// The first failure under the load for each of `N` sets of cards, each in the numbering of the plies and with the
+    /// The first failures under the load for each of `N` sets of cards, each in the numbering of the plies and with the
     /// elastic constants of the test's own cards. It takes one solution; `index` of a failure is that of the whole
     /// load, times `scale`.
     ///
@@ -149,15 +149,15 @@ impl PlateTest<'_> {
         &self,
         cards: &[Vec<StrengthCard>; N],
         scale: IndexScale,
-    ) -> Result<OfCards<N>, TestError> {
+    ) -> Result<Judged<N>, TestError> {
         let (plate, states) = self.before_damage()?;
         let failures = |element: usize, k: usize| {
             let strain = middle_strain(&plate.corners(element), plate.cell_mm());
             let indices = plate.indices_of_strain(&cards[k], element, strain, &states);
-            let plies = plate.plies(element).map(|p| self.laminate.plies[p].angle_rad);
+            let plies = plate.plies(element).map(|p| (p, self.laminate.plies[p].angle_rad));
             FirstFailure::of_plies(self.elements.cells[element] as usize, plies.zip(indices), scale)
         };
-        Ok(first_failures_of(&plate, &failures))
+        Ok(first_failures_of(&plate, self.laminate.plies.len(), &failures))
     }
 
     /// The plate under its load before anything is damaged, and the states of its plies.

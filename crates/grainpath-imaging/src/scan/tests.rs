@@ -4,7 +4,7 @@ use grainpath_core::slices::{SampleType, VolumeInfo};
 use super::*;
 
 /// A scan made up as it is read: the signed distance of a solid, blurred, with noise.
-struct Phantom {
+pub(super) struct Phantom {
     info: VolumeInfo,
     solid: fn([f64; 3]) -> f64,
     blur_px: f64,
@@ -16,7 +16,7 @@ const AIR: f64 = 1000.0;
 const METAL: f64 = 21000.0;
 
 impl Phantom {
-    fn new(solid: fn([f64; 3]) -> f64, size: [usize; 3], spacing: [f64; 3]) -> Self {
+    pub(super) fn new(solid: fn([f64; 3]) -> f64, size: [usize; 3], spacing: [f64; 3]) -> Self {
         let mut info = VolumeInfo::new("phantom", size, SampleType::U16);
         info.spacing_mm = spacing.map(Some);
         Self { info, solid, blur_px: 0.8, noise: 200.0, next: 0 }

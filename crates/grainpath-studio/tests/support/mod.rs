@@ -144,8 +144,14 @@ impl Engine for Planner {
         let count = |l: &grainpath_gcode::BeadLayer| (0..l.beads.len()).map(|k| (k % 181) as u8).collect();
         let is_guided = job.text.contains("# follows a guide");
         let angles = is_guided.then(|| program.layers.iter().map(count).collect());
+        // Reserves of its own: 200 for the first bead of a layer, one less for the second.
+        let reserve =
+            |l: &grainpath_gcode::BeadLayer| (0..l.beads.len()).map(|k| 200 - (k % 181) as u8).collect();
+        let reserve =
+            job.text.contains("# tells a reserve").then(|| program.layers.iter().map(reserve).collect());
         Ok(Finished {
             angles,
+            reserve,
             report: serde_json::json!({ "ok": true, "mass_g": 1.5, "time_s": 60.0, "layers": program.layers.len() }),
             program,
             outputs: vec![Output { kind: "gcode".to_owned(), path: place }],

@@ -64,6 +64,11 @@ impl Canvas {
         }
     }
 
+    /// Number of pixels of a length in mm.
+    pub fn pixels_of(&self, mm: f64) -> f32 {
+        (mm * self.scale) as f32
+    }
+
     /// Draws a line through points in mm; its width is in pixels.
     pub fn line(&mut self, points: &[DVec2], width_px: f32, colour: Rgb, alpha: u8) {
         let (window, scale) = (self.window, self.scale);

@@ -35,9 +35,9 @@ impl ColourBy {
 /// A colour, red green blue.
 pub(super) type Rgb = [u8; 3];
 
-/// Colour of beads for which the guide asks for no direction: a grey that is not on the ramp, so that it
-/// cannot be read as a value. Source: chosen by eye; only the picture depends on it.
-pub(super) const UNASKED: Rgb = [88, 92, 100];
+/// Colour of beads without a value, such as those for which the guide asks for no direction: a grey that is not on the
+/// ramp, so that it cannot be read as a value. Source: chosen by eye; only the picture depends on it.
+pub(crate) const UNASKED: Rgb = [88, 92, 100];
 
 /// The colour of a role, similar to those in the previews of slicers.
 pub fn of_role(role: Role) -> Rgb {

@@ -13,6 +13,7 @@ use grainpath_core::{Bounds2, DVec2, Role};
 use grainpath_gcode::BeadLayer;
 
 pub use canvas::{Canvas, Ramp};
+pub(crate) use colour::UNASKED;
 pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use rasteriser::layer_png;
 pub(crate) use rasteriser::png as encode_png;
@@ -188,7 +189,7 @@ mod tests {
         let scale = Scale::new(&layer(0.2), ColourBy::Direction);
         let [wall, .., fill] = &layer(0.2).beads[..] else { panic!("no beads") };
         assert_eq!((scale.low, scale.high), (0.0, 45.0));
-        assert_eq!(scale.colour(wall), colour::UNASKED);
+        assert_eq!(scale.colour(wall), UNASKED);
         assert_eq!(scale.colour(fill), colour::ramp(30.0, 0.0, 45.0));
     }
 

@@ -17,10 +17,11 @@ use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
-use grainpath_fea::strength::first_failure::{IndexScale, OfCards};
+use grainpath_fea::strength::first_failure::{IndexScale, Judged};
 use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
+use grainpath_fea::strength::reserve_map::ReserveMap;
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
 use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
@@ -439,14 +440,14 @@ impl LoadedPart {
         })
     }
 
-    /// The first failure under the load with each of several sets of cards, from one solution. Indices are multiplied by
+    /// The first failures under the load with each of several sets of cards, from one solution. Indices are multiplied by
     /// `scale`.
     fn first_failures<const N: usize>(
         &self,
         cards: &[Vec<StrengthCard>; N],
         scale: IndexScale,
         limits: &Limits,
-    ) -> Result<OfCards<N>, StrengthError> {
+    ) -> Result<Judged<N>, StrengthError> {
         Ok(match self {
             Self::Plane(p) => plate_test(p, &cards[0], limits).first_failures(cards, scale)?,
             Self::Voxels(p) => {
@@ -454,6 +455,14 @@ impl LoadedPart {
                 p.test(&of_part[0], limits).first_failures(&of_part, scale)?
             }
         })
+    }
+
+    /// The map of the reserve on these cells, without any load.
+    fn reserve_map(&self, floor_mm: f64, frame: Frame, program_from_part_mm: DVec3) -> ReserveMap {
+        match self {
+            Self::Plane(p) => ReserveMap::of_plate(&p.laminate, floor_mm, frame, program_from_part_mm),
+            Self::Voxels(p) => ReserveMap::of_bricks(&p.bricks, frame, program_from_part_mm),
+        }
     }
 
     /// The centre of a cell in the directions of the grid, mm; in a plate at the given height.

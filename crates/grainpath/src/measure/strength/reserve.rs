@@ -30,6 +30,7 @@ use grainpath_fea::strength::first_failure::{
 };
 use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadSheet, Laminate};
+use grainpath_fea::strength::reserve_map::ReserveMap;
 use grainpath_gcode::Program;
 use serde::Serialize;
 
@@ -72,6 +73,9 @@ pub struct ReserveReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untold: Option<String>,
     pub seconds: f64,
+    /// The reserve of every bead, least over the load cases.
+    #[serde(skip)]
+    pub map: Option<ReserveMap>,
 }
 
 /// The reserve of one load case.
@@ -90,7 +94,7 @@ pub struct CaseReserve {
 
 impl ReserveReport {
     fn untold(why: String) -> Self {
-        Self { least: None, cases: Vec::new(), untold: Some(why), seconds: 0.0 }
+        Self { least: None, cases: Vec::new(), untold: Some(why), seconds: 0.0, map: None }
     }
 
     /// Names and values for the terminal and the report page.
@@ -176,12 +180,12 @@ enum Untold {
 }
 
 /// The report of the reserves of all cases.
-fn least_of(found: Vec<CaseReserve>) -> Result<ReserveReport, Untold> {
+fn least_of(found: Vec<CaseReserve>, map: Option<ReserveMap>) -> Result<ReserveReport, Untold> {
     let nominal = |c: &&CaseReserve| c.first_failure[1];
     let least = found.iter().min_by(|a, b| nominal(a).total_cmp(&nominal(b))).cloned();
     let least = Some(least.ok_or(Untold::Nothing)?);
     let cases = if found.len() > 1 { found } else { Vec::new() };
-    Ok(ReserveReport { least, cases, untold: None, seconds: 0.0 })
+    Ok(ReserveReport { least, cases, untold: None, seconds: 0.0, map })
 }
 
 /// The beads of a part, with all that is needed to turn them into cells.
@@ -197,6 +201,7 @@ struct LaidCells<'a> {
     /// Size of the cells of the virtual test.
     test_mm: f64,
     floor_mm: f64,
+    program_from_part_mm: DVec3,
     stack: &'a LayerStack,
     /// The regions near fixtures and loads, which are left out.
     grips: Vec<Selection>,
@@ -218,7 +223,7 @@ impl<'a> LaidCells<'a> {
         if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
             return Err(StrengthError::FibreInSpace.into());
         }
-        let (layers, heights, _) = layers_of_part(program);
+        let (layers, heights, bottom_mm) = layers_of_part(program);
         let sheets = sheets_of(&layers, &heights, shift, settings.fibre.is_some(), &|_| true);
         let sheets_a_layer = 1 + usize::from(is_staggered(&layers));
         let frame = Frame::new(&sheets);
@@ -241,15 +246,29 @@ impl<'a> LaidCells<'a> {
         };
         let grips = guide.grips(cell_mm);
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
-        Ok(Self { sheets, sheets_a_layer, frame, cards, fidelity, cell_mm, test_mm, floor_mm, stack, grips })
+        let program_from_part_mm = shift.extend(bottom_mm - floor_mm);
+        Ok(Self {
+            sheets,
+            sheets_a_layer,
+            frame,
+            cards,
+            fidelity,
+            cell_mm,
+            test_mm,
+            floor_mm,
+            program_from_part_mm,
+            stack,
+            grips,
+        })
     }
 
     /// The reserve from the stress of the guide, for dense parts.
     fn reserve(&self, guide: &Guide) -> Result<ReserveReport, Untold> {
-        least_of(match self.fidelity {
+        let (found, map) = match self.fidelity {
             Fidelity::Plane => self.of_plate(guide)?,
             Fidelity::Voxels => self.of_solid(guide)?,
-        })
+        };
+        least_of(found, Some(map))
     }
 
     /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
@@ -263,11 +282,15 @@ impl<'a> LaidCells<'a> {
             between_layers: math::pow(larger, CELL_EXPONENT.between_layers),
         };
         let spread = math::pow(larger, CELL_SPREAD);
-        let mut found = Vec::new();
+        let (mut found, mut map) = (Vec::new(), None);
         for case in std::iter::once(setup).chain(&setup.others) {
             // Each case has fixtures of its own to fit to the cells, so nothing is shared between cases.
             let loaded = LoadedPart::new(&case.in_frame(self.frame), &self.sheets, cells)?;
-            let corners = loaded.first_failures(&self.cards, scale, limits)?;
+            let judged = loaded.first_failures(&self.cards, scale, limits)?;
+            map.get_or_insert_with(|| {
+                loaded.reserve_map(self.floor_mm, self.frame, self.program_from_part_mm)
+            })
+            .add_case(&judged.of_plies);
             let place = |first: &FirstFailure| {
                 let at = loaded.centre(first.cell, 0.5 * (case.low.z + case.high.z));
                 let layer = match self.fidelity {
@@ -277,12 +300,12 @@ impl<'a> LaidCells<'a> {
                 (self.frame.to_part_3d(at), layer)
             };
             let widen = |[low, nominal, high]: [f64; 3]| widened([low / spread, nominal, high * spread], 0.0);
-            found.extend(self.told(&case.case().name, corners, &widen, &place));
+            found.extend(self.told(&case.case().name, judged.first, &widen, &place));
         }
-        least_of(found)
+        least_of(found, map)
     }
 
-    fn of_plate(&self, guide: &Guide) -> Result<Vec<CaseReserve>, Untold> {
+    fn of_plate(&self, guide: &Guide) -> Result<(Vec<CaseReserve>, ReserveMap), Untold> {
         let laminate = Laminate::from_layers(&self.sheets, self.cell_mm).map_err(StrengthError::from)?;
         let grid = laminate.grid;
         let layers = self.stack.layers();
@@ -292,26 +315,30 @@ impl<'a> LaidCells<'a> {
             .map(|cell| self.frame.to_part(grid.centre(cell)).extend(middle_mm))
             .collect();
         let held: Vec<bool> = at.iter().map(|p| self.is_held(*p)).collect();
+        let mut map = ReserveMap::of_plate(&laminate, self.floor_mm, self.frame, self.program_from_part_mm);
         let mut found = Vec::new();
         for case in &guide.cases {
             let stress = |cell: usize| {
                 let [xx, yy, _, xy, ..] = self.stress(case, at[cell])?;
                 (!held[cell]).then_some([xx, yy, xy])
             };
-            let corners = first_failure_of_plate(&laminate, &self.cards, &stress)
+            let judged = first_failure_of_plate(&laminate, &self.cards, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
+            map.add_case(&judged.of_plies);
             let layer = |first: &FirstFailure| self.layer_of_ply(grid.centre(first.cell), first.angle_rad);
             let widen = |first_failure| interval(guide, first_failure);
-            found.extend(self.told(&case.name, corners, &widen, &|first| (at[first.cell], layer(first))));
+            let place = |first: &FirstFailure| (at[first.cell], layer(first));
+            found.extend(self.told(&case.name, judged.first, &widen, &place));
         }
-        Ok(found)
+        Ok((found, map))
     }
 
-    fn of_solid(&self, guide: &Guide) -> Result<Vec<CaseReserve>, Untold> {
+    fn of_solid(&self, guide: &Guide) -> Result<(Vec<CaseReserve>, ReserveMap), Untold> {
         let bricks =
             Bricks::from_layers(&self.sheets, self.cell_mm, self.floor_mm).map_err(StrengthError::from)?;
         let at = |cell: usize| self.frame.to_part_3d(bricks.centre(cell));
         let cards: [StrengthCard; 3] = std::array::from_fn(|k| self.cards[k][0]);
+        let mut map = ReserveMap::of_bricks(&bricks, self.frame, self.program_from_part_mm);
         let mut found = Vec::new();
         for case in &guide.cases {
             let stress = |cell: usize| {
@@ -321,16 +348,17 @@ impl<'a> LaidCells<'a> {
                 }
                 self.stress(case, p)
             };
-            let corners = first_failure_of_bricks(&bricks, &cards, &stress)
+            let judged = first_failure_of_bricks(&bricks, &cards, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
+            map.add_case(&judged.of_plies);
             let place = |first: &FirstFailure| {
                 let p = at(first.cell);
                 (p, self.layer_at(p.z))
             };
             let widen = |first_failure| interval(guide, first_failure);
-            found.extend(self.told(&case.name, corners, &widen, &place));
+            found.extend(self.told(&case.name, judged.first, &widen, &place));
         }
-        Ok(found)
+        Ok((found, map))
     }
 
     /// The reserve of a case from its first failures with low, nominal and high strengths.
@@ -412,8 +440,11 @@ mod tests {
             at_mm: [1.0, 2.0, 3.0],
             layer: 4,
         };
-        let one =
-            ReserveReport { least: Some(case("pull", 0.5)), cases: Vec::new(), untold: None, seconds: 0.1 };
+        let one = ReserveReport {
+            least: Some(case("pull", 0.5)),
+            untold: None,
+            ..ReserveReport::untold("".into())
+        };
         let [(what, value)] = &one.rows()[..] else { panic!("a row") };
         assert_eq!(what, "first failure");
         assert!(
