@@ -5,6 +5,7 @@ mod support;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use grainpath_core::math::direction;
 use serde_json::Value;
 use support::data::{check, data, python};
 use support::{folder, grainpath, json};
@@ -163,10 +164,10 @@ fn dense_lines_reach_into_the_wedges_beside_walls_at_flat_angles() {
     let dir = folder("wedges");
     // Stars have sides at many angles to the lines. Without beads in the wedges 1.00 and 0.53 % stayed open.
     for (n_tips, inner_mm, most) in [(5, 6.0, 0.0075), (12, 11.0, 0.0035)] {
-        let corner = |k: usize| {
-            let (radius, angle) =
-                (if k % 2 == 0 { 15.0 } else { inner_mm }, std::f64::consts::PI * k as f64 / n_tips as f64);
-            format!("{} {}", 16.0 + radius * angle.cos(), 16.0 + radius * angle.sin())
+        let corner = |k: u32| {
+            let radius = if k.is_multiple_of(2) { 15.0 } else { inner_mm };
+            let way = radius * direction(std::f64::consts::PI * f64::from(k) / f64::from(n_tips));
+            format!("{} {}", 16.0 + way.x, 16.0 + way.y)
         };
         let corners: Vec<String> = (0..2 * n_tips).map(corner).collect();
         let svg = format!(

@@ -27,7 +27,6 @@ use serde_json::Value;
 use crate::errors::{ARRAY, FIELD};
 use crate::image::ImageData;
 use crate::mesh::MeshData;
-use crate::program::ProgramData;
 use crate::roles::role_number;
 use crate::spec::Spec;
 use crate::stack::StackData;
@@ -41,7 +40,7 @@ pub struct PlanData {
     /// The plan, shared with the threads that write and measure it.
     pub(crate) plan: Arc<Kept>,
     /// The number of threads that the caller asked for; later calls use it too.
-    threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
 }
 
 /// A plan with the data that writing and reporting need.
@@ -180,22 +179,6 @@ impl PlanData {
         let caller = Caller { threads: self.threads, ..Caller::default() };
         let program = worker::run(py, &caller, move |_, _| plan.program())?;
         Ok(PyBytes::new(py, &program.bytes))
-    }
-
-    /// The angle of each bead of the plan's program to the direction that its guide asks for, degrees; NaN for beads of which
-    /// it asks nothing. `None` if the plan has no guide that asks for directions.
-    fn angles<'py>(
-        &self,
-        py: Python<'py>,
-        program: &Bound<'_, ProgramData>,
-    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let (plan, program) = (Arc::clone(&self.plan), Arc::clone(&program.get().program));
-        let caller = Caller { threads: self.threads, ..Caller::default() };
-        let found = worker::run(py, &caller, move |_, _| {
-            let told = |off: Option<f64>| off.unwrap_or(f64::NAN);
-            Ok(grainpath_cli::angles_to_guide(&program, &plan.planned, told).map(|layers| layers.concat()))
-        })?;
-        Ok(found.map(|angles| PyArray1::from_vec(py, angles)))
     }
 
     /// The report as JSON.

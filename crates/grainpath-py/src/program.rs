@@ -21,7 +21,7 @@ use crate::worker::{self, Caller};
 #[pyclass(frozen, module = "grainpath._grainpath")]
 pub struct ProgramData {
     /// The program, shared with the threads that draw it.
-    pub(crate) program: Arc<Program>,
+    program: Arc<Program>,
 }
 
 #[pymethods]
@@ -59,6 +59,22 @@ impl ProgramData {
             }
         }
         PyArray1::from_vec(py, out)
+    }
+
+    /// The angle of each bead of the program of a plan to the direction that its guide asks for, degrees; NaN for beads of
+    /// which it asks nothing. `None` if the plan has no guide that asks for directions.
+    fn angles<'py>(
+        &self,
+        py: Python<'py>,
+        plan: &Bound<'_, PlanData>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let caller = Caller { threads: plan.get().threads, ..Caller::default() };
+        let (plan, program) = (Arc::clone(&plan.get().plan), Arc::clone(&self.program));
+        let found = worker::run(py, &caller, move |_, _| {
+            let told = |off: Option<f64>| off.unwrap_or(f64::NAN);
+            Ok(grainpath_cli::angles_to_guide(&program, &plan.planned, told).map(|layers| layers.concat()))
+        })?;
+        Ok(found.map(|angles| PyArray1::from_vec(py, angles)))
     }
 
     /// A picture of layer `k`, or of the whole part: PNG, or SVG as text.

@@ -228,7 +228,7 @@ class Plan:
         (0, 4)
         """
         viewer, program = viewer_class(), loads(self.to_gcode())
-        angles = self._data.angles(program._data)
+        angles = program._data.angles(self._data)
         return viewer(program, angles, color=color, layers=layers, height_px=height_px)
 
     @cached_property

@@ -5,7 +5,7 @@
 //! both ends; only ends are counted here.
 //!
 //! Method: an open line of sparse infill is followed from either end, in steps of a fifth of its width, up to the first
-//! place with a bead of the layer below within [`HELD`]. Lengths are in mm. Cost: a search for each step up to that
+//! place with a bead of the layer below within `HELD`. Lengths are in mm. Cost: a search for each step up to that
 //! place, linear in the beads. Limits: a bead below counts whether it is held itself or not.
 
 use std::ops::AddAssign;
