@@ -41,6 +41,7 @@ fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> 
         ends: BeadEnds::Joined,
         shift: grainpath::fill::Shift::NONE,
         below: &[],
+        fills_wedges: false,
         widths: BeadWidths::Variable,
         field: Some(&FIELD),
     }

@@ -510,6 +510,7 @@ mod tests {
             ends: grainpath_job::choices::BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
             below: &[],
+            fills_wedges: true,
             widths: grainpath_job::choices::BeadWidths::Variable,
             field: None,
         }

@@ -452,6 +452,7 @@ mod tests {
             ends: BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
             below: &[],
+            fills_wedges: true,
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
         }

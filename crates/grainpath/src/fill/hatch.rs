@@ -31,8 +31,9 @@ const WEDGE_STEP: f64 = 0.25;
 /// The bead of a wedge ends this far before the end of the line that closes the wedge, in strips. Source: derived; round
 /// ends of two beads then touch in the middle of the way.
 const BEFORE_END: f64 = 0.5;
-/// A wedge gets a bead from this length on, in strips. Source: chosen; the flow of a shorter bead has hardly begun.
-const LEAST_WEDGE: f64 = 0.5;
+/// A wedge gets a bead from this length on, in strips. Source: chosen; the flow of a bead that is shorter than wide has hardly
+/// begun. On a round hub of a scan half a strip would add 760 beads to 6640 paths.
+const LEAST_WEDGE: f64 = 1.0;
 
 /// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
 #[derive(Debug, Clone, Copy)]

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
-use grainpath_core::{BeadWidth, Density, Polygon, Role, Toolpath};
+use grainpath_core::{BeadWidth, Density, Polygon, Toolpath};
 use grainpath_job::choices::BeadWidths;
 
 use super::field::stripes::simplified;
@@ -118,9 +118,8 @@ impl Infill for Solid {
             let path = Toolpath::new(points, context.bead_width_mm, context.role, false);
             Toolpath { width: BeadWidth::PerVertex(widths), ..path }
         };
-        // Nothing would hold a bridge's short bead beside a wall.
         let wedges: Vec<Toolpath> = match context.widths {
-            BeadWidths::Variable if context.role != Role::Bridge => wedges.into_iter().map(single).collect(),
+            BeadWidths::Variable if context.fills_wedges => wedges.into_iter().map(single).collect(),
             BeadWidths::Variable | BeadWidths::Constant => Vec::new(),
         };
         // The volume laid equals the volume of the region. Joints and line ends overlap their neighbours,

@@ -1069,6 +1069,9 @@ impl<'a> Steps<'a> {
             widths: self.settings.infill.widths,
             shift: self.shift(layer_idx),
             below: &[],
+            // Where regions meet, the wedges of both sides are filled together (`close_seams`). Nothing would hold the
+            // short beads of a bridge.
+            fills_wedges: role != Role::Bridge && self.areas.and_then(|a| a.of_layer(layer_idx)).is_none(),
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

@@ -190,6 +190,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
+        fills_wedges: false,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: None,
     };

@@ -41,6 +41,7 @@ fn the_figure_of_strips_and_cells() {
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
+        fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&Waves),
     };

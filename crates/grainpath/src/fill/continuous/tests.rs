@@ -45,6 +45,7 @@ pub(super) fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionFie
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
+        fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(field),
     }

@@ -138,6 +138,7 @@ mod tests {
             ends: BeadEnds::Joined,
             shift: Shift::NONE,
             below: &[],
+            fills_wedges: true,
             widths: BeadWidths::Variable,
             field: None,
         };

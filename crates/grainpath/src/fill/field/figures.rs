@@ -133,6 +133,7 @@ fn the_figure_of_stripes() {
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
+        fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&flow),
     };

@@ -105,6 +105,7 @@ fn filled_along(
         ends,
         shift: crate::fill::Shift::NONE,
         below: &[],
+        fills_wedges: true,
         widths,
         field: Some(field),
     };
@@ -219,6 +220,7 @@ fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
             ends: BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
             below: &[],
+            fills_wedges: true,
             widths: BeadWidths::Variable,
             field: Some(&field),
         };
@@ -445,6 +447,7 @@ fn nothing_comes_of_nothing() {
                 ends: BeadEnds::Open,
                 shift: crate::fill::Shift::NONE,
                 below: &[],
+                fills_wedges: true,
                 widths: BeadWidths::Variable,
                 field: Some(&Angle(rings)),
             };
