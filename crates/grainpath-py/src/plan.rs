@@ -181,6 +181,11 @@ impl PlanData {
         Ok(PyBytes::new(py, &program.bytes))
     }
 
+    /// Diameter of the filament that the program is written for, mm.
+    fn filament_mm(&self) -> f64 {
+        self.plan.settings.printer.filament_mm
+    }
+
     /// The report as JSON.
     fn report(
         &self,

@@ -196,7 +196,13 @@ def test_wrong_wishes_are_refused(plan, given, why):
 def test_colours_are_those_of_the_viewer():
     page = (DATA.parents[1] / "src/colours.ts").read_text().split("COLOUR_BY:")[1].split("];")[0]
     names = re.findall(r'\["(\w+)", "', page)
-    assert [name.replace("load", "direction") for name in names if name != "time"] == list(COLORS)
+    assert [name.replace("load", "direction") for name in names if name not in ("time", "reserve")] == list(COLORS)
+
+
+def test_widths_are_right_for_any_filament():
+    pytest.importorskip("anywidget")
+    thin, thick = (gp.Job(gp.box(20, 10, 1), printer__filament_mm=mm).plan().view()._index["widths_mm"] for mm in (1.75, 2.85))
+    assert thick == pytest.approx(thin, rel=0.1) and 0.4 < thick[1] < 0.6
 
 
 def test_without_anywidget_the_viewer_says_what_to_install(plan, monkeypatch):

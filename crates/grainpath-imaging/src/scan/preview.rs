@@ -1,9 +1,9 @@
 //! The surface of a scan at a bounded resolution, to be looked at before the scan is planned.
 //!
 //! # Method
-//! Blocks of voxels become one voxel each with their mean grey value, so that at most [`MOST_VOXELS`] remain. These are cut
-//! into layers as thick as a block, by the same steps and the same threshold as the scan itself ([`slice_scan`]), and the
-//! layers are lofted ([`loft`]). Where the surface has more than [`MOST_TRIANGLES`], layers and cells become larger.
+//! Blocks of voxels become one voxel each with their mean grey value, so that about [`MOST_VOXELS`] remain (more in a scan of few
+//! slices). These are cut into layers as thick as a block, by the same steps as the scan itself ([`slice_scan`]); a threshold
+//! that is found is found from the merged voxels, and may differ a little from that of the plan. The layers are lofted ([`loft`]). Where the surface has more than [`MOST_TRIANGLES`], layers and cells become larger.
 //!
 //! # Units, cost and limits
 //! mm in the frame of the layers that a plan has: from the lower face of the first voxel taken, with the lowest point at
@@ -76,12 +76,15 @@ pub fn preview(
     let is_merged = merged != [1; 3];
     let of_blocks: [f64; 3] = std::array::from_fn(|k| spacing_mm[k] * merged[k] as f64);
     let mut cell_mm = of_blocks.iter().copied().fold(f64::INFINITY, f64::min).max(side_mm);
+    // A layer is no thicker than the scan, however it is turned.
+    let thinnest_mm =
+        voxels.iter().zip(spacing_mm).map(|(n, mm)| *n as f64 * mm).fold(f64::INFINITY, f64::min);
     loop {
         let coarse = CtSettings {
             flip: [false, false, flip_z],
             rotate_rad: settings.rotate_rad,
-            layer_height_mm: cell_mm,
-            first_layer_height_mm: cell_mm,
+            layer_height_mm: cell_mm.min(thinnest_mm),
+            first_layer_height_mm: cell_mm.min(thinnest_mm),
             denoise: if is_merged { Denoise::None } else { settings.denoise },
             tracing: Tracing::Iso,
             ..settings.as_turned()

@@ -227,7 +227,7 @@ class Plan:
         >>> gp.Job(gp.box(20, 10, 1)).plan().view().layers
         (0, 4)
         """
-        viewer, program = viewer_class(), loads(self.to_gcode())
+        viewer, program = viewer_class(), loads(self.to_gcode(), filament_mm=self._data.filament_mm())
         angles = program._data.angles(self._data)
         return viewer(program, angles, color=color, layers=layers, height_px=height_px)
 

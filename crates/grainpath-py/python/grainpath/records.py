@@ -1,4 +1,5 @@
-"""Programs as the viewer draws them: eight bytes a segment, as the studio has them (`crates/grainpath-studio/src/records.rs`)."""
+"""Programs as the viewer draws them: eight bytes a segment, as the studio has them (`crates/grainpath-studio/src/records.rs`)
+but for the marks of retractions."""
 
 from __future__ import annotations
 

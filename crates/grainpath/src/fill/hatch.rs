@@ -308,8 +308,8 @@ impl Hatch {
         let row = if up > 0.0 { rows.ceil() } else { rows.floor() } as i32;
         let first = self.ends.partition_point(|e| e.line < row);
         let n = self.ends[first..].partition_point(|e| e.line == row);
-        let is_below =
-            self.ends[first..first + n].chunks(2).any(|e| e[0].x <= p.x && p.x <= e[e.len() - 1].x);
+        // Ends of a row are sorted along it, and a line begins with every second one.
+        let is_below = self.ends[first..first + n].partition_point(|e| e.x < p.x) % 2 == 1;
         let is_closed = |e: &&End| e.line != row && self.place(e).distance(p) < BEFORE_END * strip_mm;
         if !is_below || ends.iter().any(is_closed) {
             return None;

@@ -110,7 +110,6 @@ impl Infill for Solid {
         let hatch = Hatch::new(infill_region, lines);
         let (paths, joined) = hatch.joined_paths(&joints);
         let least_mm = bead_spacing_mm(context.min_bead_width_mm, context.height_mm);
-        let wedges = hatch.wedges(&joined, step_mm, context.border_mm, least_mm);
         let single = |wedge: Wedge| {
             let widths: Vec<f64> =
                 wedge.widths_mm.iter().map(|mm| bead_width_mm(*mm, context.height_mm)).collect();
@@ -119,7 +118,10 @@ impl Infill for Solid {
             Toolpath { width: BeadWidth::PerVertex(widths), ..path }
         };
         let wedges: Vec<Toolpath> = match context.widths {
-            BeadWidths::Variable if context.fills_wedges => wedges.into_iter().map(single).collect(),
+            BeadWidths::Variable if context.fills_wedges => {
+                let all = hatch.wedges(&joined, step_mm, context.border_mm, least_mm);
+                all.into_iter().map(single).collect()
+            }
             BeadWidths::Variable | BeadWidths::Constant => Vec::new(),
         };
         // The volume laid equals the volume of the region. Joints and line ends overlap their neighbours,

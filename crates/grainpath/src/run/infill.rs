@@ -277,6 +277,8 @@ impl Steps<'_> {
             without.iter().for_each(|region| matrix.fill(&context, region, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
+        // Fibre has one width, so it cannot taper into a wedge.
+        context.fills_wedges = false;
         // Fibre beads and matrix beads have different widths, so their centrelines keep different
         // distances from the border of the area.
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
