@@ -100,6 +100,7 @@ pub(super) struct Hatch {
 }
 
 /// A wedge between a line and the border: a line along its middle, and its width at the points of that line, mm.
+#[derive(Default)]
 pub(super) struct Wedge {
     pub points: Vec<DVec2>,
     pub widths_mm: Vec<f64>,
@@ -236,8 +237,7 @@ impl Hatch {
     }
 
     /// The wedges that lines with strips of `strip_mm` leave open beside the border, whose walls begin `border_mm` beyond
-    /// it, where they are at least `least_mm` wide. `joined` holds the end to which a joint
-    /// leads from each end.
+    /// it, where they are at least `least_mm` wide. `joined` holds the end to which a joint leads from each end.
     pub(super) fn wedges(
         &self,
         joined: &[Option<u32>],
@@ -247,13 +247,10 @@ impl Hatch {
     ) -> Vec<Wedge> {
         let mut out = Vec::new();
         for (from, end) in self.ends.iter().enumerate() {
-            if joined[from] != Some(end.along[1]) {
-                self.wedges_between(
-                    end,
-                    &self.ends[end.along[1] as usize],
-                    [strip_mm, border_mm, least_mm],
-                    &mut out,
-                );
+            let to = end.along[1];
+            if joined[from] != Some(to) {
+                let to = &self.ends[to as usize];
+                self.wedges_between(end, to, [strip_mm, border_mm, least_mm], &mut out);
             }
         }
         out
@@ -273,7 +270,7 @@ impl Hatch {
         if border.windows(2).all(|w| !is_flat(w[1] - w[0])) {
             return;
         }
-        let mut wedge = Wedge { points: Vec::new(), widths_mm: Vec::new() };
+        let mut wedge = Wedge::default();
         for pair in resampled(&border, false, WEDGE_STEP * strip_mm).windows(2) {
             let at = 0.5 * (pair[0] + pair[1]);
             match self.across(at, pair[1] - pair[0], [from, to], strip_mm, border_mm) {
@@ -325,11 +322,10 @@ impl Hatch {
 
     /// Adds a wedge that is long enough for a bead, and begins another one.
     fn finish(&self, wedge: &mut Wedge, strip_mm: f64, out: &mut Vec<Wedge>) {
-        let Wedge { mut points, widths_mm } =
-            std::mem::replace(wedge, Wedge { points: Vec::new(), widths_mm: Vec::new() });
-        if length_mm(&points, false) > LEAST_WEDGE * strip_mm {
-            points.iter_mut().for_each(|p| *p = rotated(*p, self.axis));
-            out.push(Wedge { points, widths_mm });
+        let mut wedge = std::mem::take(wedge);
+        if length_mm(&wedge.points, false) > LEAST_WEDGE * strip_mm {
+            wedge.points.iter_mut().for_each(|p| *p = rotated(*p, self.axis));
+            out.push(wedge);
         }
     }
 

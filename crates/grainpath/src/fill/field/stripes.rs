@@ -704,22 +704,12 @@ fn at_border(
     }
     let reach_mm = REACH * context.border_mm;
     let hit = *edge.crossings(end, end + reach_mm * along).first()?;
-    let there = end + hit.t * reach_mm * along;
-    let d = direction_around(contours.get(hit.contour)?, hit.edge, there, 0.5 * width)?;
+    let contour = contours.get(hit.contour)?;
+    let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
     let sine = cross(along, d).abs();
     let short_mm = RETREAT * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
     let onward_mm = hit.t * reach_mm - short_mm;
     (sine >= least_sine && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
-}
-
-/// The direction of a contour around a place on one of its edges, from the first vertex farther than `apart_mm` before
-/// it to the first one after it: an edge alone may be a few thousandths of a millimetre long and point anywhere.
-fn direction_around(contour: &[DVec2], edge: usize, at: DVec2, apart_mm: f64) -> Option<DVec2> {
-    let n = contour.len();
-    let is_far = |p: &DVec2| p.distance(at) > apart_mm;
-    let before = (0..n).map(|k| contour[(edge + n - k) % n]).find(is_far)?;
-    let after = (1..=n).map(|k| contour[(edge + k) % n]).find(is_far)?;
-    (after - before).try_normalize()
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close
