@@ -165,6 +165,11 @@ pub fn python_audit() -> Result<(), String> {
     environment(true, &["abi3audit", "auditwheel"])
 }
 
+/// For `cargo xtask python --release` on Linux: a linker that knows the C library of older systems.
+pub fn zig() -> Result<(), String> {
+    environment(true, &["ziglang"])
+}
+
 /// For `cargo xtask python --release`: what runs the notebooks.
 pub fn python_notebooks() -> Result<(), String> {
     environment(true, &["nbclient", "nbformat", "ipykernel"])

@@ -24,7 +24,7 @@
 //!
 //! Lengths are in mm. Cost: linear in the length of all lines; each step of an extension looks at the neighbours in a few
 //! cells. Limits: ends are extended one after the other in the order of the lines, so of two ends that want the same space
-//! the first takes it.
+//! the first takes it. Tips are taken when all ends have their least room, so that no tip keeps a line out.
 
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::cross;
@@ -331,20 +331,24 @@ fn extend(lines: &mut [Line], neighbours: &Neighbours, place: &Place<'_>, room: 
         let ends = line.points.first().into_iter().chain(line.points.last());
         ends.for_each(|&p| added.insert(p, (l, true)));
     }
-    // Ends are extended one by one in the order of the lines, so the result does not depend on threads.
-    for l in 0..lines.len() {
-        if lines[l].closed || lines[l].points.len() < 2 {
-            continue;
-        }
-        for at_start in [true, false] {
-            let more = End { lines, line: l, at_start, neighbours, place, room }.extension(&added);
-            more.iter().for_each(|&p| added.insert(p, (l, false)));
-            if at_start {
-                lines[l].points.splice(0..0, more.into_iter().rev());
-            } else {
-                lines[l].points.extend(more);
+    let open: Vec<usize> =
+        (0..lines.len()).filter(|&l| !lines[l].closed && lines[l].points.len() > 1).collect();
+    let mut extensions: Vec<[Vec<DVec2>; 2]> = open.iter().map(|_| Default::default()).collect();
+    // Ends are extended one by one in the order of the lines, so the result does not depend on threads. All go as far as
+    // there is the least room before the first goes into a tip: where many lines meet, tips would keep others out.
+    for tip in [room.least, room.tip] {
+        for (&l, extensions) in open.iter().zip(&mut extensions) {
+            for (at_start, extension) in [true, false].into_iter().zip(extensions) {
+                let n = extension.len();
+                End { lines, line: l, at_start, neighbours, place, room: Room { tip, ..room } }
+                    .extend(extension, &added);
+                extension[n..].iter().for_each(|&p| added.insert(p, (l, false)));
             }
         }
+    }
+    for (l, [at_start, at_end]) in open.into_iter().zip(extensions) {
+        lines[l].points.splice(0..0, at_start.into_iter().rev());
+        lines[l].points.extend(at_end);
     }
 }
 
@@ -359,16 +363,20 @@ struct End<'a> {
 }
 
 impl End<'_> {
-    /// The points by which the end is extended.
-    fn extension(&self, added: &PointGrid2<(usize, bool)>) -> Vec<DVec2> {
+    /// Adds points to an extension of the end.
+    fn extend(&self, out: &mut Vec<DVec2>, added: &PointGrid2<(usize, bool)>) {
         let points = &self.lines[self.line].points;
         let n = points.len();
-        let (mut at, before) =
+        let (end, inside) =
             if self.at_start { (points[0], points[1]) } else { (points[n - 1], points[n - 2]) };
+        let (mut at, before) = match out[..] {
+            [] => (end, inside),
+            [at] => (at, end),
+            [.., before, at] => (at, before),
+        };
         let mut heading = (at - before).normalize_or(DVec2::X);
         let spacing_mm = self.place.spacing_mm;
         let step = STEP * spacing_mm;
-        let mut out = Vec::new();
         let mut n_narrow = 0;
         for _ in 0..MAX_STEPS {
             let axis = (self.place.axis)(at);
@@ -389,7 +397,7 @@ impl End<'_> {
             if turns
                 || self.meets_line(at, along, step)
                 || self.crowds(next, added)
-                || self.returns(next, &out)
+                || self.returns(next, out)
             {
                 break;
             }
@@ -406,7 +414,6 @@ impl End<'_> {
             out.push(next);
             (at, heading) = (next, along);
         }
-        out
     }
 
     /// Whether another line lies across the way directly ahead.
