@@ -125,10 +125,12 @@ fn fibre(jobs: &Jobs) -> Result<(), String> {
     let cut = ["fibre.turns=\"cut\""];
     for (name, job, sets) in [
         ("plate", "plate", &[][..]),
+        ("plate-wide", "plate-wide", &[]),
         ("plate-stripes", "plate-stripes", &[]),
         ("plate-concentric", "plate-concentric", &[]),
         ("plate-rectilinear", "plate-rectilinear", &[]),
         ("hook", "hook", &[]),
+        ("hook-wide", "hook-wide", &[]),
         ("plate-cut", "plate", &cut),
         ("plate-concentric-cut", "plate-concentric", &cut),
     ] {
@@ -157,7 +159,7 @@ fn fibre(jobs: &Jobs) -> Result<(), String> {
 /// The plates of [`fibre`] in the virtual strength test, over the cards of both materials.
 fn fibre_strength(jobs: &Jobs) -> Result<(), String> {
     let folder = jobs.example("continuous")?;
-    let plates = ["plate-rectilinear", "plate-concentric", "plate-stripes", "plate"];
+    let plates = ["plate-rectilinear", "plate-concentric", "plate-stripes", "plate-wide", "plate"];
     let rows = jobs.compare(&folder, &plates, &["strength.cell_mm=0.4"])?;
     let header = [
         "job",

@@ -158,11 +158,35 @@ fn sharp_turns_are_rounded_reported_or_cut() {
     let cut = with("cut");
     assert_eq!(cut["fibre"]["sharp_turns"], 0, "{}", cut["fibre"]);
     assert!(number(&cut["fibre"]["cuts"]) > 100.0);
+    // Lines return several beads away: fewer cuts, as much fibre, and no turn below the radius either.
+    let wide = with("wide");
+    assert_eq!(wide["fibre"]["sharp_turns"], 0, "{}", wide["fibre"]);
+    assert!(number(&wide["fibre"]["cuts"]) < 0.6 * number(&cut["fibre"]["cuts"]), "{}", wide["fibre"]);
+    assert!(number(&wide["fibre"]["length_mm"]) > 0.95 * number(&cut["fibre"]["length_mm"]));
+    assert!(number(&wide["quality"]["gap"]) < 0.05 && number(&wide["quality"]["overlap"]) < 0.03);
     let (rings, _) = run(&dir, &["fibre.turns=report"]);
     let (rounded, _) = run(&dir, &[]);
     let (before, after) = (sharp_turns(&rings["fibre"]), sharp_turns(&rounded["fibre"]));
     assert!(before.len() > 3 * after.len(), "{} of {} are left", after.len(), before.len());
     assert!(after.iter().all(|t| (t[1] - 15.0).abs() < 2.5), "{after:?}");
+}
+
+/// The plate of `grainpath new continuous`, with a hole and along its stress: as one path a layer, and with wide turns.
+#[test]
+fn wide_turns_keep_the_fibre_along_the_stress() {
+    let dir = folder("fibre wide turns");
+    assert!(grainpath(&dir, &["new", "continuous", "."]).status.success());
+    let fibre = |job: &str| {
+        let out = grainpath(&dir, &["run", job, "--json"]);
+        assert!(out.status.success(), "{job}: {}", String::from_utf8_lossy(&out.stderr));
+        json(&out)["fibre"].clone()
+    };
+    let (one, wide) = (fibre("plate.toml"), fibre("plate-wide.toml"));
+    assert!(number(&one["sharp_turns"]) > 500.0, "{one}");
+    assert_eq!(wide["sharp_turns"], 0, "{wide}");
+    assert!(number(&wide["min_radius_mm"]) >= 0.98 * 2.0, "{wide}");
+    let along = |fibre: &Value| number(&fibre["length_mm"]) * number(&fibre["within_15_deg"]);
+    assert!(along(&wide) >= 0.95 * along(&one), "{} of {} mm", along(&wide), along(&one));
 }
 
 #[test]

@@ -250,7 +250,7 @@ warning_ids! {
         "lower fibre.min_length_mm if the machine allows it";
     FibreSharpTurn = "fibre-sharp-turn",
         "Fibre paths turn more sharply than the fibre should be bent.",
-        "smooth the directions with guide.smoothing_mm, or lower fibre.min_radius_mm";
+        "take fibre.turns = \"wide\", smooth the directions with guide.smoothing_mm, or lower fibre.min_radius_mm";
     FibreGaps = "fibre-gaps",
         "A dense fibre print leaves more of the part unfilled than is usual.",
         "lower fibre.bead_width_mm";

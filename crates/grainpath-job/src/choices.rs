@@ -295,6 +295,7 @@ choices! {
         Round = "round", "turns are rounded where there is room; the others are reported.";
         Report = "report", "turns are reported only.";
         Cut = "cut", "turns are rounded where there is room; at the others the fibre is cut.";
+        Wide = "wide", "as `cut`; lines then return several beads away, where turns of that radius fit.";
     }
     /// Place where a closed fibre path begins and ends (`fibre.start`).
     enum FibreStart {

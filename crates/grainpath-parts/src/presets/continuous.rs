@@ -77,33 +77,45 @@ struct Variant {
     name: &'static str,
     about: &'static str,
     fill: &'static str,
+    turns: &'static str,
 }
 
-const VARIANTS: [Variant; 4] = [
+const VARIANTS: [Variant; 5] = [
     Variant {
         name: "",
         about: "one path of continuous fibre a layer, along the stress",
         fill: "pattern = \"continuous\"        # one path for each island of a layer",
+        turns: "round",
+    },
+    Variant {
+        name: "-wide",
+        about: "continuous fibre along the stress whose turns all keep the least radius",
+        fill: "pattern = \"continuous\"        # paths for each island of a layer",
+        turns: "wide",
     },
     Variant {
         name: "-stripes",
         about: "fibre as stripes along the stress, for comparison",
         fill: "pattern = \"stripes\"           # even spacing; fibre beads keep their width",
+        turns: "round",
     },
     Variant {
         name: "-concentric",
         about: "fibre in rings along the border, for comparison",
         fill: "pattern = \"concentric\"        # rings, as composite printers lay them",
+        turns: "round",
     },
     Variant {
         name: "-rectilinear",
         about: "fibre to and fro at 45 degrees, for comparison",
         fill: "pattern = \"rectilinear\"\nangles_deg = [45, -45]",
+        turns: "round",
     },
 ];
 
 fn job(part: &str, title: &str, variant: &Variant, loads: &str) -> ExampleFile {
-    let (suffix, about, fill) = (variant.name, variant.about, variant.fill);
+    let (suffix, about, fill, turns) =
+        (variant.name, variant.about, variant.fill, format!("\"{}\"", variant.turns));
     let text = format!(
         "# {title}: {about}.
 #
@@ -136,7 +148,7 @@ density = 1.0
 enabled = true
 material = \"continuous-carbon\"
 min_radius_mm = 2.0           # sharper turns are rounded where there is room
-turns = \"round\"               # round | report | cut
+turns = {turns:24}# round | report | cut | wide
 min_length_mm = 50            # the cutter stands 40 mm before the nozzle, and 5 mm hold the beginning
 start = \"straight\"
 

@@ -2,8 +2,11 @@
 //! radius, and reports how much became fibre.
 //!
 //! The paths come from a fill pattern. Paths that are long enough become fibre of one width; the others stay matrix.
-//! Turns of fibre are rounded to the least radius where there is space, else to the largest radius that fits. Lengths
-//! are in mm. Layers count from 1 in settings and from 0 in the code.
+//! Turns of fibre are rounded to the least radius where there is space, else to the largest radius that fits, or the fibre
+//! is cut there, and lines return where the least radius fits ([`wide_turns`]). Lengths are in mm. Layers count from 1 in
+//! settings and from 0 in the code.
+
+mod wide_turns;
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::polyline;
@@ -69,6 +72,23 @@ pub enum FibreError {
     TooShort { longest_mm: f64, needed_mm: f64 },
     #[error("no fibre was laid: the layers chosen have no fill")]
     NoFill,
+}
+
+/// Where paths are laid with fibre, and how.
+#[derive(Clone, Copy)]
+pub struct FibrePlace<'a> {
+    /// The area for centrelines.
+    pub region: &'a Region,
+    /// Distance between beads side by side, mm.
+    pub spacing_mm: f64,
+    /// The load at a point, from which the start of a closed path may be chosen.
+    pub load: &'a dyn Fn(DVec2) -> f64,
+    /// The start of a closed path, and groups of wide turns, move on by this, mm.
+    pub onward_mm: f64,
+    /// Whether closed paths stay closed, so that the print order chooses their start.
+    pub keep_closed: bool,
+    /// Whether the paths are rings along the border, which do not return.
+    pub rings: bool,
 }
 
 /// Counts of the paths that were meant to become fibre.
@@ -235,25 +255,26 @@ impl FibreSettings {
         rest.polygons
     }
 
-    /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` gives the load at a
-    /// point, from which the start of a closed path may be chosen; the start then moves on along the path by
-    /// `onward_mm`. With `keep_closed` closed paths stay closed, and the print order chooses their start.
-    pub fn lay(
-        &self,
-        paths: Vec<Toolpath>,
-        infill_regions: &Region,
-        load: &dyn Fn(DVec2) -> f64,
-        onward_mm: f64,
-        keep_closed: bool,
-        out: &mut Vec<Toolpath>,
-    ) -> Tally {
+    /// Turns the paths laid in a place into fibre where they are long enough.
+    pub fn lay(&self, mut paths: Vec<Toolpath>, place: &FibrePlace<'_>, out: &mut Vec<Toolpath>) -> Tally {
         let mut tally = Tally::default();
         // The region is grown by 2 um, because paths may lie exactly on its edge.
-        let grown = infill_regions.offset(2e-3, Join::Miter(3.0));
+        let grown = place.region.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
-        for mut path in paths {
-            path.width = BeadWidth::Constant(self.bead_width_mm);
+        paths.iter_mut().for_each(|path| path.width = BeadWidth::Constant(self.bead_width_mm));
+        if self.turns == FibreTurns::Wide && !place.rings && self.min_radius_mm > 0.0 {
+            let pieces = paths.into_iter().flat_map(|path| self.turned(path, &inside, &mut tally)).collect();
+            let there = wide_turns::Place {
+                region: &grown,
+                clipper: &clipper,
+                spacing_mm: place.spacing_mm,
+                least_mm: self.min_radius_mm,
+                onward_mm: place.onward_mm,
+            };
+            paths = wide_turns::joined(pieces, &there);
+        }
+        for path in paths {
             let length = path.length_mm();
             tally.longest_mm = tally.longest_mm.max(length);
             // Short paths are sorted out before their turns are rounded, since rounding only shortens a path.
@@ -270,7 +291,7 @@ impl FibreSettings {
                     tally.short_mm += length;
                 } else {
                     piece.role = Role::Fibre;
-                    self.begin(&mut piece, load, onward_mm, keep_closed);
+                    self.begin(&mut piece, place);
                 }
                 out.push(piece);
             }
@@ -285,6 +306,7 @@ impl FibreSettings {
         inside: &dyn Fn(DVec2, DVec2) -> bool,
         tally: &mut Tally,
     ) -> Vec<Toolpath> {
+        let cuts = matches!(self.turns, FibreTurns::Cut | FibreTurns::Wide);
         if path.closed {
             // The path is opened at the middle of its longest straight piece, because no rounded turn
             // reaches that point.
@@ -295,15 +317,15 @@ impl FibreSettings {
         let was_closed = std::mem::take(&mut path.closed);
         if self.turns != FibreTurns::Report && self.min_radius_mm > 0.0 {
             // A turn that does not fit the least radius is cut later, so it gets no smaller arc.
-            let smallest_mm = if self.turns == FibreTurns::Cut { self.min_radius_mm } else { SMALLEST_MM };
+            let smallest_mm = if cuts { self.min_radius_mm } else { SMALLEST_MM };
             let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, smallest_mm, inside);
             tally.rounded += n_rounded;
             path.points = points;
         }
-        if self.turns == FibreTurns::Cut {
-            let sharp = sharp_turns(&path.points, false, self.min_radius_mm);
-            if !sharp.is_empty() {
-                return cut(&path, &sharp, self.bead_width_mm);
+        if cuts {
+            let pieces = self.cut_at_sharp_turns(path.clone());
+            if pieces.len() != 1 || pieces[0] != path {
+                return pieces;
             }
         }
         if was_closed {
@@ -313,10 +335,20 @@ impl FibreSettings {
         vec![path]
     }
 
-    /// Moves the start of a closed path to where the settings say and `onward_mm` beyond, and opens the path
+    /// Cuts an open path until no piece has a sharp turn. The end of a piece can show a turn that was part of a longer one.
+    fn cut_at_sharp_turns(&self, path: Toolpath) -> Vec<Toolpath> {
+        let sharp = sharp_turns(&path.points, false, self.min_radius_mm);
+        if sharp.is_empty() {
+            return vec![path];
+        }
+        let pieces = cut(&path, &sharp, self.bead_width_mm);
+        pieces.into_iter().flat_map(|piece| self.cut_at_sharp_turns(piece)).collect()
+    }
+
+    /// Moves the start of a closed path to where the settings say and on by what the place says, and opens the path
     /// there. With the setting `Nearest` the path stays closed.
-    fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, onward_mm: f64, keep_closed: bool) {
-        if !path.closed || keep_closed {
+    fn begin(&self, path: &mut Toolpath, place: &FibrePlace<'_>) {
+        if !path.closed || place.keep_closed {
             return;
         }
         let least = |score: &dyn Fn(DVec2) -> f64| {
@@ -327,10 +359,10 @@ impl FibreSettings {
             FibreStart::Nearest => return,
             // The start is already the point at which the path was opened above.
             FibreStart::Straight => {}
-            FibreStart::Calm => path.rotate_to(least(load)),
+            FibreStart::Calm => path.rotate_to(least(place.load)),
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
-        begin_onward(path, onward_mm);
+        begin_onward(path, place.onward_mm);
         // The path is opened with both ends at its start, so that the print order does not move the start.
         path.points.push(path.points[0]);
         path.closed = false;

@@ -1,6 +1,7 @@
 use super::*;
 use grainpath_core::Layer;
 use grainpath_core::math::direction;
+use grainpath_core::segment::{self, Meeting};
 
 fn settings() -> FibreSettings {
     FibreSettings {
@@ -16,6 +17,11 @@ fn settings() -> FibreSettings {
         min_length_mm: 20.0,
         start: FibreStart::Straight,
     }
+}
+
+fn place(region: &Region, onward_mm: f64) -> FibrePlace<'_> {
+    let spacing_mm = bead_spacing_mm(0.6, 0.2);
+    FibrePlace { region, spacing_mm, load: &|_| 0.0, onward_mm, keep_closed: false, rings: false }
 }
 
 fn anywhere(_: DVec2, _: DVec2) -> bool {
@@ -104,7 +110,7 @@ fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let infill_region = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
     let path = Toolpath::new(square.to_vec(), 0.45, Role::SolidFill, true);
     let mut out = Vec::new();
-    let tally = settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, 0.0, false, &mut out);
+    let tally = settings().lay(vec![path.clone()], &place(&infill_region, 0.0), &mut out);
     assert_eq!((tally.rounded, tally.short, out.len()), (4, 0, 1));
     assert_eq!((out[0].role, out[0].width.clone()), (Role::Fibre, BeadWidth::Constant(0.6)));
     assert_eq!(out[0].start(), out[0].end());
@@ -113,7 +119,7 @@ fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     assert!(smallest(points, true) >= 0.98 * 3.0, "{}", smallest(points, true));
     // Moved on, it begins that much farther along the same line.
     let mut moved = Vec::new();
-    settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, 1.5, false, &mut moved);
+    settings().lay(vec![path.clone()], &place(&infill_region, 1.5), &mut moved);
     assert!(moved[0].start().distance(DVec2::new(21.5, 0.0)) < 1e-9, "{}", moved[0].start());
     assert_eq!(moved[0].start(), moved[0].end());
     assert!((moved[0].length_mm() - out[0].length_mm()).abs() < 1e-9);
@@ -121,10 +127,7 @@ fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let mut out = Vec::new();
     let tally = FibreSettings { min_length_mm: 200.0, ..settings() }.lay(
         vec![path],
-        &infill_region,
-        &|_| 0.0,
-        0.0,
-        false,
+        &place(&infill_region, 0.0),
         &mut out,
     );
     assert_eq!((tally.short, out[0].role), (1, Role::SolidFill));
@@ -144,10 +147,7 @@ fn fibre_is_cut_where_it_cannot_turn() {
     let mut out = Vec::new();
     FibreSettings { turns: FibreTurns::Cut, ..settings() }.lay(
         vec![path],
-        &infill_region,
-        &|_| 0.0,
-        0.0,
-        false,
+        &place(&infill_region, 0.0),
         &mut out,
     );
     assert_eq!(out.iter().filter(|p| p.role == Role::Fibre).count(), 10);
@@ -220,4 +220,84 @@ fn what_does_not_go_with_the_part_is_said() {
     );
     let far = vec![[DVec3::new(50.0, 0.0, 0.0), DVec3::new(60.0, 5.0, 1.0)]];
     assert!(said(FibreSettings { boxes: far, ..settings() }).contains("box 1 misses the part"));
+}
+
+/// Pieces of fibre that a zigzag over a rectangle of 100 mm along x becomes with wide turns.
+fn zigzag_with_wide_turns(n_lines: usize, slant_mm: f64) -> (Vec<Toolpath>, f64, Region) {
+    let s = bead_spacing_mm(0.6, 0.2);
+    // Lines end half a bead inside; the hairpins are two right-angled corners.
+    let zigzag: Vec<DVec2> = (0..n_lines)
+        .flat_map(|k| {
+            let y = (k as f64 + 0.5) * s;
+            let (a, b) = (DVec2::new(0.3 + slant_mm * y, y), DVec2::new(99.7 + slant_mm * y, y));
+            if k % 2 == 0 { [a, b] } else { [b, a] }
+        })
+        .collect();
+    let high = n_lines as f64 * s;
+    let corners = [(0.0, 0.0), (100.0, 0.0), (100.0 + slant_mm * high, high), (slant_mm * high, high)];
+    let region = Region::from(Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() });
+    let path = Toolpath::new(zigzag, 0.6, Role::SolidFill, false);
+    let length_mm = path.length_mm();
+    let mut out = Vec::new();
+    FibreSettings { turns: FibreTurns::Wide, ..settings() }.lay(vec![path], &place(&region, 0.0), &mut out);
+    (out, length_mm, region)
+}
+
+/// Pairs of segments that cross, of one path or of two.
+fn crossings(paths: &[Toolpath]) -> Vec<[[DVec2; 2]; 2]> {
+    let segments: Vec<[DVec2; 2]> =
+        paths.iter().flat_map(|p| (0..p.n_segments()).map(|i| [p.segment(i).0, p.segment(i).1])).collect();
+    let pairs = |(k, a): (usize, &[DVec2; 2])| {
+        let crossed = segments[k + 1..].iter().filter(|b| segment::meeting(*a, **b) == Meeting::Cross);
+        crossed.map(|b| [*a, *b]).collect::<Vec<_>>()
+    };
+    segments.iter().enumerate().flat_map(pairs).collect()
+}
+
+#[test]
+fn wide_turns_keep_the_least_radius_and_most_of_the_fibre() {
+    for slant_mm in [0.0, 0.5, -1.0] {
+        let (out, length_mm, region) = zigzag_with_wide_turns(60, slant_mm);
+        let fibre: Vec<&Toolpath> = out.iter().filter(|p| p.role == Role::Fibre).collect();
+        // Cut at every hairpin there would be 60 pieces.
+        assert!((1..=30).contains(&fibre.len()), "{slant_mm}: {} pieces", fibre.len());
+        let laid_mm: f64 = fibre.iter().map(|p| p.length_mm()).sum();
+        assert!(laid_mm > 0.95 * length_mm, "{slant_mm}: {laid_mm} of {length_mm} mm");
+        for piece in &fibre {
+            let r_mm = smallest(&piece.points, piece.closed);
+            assert!(r_mm >= 0.98 * settings().min_radius_mm, "{slant_mm}: {r_mm} mm");
+        }
+        assert!(crossings(&out).is_empty(), "{slant_mm}: {:?}", crossings(&out));
+        let clipper = LineClipper::new(&region.offset(0.01, Join::Miter(2.0)));
+        assert!(out.iter().all(|p| p.points.windows(2).all(|w| clipper.segment_inside(w[0], w[1]))));
+        // Beads lie beside each other and not on each other.
+        let lines: Vec<Region> = out.iter().map(|p| Region::around_line(&p.points, p.closed, 0.2)).collect();
+        let alone: f64 = lines.iter().map(Region::area_mm2).sum();
+        let together = lines.iter().fold(Region::default(), |sum, one| sum.union(one)).area_mm2();
+        assert!(alone < 1.01 * together, "{slant_mm}: {alone} {together}");
+    }
+}
+
+#[test]
+fn too_few_lines_for_a_wide_turn_stay_cut() {
+    let (out, length_mm, _) = zigzag_with_wide_turns(8, 0.0);
+    assert_eq!(out.iter().filter(|p| p.role == Role::Fibre).count(), 8);
+    assert!(out.iter().map(Toolpath::length_mm).sum::<f64>() > 0.99 * (length_mm - 8.0 * 0.6));
+}
+
+#[test]
+fn lines_that_a_path_changes_are_joined_again() {
+    let s = bead_spacing_mm(0.6, 0.2);
+    let half = |x: [f64; 2]| {
+        let points = [(x[0], 0.0), (x[1], 0.0), (x[1], s), (x[0], s)].map(DVec2::from);
+        Toolpath::new(points.to_vec(), 0.6, Role::SolidFill, false)
+    };
+    let region = Region::rectangle(DVec2::new(-0.3, -0.3), DVec2::new(100.3, s + 0.3));
+    let mut out = Vec::new();
+    let f = FibreSettings { turns: FibreTurns::Wide, ..settings() };
+    f.lay(vec![half([0.0, 49.7]), half([100.0, 50.3])], &place(&region, 0.0), &mut out);
+    // Two lines of the whole length, and not four of half of it.
+    assert_eq!(out.len(), 2);
+    assert!(out.iter().all(|p| (p.length_mm() - 100.5).abs() < 0.3 && p.role == Role::Fibre));
+    assert!(out.iter().all(|p| smallest(&p.points, false) > 100.0));
 }

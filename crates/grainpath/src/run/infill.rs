@@ -8,10 +8,10 @@ use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, edges};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
-use grainpath_job::choices::Pattern;
+use grainpath_job::choices::{BeadWidths, Pattern};
 
 use super::steps::Steps;
-use crate::fibre::{FibreSettings, Tally};
+use crate::fibre::{FibrePlace, FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
     Concentric, FillContext, Infill, SeedLines, Solid, Stripes, between_beads, bridge_angle_rad,
@@ -277,26 +277,36 @@ impl Steps<'_> {
             without.iter().for_each(|region| matrix.fill(&context, region, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
-        // Fibre has one width, so it cannot taper into a wedge.
+        // Fibre has one width, so it cannot taper into a wedge, and lines along a field end where they have no room for it.
         context.fills_wedges = false;
+        context.widths = BeadWidths::Constant;
         // Fibre beads and matrix beads have different widths, so their centrelines keep different
         // distances from the border of the area.
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
         // The load at a point, for choosing the start of closed paths; without a guide it is 0 everywhere.
         let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
-        let mut paths = Vec::new();
-        let rest = fibre.lay_rings(&with, context.height_mm, context.role, &mut paths);
-        let n_rings = paths.len();
+        let mut rings = Vec::new();
+        let rest = fibre.lay_rings(&with, context.height_mm, context.role, &mut rings);
         if fibre.rings > 0 {
             // Inside the rings, centrelines begin half a strip from the strips of the rings.
             context.border_mm = 0.5 * context.spacing_mm();
         }
-        self.fill_regions(i, &context, &rest.iter().collect::<Vec<_>>(), asked, &mut paths);
-        if n_rings > 0 {
-            paths[n_rings..].iter_mut().for_each(|p| p.rank += 1);
+        let mut lines = Vec::new();
+        self.fill_regions(i, &context, &rest.iter().collect::<Vec<_>>(), asked, &mut lines);
+        if !rings.is_empty() {
+            lines.iter_mut().for_each(|p| p.rank += 1);
         }
-        let onward_mm = context.shift.onward_mm();
-        fibre.lay(paths, &Region { polygons: with }, &load, onward_mm, self.settings.infill.chain, out)
+        let place = FibrePlace {
+            region: &Region { polygons: with },
+            spacing_mm: context.spacing_mm(),
+            load: &load,
+            onward_mm: context.shift.onward_mm(),
+            keep_closed: self.settings.infill.chain,
+            rings: true,
+        };
+        let tally = fibre.lay(rings, &place, out);
+        let rest = Region { polygons: rest };
+        tally.and(fibre.lay(lines, &FibrePlace { region: &rest, rings: false, ..place }, out))
     }
 
     /// Fills infill regions with one material; as one path for the pattern `continuous`.

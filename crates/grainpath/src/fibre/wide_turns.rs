@@ -1,0 +1,564 @@
+//! Joins pieces of fibre by turns that keep the least radius.
+//!
+//! Two lines a bead apart cannot be joined by a turn that is wider than a bead. So a line returns several beads away, and
+//! the turns of a group of lines lie inside each other along the border:
+//!
+//! ```text
+//!    ===================================  border
+//!      /-----------------------------\    turn of lines 1 and 9
+//!      |   /---------------------\   |    turn of lines 2 and 8
+//!      |   |   |   |   |   |   |  |  |
+//!      1   2   3   4   5   6   7  8  9    lines 3 to 7 end: their turns would be narrower than two radii
+//! ```
+//!
+//! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes three steps:
+//!
+//! 1. what is left of a hairpin goes from the ends of the pieces;
+//! 2. ends that face each other are joined again, by a slope of [`STEEPEST_RAD`] at most: there a path had changed from one
+//!    line to the next;
+//! 3. ends that meet the border side by side form groups. Lines of a group whose distance is two radii or more are joined
+//!    by turns along the border, a bead apart; the lines inside end before them. Groups at the other ends of the same
+//!    lines are moved so that lines become long pieces and not rings.
+//!
+//! Turns that do not cross lie beside or inside each other, and the innermost has lines inside it that cannot turn. So of
+//! lines that end side by side some stay cut, here a fifth ([`TURNS_PER_LINE`]). The steps are this project's own.
+//!
+//! Lengths are in mm. Cost: linear in the length of the pieces for steps 1 and 3; step 2 looks at the ends within a few
+//! beads of each other. Limits: the turns lie across the lines, in a strip along the border twice as wide as the least
+//! turn; lines stay cut where they meet the border at less than 30 degrees, where its curve is tighter than the least
+//! radius, and where fewer lie side by side than a turn is wide.
+
+use std::collections::BTreeSet;
+
+use grainpath_core::buckets::{Buckets, CellGrid, PointGrid2};
+use grainpath_core::math::{cross, tan};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::polyline::{length_mm, shorten_start};
+use grainpath_core::segment::{self, Meeting};
+use grainpath_core::turns::{rounded, sharp_turns};
+use grainpath_core::{Bounds2, Contour, DVec2, Region, Toolpath};
+
+/// The direction of a piece at its end is that of the stretch between these two distances from the end, in spacings.
+/// Source: derived; a hairpin between two beads is over after one spacing and a half.
+const STRETCH: [f64; 2] = [2.0, 4.0];
+/// A segment within the first of [`STRETCH`] belongs to a hairpin if it deviates from the direction of the piece by more
+/// than this; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`], with ten degrees for the curve of a line.
+const HAIRPIN_COS: f64 = 0.906;
+/// Steepest slope by which two ends that face each other are joined: 15 degrees. Source: chosen; half of the angle within
+/// which a path counts as along the load in the report.
+const STEEPEST_RAD: f64 = 0.2618;
+/// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
+/// slope and the curve of the lines are added to it.
+const OPPOSITE_COS: f64 = 0.94;
+/// Ends that face each other are joined if they are at most this far apart, in spacings. Source: derived; the stretch of a
+/// line that a path leaves where it changes to the next is as long as a hairpin at both its ends, two and two spacings.
+const FARTHEST_FACING: f64 = 6.0;
+/// Ends that face each other are joined if their lines are at most this far apart sidewise, in spacings. Source: derived; the
+/// next line is one spacing away.
+const MOST_SIDEWISE: f64 = 1.2;
+/// The border is looked for so far ahead of an end, in spacings. Source: derived; the hairpins that were cut off had led a
+/// line to half a spacing from the border, and they are two spacings long at most.
+const AHEAD: f64 = 4.0;
+/// The least sine of the angle at which a line meets a border along which it may turn: 30 degrees. Source: derived; at
+/// smaller angles lines a bead apart end two beads apart on the border.
+const LEAST_SINE: f64 = 0.5;
+/// Ends on the border are side by side if they are at most this far apart, in spacings. Source: derived; at [`LEAST_SINE`]
+/// lines that are one spacing apart end two spacings apart.
+const SIDE_BY_SIDE: f64 = 2.05;
+/// Two lines are joined by a turn if their directions are equal within this; the cosine of 30 degrees. Source: chosen; the
+/// turn then goes round by 150 degrees at least.
+const ALIKE_COS: f64 = 0.866;
+/// A turn is rounded with this much of its lines, in radii. Source: derived; an arc by 150 degrees, the most at
+/// [`LEAST_SINE`] plus a curve of 30, reaches 3.9 radii back.
+const STRAIGHT: f64 = 4.0;
+/// A line that ends inside a turn comes nearer to it than a spacing by this share at most. Source: chosen; a fiftieth of a
+/// bead is less than a printer can show.
+const CLOSER: f64 = 0.02;
+/// Turns of a group for each line that ends inside them. Source: measured on the jobs `plate-wide` and `hook-wide` of
+/// `grainpath new continuous`. With 1, 2 and 3 the plate has 50.3, 50.5 and 49.0 m of fibre in 440, 430 and 380 pieces;
+/// with 1 and 2 the hook has 23.4 and 28.6 m.
+const TURNS_PER_LINE: usize = 2;
+/// Turns stay this far inside the area for centrelines, mm. Source: derived. A turn has a point on every line that it passes;
+/// around a hole of 5 mm radius a straight piece of 1.4 mm between two of them comes 0.05 mm nearer to the hole.
+const WITHIN_MM: f64 = 0.05;
+/// Least length of a turn along the border, in radii: one for the arc at each of its ends, and what
+/// [`rounded`](grainpath_core::turns::rounded) adds to them. Source: derived from its factor of 1.03.
+const LEAST_TURN: f64 = 2.1;
+
+/// Where pieces of fibre lie.
+pub(super) struct Place<'a> {
+    /// The area for their centrelines.
+    pub region: &'a Region,
+    /// The same area, searchable.
+    pub clipper: &'a LineClipper,
+    /// Distance between beads side by side, mm.
+    pub spacing_mm: f64,
+    /// Least radius of a turn, mm.
+    pub least_mm: f64,
+    /// Groups of lines begin this much farther along the border, mm, so that the cuts of layers lie apart.
+    pub onward_mm: f64,
+}
+
+/// Joins open pieces where turns of the least radius fit. Corners of the result are still to be rounded. Closed pieces stay.
+pub(super) fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
+    let (closed, open): (Vec<Toolpath>, Vec<Toolpath>) = pieces.into_iter().partition(|p| p.closed);
+    let Some(like) = open.first().cloned() else { return closed };
+    let mut lines: Vec<Vec<DVec2>> = open.into_iter().map(|p| without_hairpins(p.points, place)).collect();
+    lines.retain(|line| line.len() > 1);
+    let rings = || closed.iter().map(|p| [&p.points[..], &p.points[..1]].concat());
+    let lines = facing_joined(lines, rings(), place);
+    let paths = turned_at_border(lines, rings(), place);
+    let mut out: Vec<Toolpath> =
+        paths.into_iter().map(|(points, closed)| Toolpath { points, closed, ..like.clone() }).collect();
+    out.extend(closed);
+    out
+}
+
+/// Removes what is left of a hairpin from both ends of a line.
+fn without_hairpins(mut line: Vec<DVec2>, place: &Place<'_>) -> Vec<DVec2> {
+    for _ in 0..2 {
+        if let Some(onward) = onward(&line, place.spacing_mm) {
+            let (mut way_mm, mut kept_from) = (0.0, 0);
+            for (k, w) in line.windows(2).enumerate() {
+                if way_mm > STRETCH[0] * place.spacing_mm {
+                    break;
+                }
+                if (w[0] - w[1]).normalize_or(onward).dot(onward) < HAIRPIN_COS {
+                    kept_from = k + 1;
+                }
+                way_mm += w[0].distance(w[1]);
+            }
+            line.drain(..kept_from);
+        }
+        line.reverse();
+    }
+    line
+}
+
+/// Unit vector in which a line goes on beyond its first point; `None` if the line is too short to tell.
+fn onward(line: &[DVec2], spacing_mm: f64) -> Option<DVec2> {
+    let mut left_mm = STRETCH.map(|beads| beads * spacing_mm);
+    let mut at = [None; 2];
+    for w in line.windows(2) {
+        let length_mm = w[0].distance(w[1]);
+        for (left_mm, at) in left_mm.iter_mut().zip(&mut at).filter(|(_, at)| at.is_none()) {
+            if *left_mm <= length_mm && length_mm > 0.0 {
+                *at = Some(w[0].lerp(w[1], *left_mm / length_mm));
+            }
+            *left_mm -= length_mm;
+        }
+    }
+    (at[0]? - at[1]?).try_normalize()
+}
+
+/// The segments of lines, searchable.
+struct Obstacles {
+    /// Both ends, and the line.
+    segments: Vec<(DVec2, DVec2, usize)>,
+    buckets: Buckets,
+}
+
+impl Obstacles {
+    fn new(lines: impl Iterator<Item = Vec<DVec2>>, cell_mm: f64) -> Self {
+        let mut segments = Vec::new();
+        for (l, line) in lines.enumerate() {
+            segments.extend(line.windows(2).map(|w| (w[0], w[1], l)));
+        }
+        let bounds = Bounds2::around_points(segments.iter().flat_map(|s| [s.0, s.1]))
+            .unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let cells = CellGrid::covering(bounds, cell_mm, 4000);
+        let buckets = Buckets::new(cells, segments.len(), |k, add| {
+            cells.for_each_passed(segments[k].0, segments[k].1, add)
+        });
+        Self { segments, buckets }
+    }
+
+    /// Whether a line other than those that `skips` names crosses or touches the way from `a` to `b`.
+    fn between(&self, a: DVec2, b: DVec2, skips: impl Fn(usize) -> bool) -> bool {
+        let mut blocked = false;
+        self.buckets.cells.for_each_passed(a, b, |cell| {
+            blocked |= self.buckets.members(cell).iter().any(|&k| {
+                let (p, q, l) = self.segments[k as usize];
+                !skips(l) && segment::meeting([a, b], [p, q]) != Meeting::Apart
+            });
+        });
+        blocked
+    }
+}
+
+/// A way from one end of a line to an end of another: the points between both, and the two ends. End `2 l` is the first
+/// point of line `l`, end `2 l + 1` its last.
+struct Joint {
+    ends: [usize; 2],
+    way: Vec<DVec2>,
+}
+
+/// Points of a line, from one of its ends on.
+fn from_end(lines: &[Vec<DVec2>], end: usize) -> Vec<DVec2> {
+    let mut line = lines[end / 2].clone();
+    if !end.is_multiple_of(2) {
+        line.reverse();
+    }
+    line
+}
+
+/// Replaces a line by one that is given from one of its ends on.
+fn put_back(lines: &mut [Vec<DVec2>], end: usize, mut line: Vec<DVec2>) {
+    if !end.is_multiple_of(2) {
+        line.reverse();
+    }
+    lines[end / 2] = line;
+}
+
+/// Joins ends that face each other, the nearest first.
+fn facing_joined(
+    mut lines: Vec<Vec<DVec2>>,
+    rings: impl Iterator<Item = Vec<DVec2>>,
+    place: &Place<'_>,
+) -> Vec<Vec<DVec2>> {
+    let spacing_mm = place.spacing_mm;
+    let obstacles = Obstacles::new(lines.iter().cloned().chain(rings), 2.0 * spacing_mm);
+    let ends: Vec<(DVec2, Option<DVec2>)> = (0..2 * lines.len())
+        .map(|e| {
+            let line = from_end(&lines, e);
+            (line[0], onward(&line, spacing_mm))
+        })
+        .collect();
+    let Some(bounds) = Bounds2::around_points(ends.iter().map(|e| e.0)) else { return lines };
+    let farthest_mm = FARTHEST_FACING * spacing_mm;
+    let mut grid = PointGrid2::new(bounds, farthest_mm);
+    ends.iter().enumerate().for_each(|(e, end)| grid.insert(end.0, e));
+    let mut pairs = Vec::new();
+    for (e, &(p, u)) in ends.iter().enumerate() {
+        for (q, f) in grid.within(p, farthest_mm).filter(|&(_, f)| f > e && f / 2 != e / 2) {
+            let (Some(u), Some(v)) = (u, ends[f].1) else { continue };
+            let along = (u - v).normalize_or(u);
+            let sidewise_mm = cross(along, q - p).abs();
+            if -u.dot(v) >= OPPOSITE_COS && sidewise_mm <= MOST_SIDEWISE * spacing_mm {
+                // What both lines lose so that the slope between them is not too steep, mm.
+                let lost_mm = sidewise_mm / tan(STEEPEST_RAD) - along.dot(q - p);
+                pairs.push((sidewise_mm + p.distance(q), e, f, lost_mm.max(0.0)));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| (a.1, a.2).cmp(&(b.1, b.2))));
+    let mut joints: Vec<Joint> = Vec::new();
+    let mut taken = vec![false; 2 * lines.len()];
+    for (_, e, f, lost_mm) in pairs {
+        if taken[e] || taken[f] {
+            continue;
+        }
+        let shortened = [e, f].map(|end| {
+            let mut line = from_end(&lines, end);
+            let enough = length_mm(&line, false) > 0.5 * lost_mm + STRETCH[1] * spacing_mm;
+            shorten_start(&mut line, 0.5 * lost_mm);
+            enough.then_some(line)
+        });
+        let [Some(one), Some(other)] = shortened else { continue };
+        let (a, b) = (one[0], other[0]);
+        // What both lines lose lies beside the way between them and does not count as crossing it.
+        if obstacles.between(a, b, |l| l == e / 2 || l == f / 2) || !place.clipper.segment_inside(a, b) {
+            continue;
+        }
+        put_back(&mut lines, e, one);
+        put_back(&mut lines, f, other);
+        (taken[e], taken[f]) = (true, true);
+        joints.push(Joint { ends: [e, f], way: Vec::new() });
+    }
+    chained(&lines, &joints)
+        .into_iter()
+        .map(|(line, closed)| if closed { opened(line) } else { line })
+        .collect()
+}
+
+/// A ring as an open line that ends where it begins.
+fn opened(mut ring: Vec<DVec2>) -> Vec<DVec2> {
+    ring.extend(ring.first().copied());
+    ring
+}
+
+/// The end of a line before the border.
+struct BorderEnd {
+    end: usize,
+    /// Where the line, going on, meets the border.
+    at: DVec2,
+    /// Unit vector from the line to the border.
+    onward: DVec2,
+    /// Sine of the angle between line and border.
+    sine: f64,
+    /// Contour and distance along it, mm.
+    contour: usize,
+    along_mm: f64,
+    /// Distance from the end of the line to the border, mm.
+    ahead_mm: f64,
+}
+
+impl BorderEnd {
+    fn of(
+        lines: &[Vec<DVec2>],
+        end: usize,
+        contours: &[(&Contour, Vec<f64>)],
+        place: &Place<'_>,
+    ) -> Option<Self> {
+        let line = from_end(lines, end);
+        let onward = onward(&line, place.spacing_mm)?;
+        let reach_mm = AHEAD * place.spacing_mm;
+        let hit = *place.clipper.crossings(line[0], line[0] + reach_mm * onward).first()?;
+        let (contour, lengths) = contours.get(hit.contour)?;
+        let (a, b) = (contour[hit.edge], contour[(hit.edge + 1) % contour.len()]);
+        let at = line[0] + hit.t * reach_mm * onward;
+        let sine = cross(onward, (b - a).try_normalize()?).abs();
+        let along_mm = lengths[hit.edge] + a.distance(at);
+        (sine >= LEAST_SINE).then_some(Self {
+            end,
+            at,
+            onward,
+            sine,
+            contour: hit.contour,
+            along_mm,
+            ahead_mm: hit.t * reach_mm,
+        })
+    }
+
+    /// The place on the line that is `depth_mm` from the border.
+    fn at_depth(&self, depth_mm: f64) -> DVec2 {
+        self.at - (depth_mm + WITHIN_MM) / self.sine * self.onward
+    }
+}
+
+/// Joins lines by turns along the border. Each result is a line, and whether it is closed.
+fn turned_at_border(
+    mut lines: Vec<Vec<DVec2>>,
+    rings: impl Iterator<Item = Vec<DVec2>>,
+    place: &Place<'_>,
+) -> Vec<(Vec<DVec2>, bool)> {
+    let spacing_mm = place.spacing_mm;
+    let contours: Vec<(&Contour, Vec<f64>)> = place
+        .region
+        .contours()
+        .map(|c| {
+            let mut sum_mm = 0.0;
+            let lengths = (0..c.len()).map(|k| {
+                let before_mm = sum_mm;
+                sum_mm += c[k].distance(c[(k + 1) % c.len()]);
+                before_mm
+            });
+            (c, lengths.collect())
+        })
+        .collect();
+    let obstacles = Obstacles::new(lines.iter().cloned().chain(rings), 2.0 * spacing_mm);
+    let mut ends: Vec<BorderEnd> =
+        (0..2 * lines.len()).filter_map(|e| BorderEnd::of(&lines, e, &contours, place)).collect();
+    ends.sort_by(|a, b| {
+        a.contour.cmp(&b.contour).then(a.along_mm.total_cmp(&b.along_mm)).then(a.end.cmp(&b.end))
+    });
+    let mut chains = Chains((0..lines.len()).collect());
+    let mut joints = Vec::new();
+    for run in runs(&ends, SIDE_BY_SIDE * spacing_mm) {
+        // Lines inside the narrowest turn.
+        let first = run[0].at;
+        let Some(n_inside) =
+            run.iter().position(|end| end.at.distance(first) >= LEAST_TURN * place.least_mm).map(|w| w - 1)
+        else {
+            run.iter().for_each(|end| moved_to(&mut lines, end, 0.0, &obstacles));
+            continue;
+        };
+        let group = (1 + 2 * TURNS_PER_LINE) * n_inside.max(1);
+        let first_tried = (place.onward_mm / spacing_mm) as usize;
+        let laid = (0..group)
+            .map(|k| laid_in_groups(&run, (first_tried + k) % group, group, &chains, &obstacles, place))
+            .min_by_key(|laid| laid.n_open);
+        let Some(Laid { depths_mm, pairs, .. }) = laid else { continue };
+        for (end, depth_mm) in run.iter().zip(depths_mm) {
+            moved_to(&mut lines, end, depth_mm, &obstacles);
+        }
+        for joint in pairs {
+            chains.join(joint.ends.map(|e| e / 2));
+            joints.push(joint);
+        }
+    }
+    chained(&lines, &joints)
+}
+
+/// Ends that lie side by side on a contour, in the order along it. A run that goes all around begins anywhere.
+fn runs(ends: &[BorderEnd], apart_mm: f64) -> Vec<Vec<&BorderEnd>> {
+    let mut out: Vec<Vec<&BorderEnd>> = Vec::new();
+    for of_contour in ends.chunk_by(|a, b| a.contour == b.contour) {
+        let near = |a: &BorderEnd, b: &BorderEnd| a.at.distance(b.at) <= apart_mm;
+        let mut here: Vec<Vec<&BorderEnd>> =
+            of_contour.chunk_by(near).map(|run| run.iter().collect()).collect();
+        // The contour is closed, so its last run may go on as the first.
+        if here.len() > 1 && near(&of_contour[of_contour.len() - 1], &of_contour[0]) {
+            let first = here.remove(0);
+            if let Some(last) = here.last_mut() {
+                last.extend(first);
+            }
+        }
+        out.extend(here);
+    }
+    out
+}
+
+/// Turns of a run, as [`laid_in_groups`] finds them.
+struct Laid {
+    /// How far each end stays from the border, mm.
+    depths_mm: Vec<f64>,
+    pairs: Vec<Joint>,
+    /// Number of ends without a turn, and of rings that close.
+    n_open: usize,
+}
+
+/// Lays turns in a run that is divided into groups, the first of which has `first` lines.
+fn laid_in_groups(
+    run: &[&BorderEnd],
+    first: usize,
+    group: usize,
+    chains: &Chains,
+    obstacles: &Obstacles,
+    place: &Place<'_>,
+) -> Laid {
+    let mut chains = chains.clone();
+    let mut depths_mm = vec![0.0; run.len()];
+    let mut pairs = Vec::new();
+    let (mut from, mut n_rings) = (0, 0);
+    while from < run.len() {
+        let to = run.len().min(if from == 0 && first > 0 { first } else { from + group });
+        let members: BTreeSet<usize> = run[from..to].iter().map(|end| end.end / 2).collect();
+        let mut depth_mm = 0.0;
+        // The innermost turn so far.
+        let mut around: Option<Vec<DVec2>> = None;
+        let (mut low, mut high) = (from, to);
+        while high - low > 1 {
+            let (a, b) = (run[low], run[high - 1]);
+            let way: Vec<DVec2> = run[low..high].iter().map(|end| end.at_depth(depth_mm)).collect();
+            let wide = way[0].distance(way[way.len() - 1]) >= LEAST_TURN * place.least_mm;
+            if !wide {
+                break;
+            }
+            let free = |w: &[DVec2]| {
+                place.clipper.segment_inside(w[0], w[1])
+                    && !obstacles.between(w[0], w[1], |l| members.contains(&l))
+            };
+            let fits = a.onward.dot(b.onward) >= ALIKE_COS && way.windows(2).all(free);
+            if let Some(turn) = fits.then(|| rounded_turn([a, b], depth_mm, &way, place)).flatten() {
+                (depths_mm[low], depths_mm[high - 1]) = (depth_mm, depth_mm);
+                let joint = Joint { ends: [a.end, b.end], way: way[1..way.len() - 1].to_vec() };
+                n_rings += usize::from(!chains.join(joint.ends.map(|e| e / 2)));
+                pairs.push(joint);
+                depth_mm += place.spacing_mm;
+                around = Some(turn);
+            } else if let Some(around) = &around {
+                for k in [low, high - 1] {
+                    depths_mm[k] = depth_inside(run[k], around, depth_mm, place);
+                }
+            }
+            (low, high) = (low + 1, high - 1);
+        }
+        if let Some(around) = around {
+            (low..high).for_each(|k| depths_mm[k] = depth_inside(run[k], &around, depth_mm, place));
+        }
+        from = to;
+    }
+    Laid { n_open: run.len() - 2 * pairs.len() + 2 * n_rings, depths_mm, pairs }
+}
+
+/// A turn from one line to another, rounded, with a straight piece of both lines; `None` if it stays too sharp.
+fn rounded_turn(
+    ends: [&BorderEnd; 2],
+    depth_mm: f64,
+    way: &[DVec2],
+    place: &Place<'_>,
+) -> Option<Vec<DVec2>> {
+    let [first, last] = ends.map(|end| end.at_depth(depth_mm + STRAIGHT * place.least_mm));
+    let points = [&[first], way, &[last]].concat();
+    let inside = |a: DVec2, b: DVec2| place.clipper.segment_inside(a, b);
+    let (points, _) = rounded(&points, place.least_mm, place.least_mm, &inside);
+    sharp_turns(&points, false, place.least_mm).is_empty().then_some(points)
+}
+
+/// How far a line that ends inside a turn stays from the border, mm: `depth_mm`, or more where the turn's arc is nearer than
+/// a bead.
+fn depth_inside(end: &BorderEnd, turn: &[DVec2], depth_mm: f64, place: &Place<'_>) -> f64 {
+    // The first and the last segment are the straight pieces of the lines that turn.
+    let arc = turn.windows(2).skip(1).take(turn.len().saturating_sub(3));
+    let arc: Vec<&[DVec2]> = arc.collect();
+    let apart_mm = (1.0 - CLOSER) * place.spacing_mm;
+    let near =
+        |p: DVec2| arc.iter().any(|w| segment::distance_squared_mm2(p, w[0], w[1]) < apart_mm * apart_mm);
+    let deepest_mm = depth_mm + STRAIGHT * place.least_mm;
+    let mut at_mm = depth_mm;
+    while at_mm < deepest_mm && near(end.at_depth(at_mm)) {
+        at_mm += CLOSER * place.spacing_mm;
+    }
+    at_mm
+}
+
+/// Shortens or extends the end of a line to `depth_mm` from the border.
+fn moved_to(lines: &mut [Vec<DVec2>], end: &BorderEnd, depth_mm: f64, obstacles: &Obstacles) {
+    let mut line = from_end(lines, end.end);
+    let onward_mm = end.ahead_mm - (depth_mm + WITHIN_MM) / end.sine;
+    if onward_mm < 0.0 {
+        shorten_start(&mut line, -onward_mm);
+    } else if onward_mm > 0.0 {
+        let to = end.at_depth(depth_mm);
+        if obstacles.between(line[0], to, |l| l == end.end / 2) {
+            return;
+        }
+        line.insert(0, to);
+    }
+    put_back(lines, end.end, line);
+}
+
+/// Which lines are one chain already: each line names another of its chain, the last one itself.
+#[derive(Clone)]
+struct Chains(Vec<usize>);
+
+impl Chains {
+    fn last(&self, mut line: usize) -> usize {
+        while self.0[line] != line {
+            line = self.0[line];
+        }
+        line
+    }
+
+    /// Puts two chains together; false if they are one already, so that a ring closes.
+    fn join(&mut self, lines: [usize; 2]) -> bool {
+        let [a, b] = lines.map(|l| self.last(l));
+        self.0[a] = b;
+        a != b
+    }
+}
+
+/// Puts lines together whose ends are joined. Each result is a line, and whether it is closed.
+fn chained(lines: &[Vec<DVec2>], joints: &[Joint]) -> Vec<(Vec<DVec2>, bool)> {
+    let mut joint_of = vec![None; 2 * lines.len()];
+    for (k, joint) in joints.iter().enumerate() {
+        joint.ends.iter().for_each(|&e| joint_of[e] = Some(k));
+    }
+    let mut used = vec![false; lines.len()];
+    let mut out = Vec::new();
+    // Chains are followed from their free ends first; those that remain are rings.
+    let free = (0..joint_of.len()).filter(|&e| joint_of[e].is_none());
+    for first in free.chain((0..lines.len()).map(|l| 2 * l)) {
+        let mut points: Vec<DVec2> = Vec::new();
+        let (mut at, mut closed) = (first, false);
+        while !used[at / 2] {
+            used[at / 2] = true;
+            points.extend(from_end(lines, at));
+            let Some(k) = joint_of[at ^ 1] else { break };
+            let Joint { ends, way } = &joints[k];
+            let forwards = ends[0] == at ^ 1;
+            if forwards {
+                points.extend(way)
+            } else {
+                points.extend(way.iter().rev())
+            }
+            at = ends[usize::from(forwards)];
+            closed = at == first;
+        }
+        if !points.is_empty() {
+            out.push((points, closed));
+        }
+    }
+    out
+}
