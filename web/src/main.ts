@@ -59,14 +59,18 @@ function say(message: string, isError = false): void {
   box.hidden = false;
 }
 
-/** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said. */
-async function run(wanted: Record<string, unknown>): Promise<api.JobState | null> {
+/** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said
+ * unless it is `outdated`. */
+async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Promise<api.JobState | null> {
   const box = byId("progress");
   try {
     const begun = await api.begin(wanted);
+    const cancel = () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true));
+    if (outdated?.aborted) { cancel(); return null; }
+    outdated?.addEventListener("abort", cancel);
     const words = el("span");
     const bar = el("progress", { "aria-label": "Progress" });
-    const stop = el("button", { type: "button", onclick: () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true)) }, "Cancel");
+    const stop = el("button", { type: "button", onclick: cancel }, "Cancel");
     box.replaceChildren(words, bar, stop);
     box.hidden = false;
     const shown = Date.now();
@@ -88,9 +92,10 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
         asked = now.ready;
         early = show(now.id, false).catch((e: Error) => say(e.message, true));
       }
-    }).finally(() => clearInterval(since));
+    }).finally(() => { clearInterval(since); outdated?.removeEventListener("abort", cancel); });
     // A message that came while the run went on stays until the user closes it.
     if (words.isConnected) box.hidden = true;
+    if (outdated?.aborted) return null;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
     // The first layers are on screen before what follows asks for the rest: numbers and angles are added to them.
