@@ -5,7 +5,7 @@ import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
-import { drafts, forget, type Draft } from "./drafts";
+import { drafts, forget } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
 import { beadWords, legend, look, scaleOf, swatch, wordsOfLayer } from "./sight";
@@ -546,7 +546,7 @@ async function start(): Promise<void> {
       el("h2", {}, "Where does your print break?"),
       el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it. A photograph of a board and a scan are planned too."),
       el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
-      ...unsaved(),
+      ...(await unsaved()),
       el("h3", {}, "Or begin with an example"),
       el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
@@ -555,13 +555,14 @@ async function start(): Promise<void> {
   }
 }
 /** Jobs with changes that were not saved, to go on with. */
-function unsaved(): HTMLElement[] {
-  const all = drafts();
+async function unsaved(): Promise<HTMLElement[]> {
+  let all: api.Draft[];
+  try { all = await drafts(); } catch (error) { return [el("p", { class: "error" }, (error as Error).message)]; }
   if (all.length === 0) return [];
-  const row = (draft: Draft) => {
+  const row = (draft: api.Draft) => {
     const item = el("li", {},
-      el("button", { type: "button", "data-draft": draft.path, title: draft.path, onclick: () => void open(draft.path, draft.kind) }, el("b", {}, draft.path.split(/[/\\]/).pop() ?? draft.path), ` changed ${new Date(draft.at).toLocaleString()}`),
-      el("button", { type: "button", title: "Throw these changes away", onclick: () => { forget(draft.path); item.remove(); } }, "Discard"));
+      el("button", { type: "button", "data-draft": draft.path, title: draft.path, onclick: () => void open(draft.path, draft.kind) }, el("b", {}, draft.path.split(/[/\\]/).pop() ?? draft.path), ` changed ${new Date(1000 * draft.at_s).toLocaleString()}`),
+      el("button", { type: "button", title: "Throw these changes away", onclick: () => void forget(draft.path).then(() => item.remove(), (e: Error) => say(e.message, true)) }, "Discard"));
     return item;
   };
   return [el("h3", {}, "Or go on with changes that were not saved"), el("ul", { class: "plain examples" }, ...all.map(row))];

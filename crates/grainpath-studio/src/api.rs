@@ -5,7 +5,7 @@
 
 use std::convert::Infallible;
 use std::path::{Path as FilePath, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use axum::Json;
@@ -17,7 +17,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
-use axum::routing::{MethodRouter, delete, get, post};
+use axum::routing::{MethodRouter, delete, get, post, put};
 use futures_util::Stream;
 use futures_util::stream::unfold;
 use grainpath_gcode::{Limits, simulate};
@@ -33,7 +33,7 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
-use crate::{assets, cut_view, history, runs, surface_bytes, uploads};
+use crate::{assets, cut_view, drafts, history, runs, surface_bytes, uploads};
 
 /// Filament diameter for programs that state none, mm. Source: the nominal diameter of common filament, which the command
 /// line uses too.
@@ -78,6 +78,8 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::LINES, get(lines)),
         (openapi::BRANCHES, get(branches)),
         (openapi::HISTORY, get(history_rows)),
+        (openapi::DRAFTS, get(draft_rows)),
+        (openapi::KEEP, put(keep).layer(DefaultBodyLimit::max(MAX_DRAFT_BYTES))),
         (openapi::OUTPUT, get(output)),
         (openapi::SCHEMA, get(schema)),
         (openapi::PROFILES, get(profiles)),
@@ -112,9 +114,9 @@ pub fn router(studio: Arc<Studio>) -> Router {
 type Answer<T> = Result<T, Problem>;
 
 /// The kind of a file, taken from its ending.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum FileKind {
+pub(crate) enum FileKind {
     Job,
     Mesh,
     Outline,
@@ -803,6 +805,29 @@ async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> 
     let roots = Arc::clone(&studio.roots);
     let rows = tokio::task::spawn_blocking(move || history::told(&roots)).await.map_err(fault)?;
     Ok(Json(json!({ "ok": true, "runs": rows })))
+}
+
+/// Largest request that keeps a draft, bytes: the changed text and that of the file.
+const MAX_DRAFT_BYTES: usize = 2 * MAX_JOB_BYTES as usize;
+
+async fn draft_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {
+    let roots = Arc::clone(&studio.roots);
+    let rows = tokio::task::spawn_blocking(move || drafts::told(&roots)).await.map_err(fault)??;
+    Ok(Json(json!({ "ok": true, "drafts": rows })))
+}
+
+async fn keep(
+    State(studio): Shared,
+    draft: Result<Json<drafts::Draft>, JsonRejection>,
+) -> Answer<StatusCode> {
+    let Json(draft) = draft?;
+    let kept = move || {
+        // The lock protects the file alone, which is whole whatever happened to the thread that held it.
+        let _held = studio.drafts.lock().unwrap_or_else(PoisonError::into_inner);
+        drafts::keep(&studio.roots, draft)
+    };
+    tokio::task::spawn_blocking(kept).await.map_err(fault)??;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// A file that a job wrote.

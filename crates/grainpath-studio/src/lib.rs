@@ -22,6 +22,7 @@ mod refusal;
 pub mod roots;
 pub mod runs;
 mod cut_view;
+mod drafts;
 mod serve;
 mod studio;
 mod surface_bytes;
