@@ -5,7 +5,7 @@ import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { PNG } from "pngjs";
-import { colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
+import { boxStl, colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
 
 /** Corners of the board in the photograph below, pixels of the picture from its upper left corner. */
 const BOARD = [[40, 30], [290, 50], [270, 180], [60, 160]];
@@ -243,6 +243,27 @@ test("a folder of slices is opened as a scan", async () => {
   await page.waitForSelector("#panel-job textarea", { state: "attached" });
   assert.match(await job(page), /ct = ".*slices"/);
   await close();
+});
+
+test("a saved report is named for what it is, dropped or given by name", async () => {
+  const saved = folder();
+  // A report of the command line itself.
+  writeFileSync(saved.at("box.stl"), boxStl([10, 8, 1]));
+  writeFileSync(saved.at("report.json"), command(saved.dir, "slice", "box.stl", "--json"));
+  const says = /report\.json: the JSON report of a plan; open its G-code, box\.gcode, or its job/;
+  const dropped = await visit(browser, server.address);
+  await dropped.page.waitForSelector("#welcome h2");
+  await dropped.page.setInputFiles("#welcome input[type=file]", saved.at("report.json"));
+  await dropped.page.waitForSelector("#progress .error");
+  assert.match(await dropped.page.textContent("#progress .error"), says);
+  await dropped.close();
+  const own = await studio(saved.dir, "report.json");
+  const given = await visit(browser, own.address);
+  await given.page.waitForSelector("#progress .error");
+  assert.match(await given.page.textContent("#progress .error"), says);
+  await given.close();
+  await own.end();
+  saved.remove();
 });
 
 test("a file of another kind is refused with the kinds that are read", async () => {
