@@ -194,6 +194,7 @@ pub(crate) fn write(
             drawn.push(("density.png".into(), picture));
         }
         if paths.report.is_some() || paths.preview.is_some() {
+            // Looking up the cells below all beads takes time, so it is done only for a picture.
             reserves = bead_reserves(&report, &program);
             drawn.extend(reserves.as_ref().and_then(|r| reserve_picture(&report, &program, r)));
         }

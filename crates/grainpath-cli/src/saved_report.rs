@@ -6,14 +6,13 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::commands::slice::has_ending;
-
 /// Largest file that is looked into, bytes. Source: chosen; reports have some kilobytes.
 const MOST_BYTES: u64 = 16 << 20;
 
 /// What a JSON file is and what to open in its place; `None` for files with another ending or that cannot be read.
 pub(crate) fn what_it_is(file: &Path) -> Option<String> {
-    if !has_ending(file, &["json"]) {
+    // Only the name is looked at first, since a part may have gigabytes.
+    if !file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
         return None;
     }
     let mut bytes = Vec::new();
@@ -29,9 +28,11 @@ fn of_this_program(json: &Value) -> Option<String> {
             "the JSON of a run that failed ({error}); open the job or the shape of that run"
         ));
     }
+    // What `output.plan` writes has no version; its two keys together are in no other file of the program.
     if json["layers"].is_array() && json["plate_from_part_mm"].is_array() {
         return Some("the paths of a plan as JSON; open the G-code or the job of that plan".to_owned());
     }
+    // Every report states the version and the number of layers.
     if json["version"].as_str().is_none() || json["layers"].as_u64().is_none() {
         return None;
     }

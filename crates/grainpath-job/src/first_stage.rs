@@ -33,6 +33,7 @@ const OF_STRESS: [&str; 21] = [
     "guide.element_mm",
     "guide.elasticity",
     "guide.elasticity_deg",
+    // Supports and loads, and the coordinates in which they are given.
     "guide.frame",
     "guide.fixture",
     "guide.load",
@@ -40,12 +41,15 @@ const OF_STRESS: [&str; 21] = [
     "guide.deck",
     "guide.deck_step",
     "guide.deck_material",
+    // A result of another program, which is read in place of solving.
     "guide.import",
     "guide.import_array",
     "guide.import_order",
     "guide.import_stress_unit",
     "guide.import_length_unit",
+    // A part that did not fit is solved where the limit is raised.
     "guide.memory_mib",
+    // The weight of the part is a load.
     "material.density_g_cm3",
     "material.e_mpa",
     "material.nu",
@@ -92,6 +96,7 @@ impl Param {
     pub fn first_stage(&self) -> FirstStage {
         let name = format!("{}.{}", self.section, self.key);
         let is_in = |list: &[&str]| list.contains(&name.as_str()) || list.contains(&self.section);
+        // A setting that both the shape and the solver read belongs to the earlier stage, after which all others run.
         if is_in(&OF_SHAPE) && !is_in(&NOT_OF_SHAPE) {
             FirstStage::Shape
         } else if is_in(&OF_STRESS) {

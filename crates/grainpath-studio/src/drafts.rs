@@ -10,7 +10,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use crate::api::FileKind;
+use crate::file_kind::FileKind;
 use crate::refusal::{Refusal, plain};
 use crate::roots::Roots;
 
@@ -57,6 +57,7 @@ pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
 pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     let mut all = told(roots)?;
     all.retain(|d| d.path != draft.path);
+    // Undoing all changes brings the text of the file back, which needs no draft.
     if draft.text != draft.from {
         let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
         all.insert(0, Draft { at_s, ..draft });
@@ -66,10 +67,12 @@ pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
         bytes += d.text.len() + d.from.len();
         bytes <= MOST_BYTES
     };
+    // The newest ones come first, so the oldest ones go where there are too many.
     let n = all.iter().take(MOST).take_while(|d| is_kept(d)).count();
     all.truncate(n);
     let path = roots.writable(&roots.work().join(FILE))?;
     let failed = |e: std::io::Error| wrong(&path, &plain(&e));
+    // A full disk or a crash leaves the earlier file, because only a whole one gets its name.
     let mut file = tempfile::Builder::new().prefix(".drafts-").tempfile_in(roots.work()).map_err(failed)?;
     let bytes = serde_json::to_vec(&all).map_err(|e| failed(e.into()))?;
     file.write_all(&bytes).map_err(failed)?;

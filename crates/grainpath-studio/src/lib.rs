@@ -14,6 +14,7 @@ mod answers;
 mod api;
 mod assets;
 mod engine;
+mod file_kind;
 mod gate;
 mod history;
 mod openapi;

@@ -12,7 +12,7 @@ use crate::commands::run::execute;
 use crate::inputs::settings;
 use crate::{Failure, files, outputs, saved_report};
 
-pub(crate) fn has_ending(path: &Path, endings: &[&str]) -> bool {
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 

@@ -94,13 +94,16 @@ impl Canvas {
             centre + direction(turn) * (radius_px / self.scale)
         };
         let points: Vec<DVec2> = (0..=RING_SIDES as i32).map(around).collect();
+        // The rims are what is left of a wider dark ring below the light one.
         self.line(&points, RING_PX + 6.0, [14, 15, 17], 255);
         self.line(&points, RING_PX, digits::PLATE, 255);
         let (w, h) = (self.pixels.width() as usize, self.pixels.height() as usize);
+        // Dots grow with the picture, so that numbers stay readable where a page shows it smaller.
         let dot = (w.max(h) / 300).max(1);
         let (wide, high) = digits::size(text, dot);
         let off = (centre - DVec2::new(self.window.min.x, self.window.max.y)) * self.scale;
         let (x, y) = (off.x, -off.y);
+        // The plate stays clear of the outer rim.
         let gap = radius_px + f64::from(RING_PX) + 4.0;
         let (right, below) = (w as f64 - x, h as f64 - y);
         let beside =

@@ -18,8 +18,9 @@ const CHARACTERS: [(char, u16); 12] = [
     ('.', 0b000_000_000_000_010),
     ('x', 0b000_101_010_101_000),
 ];
-/// Colours of the plate and of what is written on it. Source: chosen by eye; both differ from every colour of a part.
+/// Colour of the plate below a number. Source: chosen by eye; no part is as light.
 pub(crate) const PLATE: Rgb = [245, 245, 240];
+/// Colour of what is written on it. Source: chosen by eye for the greatest contrast.
 const INK: Rgb = [10, 10, 10];
 
 /// Width and height of a number, whose dots have `dot` pixels.
@@ -40,6 +41,7 @@ pub(crate) fn write(
     for j in 0..height {
         for i in 0..width {
             let (column, row) = (i / dot, j / dot);
+            // A character takes three columns and five rows; one more lies before each, and at every edge of the plate.
             let inside = column % 4 > 0 && (1..6).contains(&row);
             let bit = || bits[column / 4] >> (14 - (3 * (row - 1) + column % 4 - 1)) & 1 == 1;
             paint(left + i, top + j, if inside && bit() { INK } else { PLATE });
