@@ -12,7 +12,7 @@ await mkdir(out, { recursive: true });
 
 const options = { absWorkingDir: here, bundle: true, minify: true, format: "esm", target: "es2022", legalComments: "none", charset: "utf8", metafile: true };
 const result = await build({ ...options, entryPoints: { app: "src/main.ts", worker: "src/worker.ts" }, outdir: out });
-await build({ absWorkingDir: here, entryPoints: { app: "src/app.css" }, outdir: out, minify: true, charset: "utf8" });
+await build({ absWorkingDir: here, entryPoints: { app: "src/app.css" }, outdir: out, bundle: true, minify: true, charset: "utf8" });
 for (const file of ["index.html", "icon.svg"]) await copyFile(join(here, "src", file), join(out, file));
 
 /** The licence of every package in a bundle, which goes with it. */
@@ -37,7 +37,7 @@ async function licences(of, metafile) {
 await writeFile(join(out, "licences.txt"), await licences("The page of the grainpath studio", result.metafile));
 
 // Styles are text of the viewer. Its bundle travels in the notebooks that keep it, and so do the licences in its head.
-const styles = await build({ absWorkingDir: here, entryPoints: ["src/notebook.css"], minify: true, charset: "utf8", write: false });
+const styles = await build({ absWorkingDir: here, entryPoints: ["src/notebook.css"], bundle: true, minify: true, charset: "utf8", write: false });
 const css = { name: "css", setup: (on) => on.onLoad({ filter: /\/notebook\.css$/ }, () => ({ contents: styles.outputFiles[0].text, loader: "text" })) };
 const widget = await build({ ...options, entryPoints: ["src/notebook.ts"], plugins: [css], write: false });
 const viewer = `/*\n${await licences("The viewer of grainpath", widget.metafile)}*/\n${widget.outputFiles[0].text}`;

@@ -35,7 +35,12 @@ export interface Resultant { case: string; name: string; area_mm2: number; at_mm
 export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
 /** A line of the history. */
 export interface RunRow { at_s: number; kind: "plan" | "strength"; name: string; input: string | null; mass_g: number | null; time_s: number | null; layers: number | null; strength: StrengthReport | null }
+/** Changes of a file that were not saved. */
+export interface Draft { path: string; kind: FileKind; /** The changed text, and the text of the file that was changed. */ text: string; from: string; /** When it was changed last, seconds since 1970. */ at_s: number }
 export interface Profile { kind: string; name: string; about: string; toml: string }
+
+/** Characters of a request that goes on when its page is closed. Source: browsers take 64 KiB, and a character has three bytes at most. */
+const KEPT_ALIVE = 20_000;
 
 /** The sentence of an error of the server. */
 export class Refused extends Error {}
@@ -52,15 +57,17 @@ async function checked(answer: Response): Promise<Response> {
   throw new Refused(message);
 }
 
-async function json<T>(address: string, init?: RequestInit): Promise<T> {
+async function answered(address: string, init?: RequestInit): Promise<Response> {
   let answer: Response;
   try {
     answer = await fetch(address, init);
   } catch {
     throw new Refused("the studio does not answer; was it ended in the terminal?");
   }
-  return (await (await checked(answer)).json()) as T;
+  return checked(answer);
 }
+
+const json = async <T>(address: string, init?: RequestInit): Promise<T> => (await (await answered(address, init)).json()) as T;
 
 export const state = () => json<StudioState>("v1/state");
 export const files = (path: string) => json<Listing>(`v1/files?path=${encodeURIComponent(path)}`);
@@ -79,8 +86,15 @@ export const profiles = () => json<{ profiles: Profile[] }>("v1/profiles");
 /** All runs of this start of the studio that are still kept, the oldest first. */
 export const jobs = () => json<{ jobs: JobState[] }>("v1/jobs");
 export const history = () => json<{ runs: RunRow[] }>("v1/history");
+export const drafts = async () => (await json<{ drafts: Draft[] }>("v1/drafts")).drafts;
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
 export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);
+
+/** Keeps changes of a file that were not saved. A browser ends the request with its page where it is large. */
+export async function keep(draft: Omit<Draft, "at_s">): Promise<void> {
+  const body = JSON.stringify(draft);
+  await answered("v1/drafts", { method: "PUT", headers: { "content-type": "application/json" }, body, keepalive: body.length < KEPT_ALIVE });
+}
 
 export function begin(wanted: Record<string, unknown>): Promise<JobState> {
   return json<JobState>("v1/jobs", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(wanted) });

@@ -1,53 +1,32 @@
-// Changes of jobs that were not saved, kept by the browser until they are: a closed tab loses nothing.
+// Changes of jobs that were not saved, kept in the working folder of the studio until they are: a closed tab loses nothing.
 
-import type { FileKind } from "./api";
+import * as api from "./api";
 
-export interface Draft {
-  path: string; kind: FileKind;
-  /** The changed text, and the text of the file that was changed. */
-  text: string; from: string;
-  /** When it was changed last, milliseconds since 1970. */
-  at: number;
-}
+export type Change = Omit<api.Draft, "at_s">;
 
-/** Drafts beyond this number go, the oldest first. */
-const MOST = 20;
-const PREFIX = "draft:";
-
-function read(key: string): Draft | null {
-  try {
-    const draft = JSON.parse(localStorage.getItem(key) ?? "null") as Partial<Draft> | null;
-    const isWhole = typeof draft?.path === "string" && typeof draft.kind === "string" && typeof draft.text === "string" && typeof draft.from === "string" && typeof draft.at === "number";
-    return isWhole ? (draft as Draft) : null;
-  } catch {
-    return null;
-  }
-}
-
-/** All drafts, the newest first. */
-export function drafts(): Draft[] {
-  try {
-    const all = Object.keys(localStorage).filter((key) => key.startsWith(PREFIX)).map(read);
-    return all.filter((draft) => draft !== null).sort((a, b) => b.at - a.at);
-  } catch {
-    return [];
-  }
-}
-
-export const draftOf = (path: string): Draft | null => read(PREFIX + path);
+/** The last change of each file that is not sent yet. */
+const waiting = new Map<string, Change>();
+/** Ends once all changes have been sent. */
+let sending: Promise<void> = Promise.resolve();
 
 /** Keeps the changed text of a file; a text that is that of the file needs no keeping. */
-export function keep(draft: Omit<Draft, "at">): void {
-  if (draft.text === draft.from) { forget(draft.path); return; }
-  try {
-    const key = PREFIX + draft.path;
-    // Each letter that is typed comes here; only a draft of another file may be one too many.
-    const isAnother = localStorage.getItem(key) === null;
-    localStorage.setItem(key, JSON.stringify({ ...draft, at: Date.now() }));
-    if (isAnother) drafts().slice(MOST).forEach((old) => forget(old.path));
-  } catch { /* A browser that keeps nothing keeps no drafts. */ }
+export function keep(change: Change): Promise<void> {
+  // Each letter that is typed comes here. Those typed while an earlier change is sent go together.
+  const isWaiting = waiting.has(change.path);
+  waiting.set(change.path, change);
+  if (isWaiting) return sending;
+  const send = () => {
+    const last = waiting.get(change.path)!;
+    waiting.delete(change.path);
+    return api.keep(last);
+  };
+  return (sending = sending.then(send, send));
 }
 
-export function forget(path: string): void {
-  try { localStorage.removeItem(PREFIX + path); } catch { /* As above. */ }
-}
+export const forget = (path: string): Promise<void> => keep({ path, kind: "other", text: "", from: "" });
+
+/** All drafts, the newest first. */
+export const drafts = (): Promise<api.Draft[]> => sending.catch(() => {}).then(api.drafts);
+
+// A request that was begun goes on when the tab is closed, but what waits for its end would be lost.
+addEventListener("pagehide", () => { for (const change of waiting.values()) void api.keep(change); });

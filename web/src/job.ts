@@ -3,7 +3,7 @@
 import * as api from "./api";
 import { BoardPicture, type Point } from "./board";
 import { byId, el } from "./dom";
-import { draftOf, forget, keep } from "./drafts";
+import { drafts, forget, keep } from "./drafts";
 import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
 import { get, set, value } from "./toml";
@@ -89,7 +89,7 @@ export class JobPanel {
     const text = this.textElsewhere();
     try {
       const { path } = await api.save(/\.toml$/i.test(name) ? name.trim() : `${name.trim()}.toml`, text);
-      if (this.opened) forget(this.opened.path);
+      if (this.opened) await forget(this.opened.path);
       this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
       [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
       this.put(text);
@@ -139,7 +139,7 @@ export class JobPanel {
         [this.saved, this.folder] = [text, folder];
       } else [this.saved, this.folder] = [(await api.jobFor(opened.path)).text, ""];
       await this.build();
-      this.takeDraft();
+      await this.takeDraft();
     } catch (error) {
       this.close();
       this.parts.say((error as Error).message, true);
@@ -147,11 +147,11 @@ export class JobPanel {
   }
 
   /** Puts changes of this file that were not saved back, or offers them where the file is another one by now. */
-  private takeDraft(): void {
+  private async takeDraft(): Promise<void> {
     this.notice = null;
-    const draft = this.opened ? draftOf(this.opened.path) : null;
+    const draft = (await drafts()).find((d) => d.path === this.opened?.path);
     if (!draft || draft.text === this.saved) return;
-    const when = new Date(draft.at).toLocaleString();
+    const when = new Date(1000 * draft.at_s).toLocaleString();
     if (draft.from === this.saved) {
       this.put(draft.text);
       this.notice = `Your changes of ${when}, which were not saved, are here again. Ctrl+Z takes the text of the file.`;
@@ -177,7 +177,7 @@ export class JobPanel {
     const selects: (() => void)[] = [];
     const changed = () => {
       // The text of the file itself may be there before a draft of it is put back.
-      if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: editor.value, from: this.saved });
+      if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: editor.value, from: this.saved }).catch((e: Error) => this.parts.say(e.message, true));
       this.shown = editor.value;
       form.refresh();
       tier.textContent = this.tier(profiles, editor.value);

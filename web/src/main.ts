@@ -5,7 +5,7 @@ import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, type ColourBy } from "./colours";
 import { byId, duration, el, fixed, player } from "./dom";
-import { drafts, forget, type Draft } from "./drafts";
+import { drafts, forget } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
 import { beadWords, legend, look, scaleOf, swatch, wordsOfLayer } from "./sight";
@@ -59,14 +59,18 @@ function say(message: string, isError = false): void {
   box.hidden = false;
 }
 
-/** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said. */
-async function run(wanted: Record<string, unknown>): Promise<api.JobState | null> {
+/** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said
+ * unless it is `outdated`. */
+async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Promise<api.JobState | null> {
   const box = byId("progress");
   try {
     const begun = await api.begin(wanted);
+    const cancel = () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true));
+    if (outdated?.aborted) { cancel(); return null; }
+    outdated?.addEventListener("abort", cancel);
     const words = el("span");
     const bar = el("progress", { "aria-label": "Progress" });
-    const stop = el("button", { type: "button", onclick: () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true)) }, "Cancel");
+    const stop = el("button", { type: "button", onclick: cancel }, "Cancel");
     box.replaceChildren(words, bar, stop);
     box.hidden = false;
     const shown = Date.now();
@@ -88,9 +92,10 @@ async function run(wanted: Record<string, unknown>): Promise<api.JobState | null
         asked = now.ready;
         early = show(now.id, false).catch((e: Error) => say(e.message, true));
       }
-    }).finally(() => clearInterval(since));
+    }).finally(() => { clearInterval(since); outdated?.removeEventListener("abort", cancel); });
     // A message that came while the run went on stays until the user closes it.
     if (words.isConnected) box.hidden = true;
+    if (outdated?.aborted) return null;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
     // The first layers are on screen before what follows asks for the rest: numbers and angles are added to them.
@@ -541,7 +546,7 @@ async function start(): Promise<void> {
       el("h2", {}, "Where does your print break?"),
       el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it. A photograph of a board and a scan are planned too."),
       el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
-      ...unsaved(),
+      ...(await unsaved()),
       el("h3", {}, "Or begin with an example"),
       el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
@@ -550,13 +555,14 @@ async function start(): Promise<void> {
   }
 }
 /** Jobs with changes that were not saved, to go on with. */
-function unsaved(): HTMLElement[] {
-  const all = drafts();
+async function unsaved(): Promise<HTMLElement[]> {
+  let all: api.Draft[];
+  try { all = await drafts(); } catch (error) { return [el("p", { class: "error" }, (error as Error).message)]; }
   if (all.length === 0) return [];
-  const row = (draft: Draft) => {
+  const row = (draft: api.Draft) => {
     const item = el("li", {},
-      el("button", { type: "button", "data-draft": draft.path, title: draft.path, onclick: () => void open(draft.path, draft.kind) }, el("b", {}, draft.path.split(/[/\\]/).pop() ?? draft.path), ` changed ${new Date(draft.at).toLocaleString()}`),
-      el("button", { type: "button", title: "Throw these changes away", onclick: () => { forget(draft.path); item.remove(); } }, "Discard"));
+      el("button", { type: "button", "data-draft": draft.path, title: draft.path, onclick: () => void open(draft.path, draft.kind) }, el("b", {}, draft.path.split(/[/\\]/).pop() ?? draft.path), ` changed ${new Date(1000 * draft.at_s).toLocaleString()}`),
+      el("button", { type: "button", title: "Throw these changes away", onclick: () => void forget(draft.path).then(() => item.remove(), (e: Error) => say(e.message, true)) }, "Discard"));
     return item;
   };
   return [el("h3", {}, "Or go on with changes that were not saved"), el("ul", { class: "plain examples" }, ...all.map(row))];

@@ -6,7 +6,7 @@ import type { Profile } from "./api";
 import { el } from "./dom";
 import { get, set } from "./toml";
 
-export interface Schema { type?: string | string[]; properties?: Record<string, Schema>; description?: string; default?: unknown; enum?: unknown[]; oneOf?: { const: unknown; description: string }[]; minimum?: number; maximum?: number; items?: Schema; minItems?: number; maxItems?: number }
+export interface Schema { type?: string | string[]; properties?: Record<string, Schema>; description?: string; default?: unknown; enum?: unknown[]; oneOf?: { const: unknown; description: string }[]; minimum?: number; maximum?: number; items?: Schema; minItems?: number; maxItems?: number; "x-first-stage"?: string }
 
 /** Settings that a field can change: one value, or a short list of numbers. */
 function isSimple(row: Schema): boolean {
@@ -125,7 +125,7 @@ export class SettingsForm {
     });
     const reset = el("button", { type: "button", title: "Take the line out of the job", "aria-label": `Reset ${table}.${key}`, onclick: () => { wrong.textContent = ""; put(null); } }, "↺");
     const origin = el("span", { class: "note" });
-    const made = el("div", { class: "setting" }, el("label", { for: id }, `${key}`), el("div", { class: "value" }, input, reset), el("p", { class: "note" }, schema.description ?? "", " ", origin), wrong);
+    const made = el("div", { class: "setting" }, el("label", { for: id }, `${key}`), el("div", { class: "value" }, input, reset), el("p", { class: "note" }, schema.description ?? "", schema["x-first-stage"] === "stress" ? " A change solves the stress again. " : " ", origin), wrong);
     made.dataset.words = `${table}.${key} ${schema.description ?? ""}`.toLowerCase();
     this.update.push(() => {
       const stated = get(this.text(), table, key);

@@ -12,7 +12,7 @@ import { entries, get, set, value } from "./toml";
 import type { Viewer } from "./viewer";
 
 interface Parts {
-  run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; openLoads: () => void;
+  run: (wanted: Record<string, unknown>, outdated?: AbortSignal) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; openLoads: () => void;
   /** The text of the job with loads that turn with the part, or the reason why they cannot. */
   turning: () => { text: string } | { refused: string };
 }
@@ -37,7 +37,8 @@ export class ShapePanel {
   private key = "";
   private warnings: api.Warning[] = [];
   private timer = 0;
-  private wanted = 0;
+  /** Ends the run of the shape that was asked for last, once another one is wanted. */
+  private asked = new AbortController();
   private readonly poses: Poses;
   readonly supports: Supports;
 
@@ -50,7 +51,7 @@ export class ShapePanel {
   close(): void {
     [this.report, this.view, this.chosen, this.side, this.key] = [null, null, [], null, ""];
     clearTimeout(this.timer);
-    this.wanted++;
+    this.asked.abort();
     this.parts.viewer()?.setPart(null);
     this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF), a scan or a job file to see its shape here, choose faces, and say where it is held and loaded."));
     this.onPart();
@@ -77,13 +78,14 @@ export class ShapePanel {
     const wanted = this.parts.job.wanted();
     const text = this.parts.job.text();
     if (!wanted || text === null) return;
-    const own = ++this.wanted;
+    this.asked.abort();
+    const { signal } = (this.asked = new AbortController());
     clearTimeout(this.timer);
     this.key = this.keyOf(text);
-    const end = await this.parts.run({ kind: "shape", ...wanted });
-    if (!end || own !== this.wanted) return;
+    const end = await this.parts.run({ kind: "shape", ...wanted }, signal);
+    if (!end || signal.aborted) return;
     const [result, bytes] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/surface`)]);
-    if (own !== this.wanted) return;
+    if (signal.aborted) return;
     const isSame = this.report !== null;
     this.report = result.report as unknown as api.ShapeReport;
     this.warnings = result.warnings;

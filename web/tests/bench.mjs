@@ -112,9 +112,18 @@ export async function studio(cwd, ...words) {
 /** A browser whose graphics are drawn by Mesa in software, or by SwiftShader where that is not there. */
 export const launch = () => chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"] });
 
+/** Forgets changes that were not saved: a file that another test has changed would come with them. */
+async function forget(context, address) {
+  // The answer brings the cookie.
+  await context.request.get(address);
+  const drafts = new URL("v1/drafts", address).href;
+  for (const { path, kind } of (await (await context.request.get(drafts)).json()).drafts) await context.request.put(drafts, { data: { path, kind, text: "", from: "" } });
+}
+
 /** A page with what went wrong in it. */
-export async function visit(browser, address, { isFirst = false, routes = {}, ...options } = {}, first = null) {
+export async function visit(browser, address, { isFirst = false, keepsDrafts = false, routes = {}, ...options } = {}, first = null) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "light", ...options });
+  if (!keepsDrafts) await forget(context, address);
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   // The tour of the first visit is asked for by the tests that look at it.

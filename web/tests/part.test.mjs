@@ -186,34 +186,56 @@ test("a pull begins at its face, and the arrow turns with the numbers", async ()
   await close();
 });
 
-test("changes that were not saved are there again after the tab was closed", async () => {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 } });
-  // Tabs of one browser keep things together, which visits of other tests do not.
-  const tab = async () => {
-    const { page } = await visit({ newContext: () => context }, server.address);
-    await page.waitForSelector("#welcome h2");
-    return page;
-  };
+test("changes that were not saved are there again in another browser, from another port", async () => {
   const text = (page) => page.inputValue("#panel-job textarea");
-  const first = await tab();
-  await choose(first, "bar.stl");
-  await shaped(first);
-  const before = await text(first);
-  await first.click("#tab-job");
-  await first.fill("#panel-job textarea", `${before}# mine\n`);
+  /** A tab of a browser of its own. */
+  const tab = async (address, options = { keepsDrafts: true }) => {
+    const visited = await visit(browser, address, options);
+    await visited.page.waitForSelector("#welcome h2");
+    return visited;
+  };
+  const first = await tab(server.address, {});
+  await choose(first.page, "bar.stl");
+  await shaped(first.page);
+  const before = await text(first.page);
+  await first.page.click("#tab-job");
+  await first.page.fill("#panel-job textarea", `${before}# mine\n`);
+  // The last letters are typed while the request of those before is under way.
+  await first.page.focus("#panel-job textarea");
+  await first.page.keyboard.press("Control+End");
+  await first.page.keyboard.type("# and more");
+  // The page is left; its browser goes once the request that was begun then has come through.
+  await first.page.goto("about:blank");
+  await new Promise((then) => setTimeout(then, 500));
   await first.close();
-  const second = await tab();
-  await second.click("[data-draft]");
-  await shaped(second);
-  assert.equal(await text(second), `${before}# mine\n`);
-  await second.waitForFunction(() => /not saved, are here again/.test(document.getElementById("progress").textContent));
-  await second.keyboard.press("Control+z");
-  assert.equal(await text(second), before);
-  await second.close();
+  const other = await studio(files.dir);
+  assert.notEqual(new URL(other.address).port, new URL(server.address).port);
+  const second = await tab(other.address);
+  await second.page.click("[data-draft]");
+  await shaped(second.page);
+  assert.equal(await text(second.page), `${before}# mine\n# and more`);
+  await second.page.waitForFunction(() => /not saved, are here again/.test(document.getElementById("progress").textContent));
+  // Another tab changes the same job: the last change stays, whole.
+  const third = await tab(other.address);
+  await third.page.click("[data-draft]");
+  await shaped(third.page);
+  await third.page.click("#tab-job");
+  await third.page.fill("#panel-job textarea", `${before}# theirs\n`);
+  const kept = async () => (await (await third.page.context().request.get(new URL("v1/drafts", other.address).href)).json()).drafts;
+  const until = async (wanted) => {
+    for (let tries = 0; tries < 100 && JSON.stringify((await kept()).map((d) => d.text)) !== JSON.stringify(wanted); tries++) await settle(third.page);
+    assert.deepEqual((await kept()).map((d) => d.text), wanted);
+  };
+  await until([`${before}# theirs\n`]);
+  await second.page.keyboard.press("Control+z");
+  assert.equal(await text(second.page), before);
   // What was undone is no change any more.
-  const third = await tab();
-  assert.equal(await third.locator("[data-draft]").count(), 0);
-  await context.close();
+  await until([]);
+  for (const { wrong, close } of [second, third]) { assert.deepEqual(wrong, []); await close(); }
+  const fourth = await tab(other.address);
+  assert.equal(await fourth.page.locator("[data-draft]").count(), 0);
+  await fourth.close();
+  await other.end();
 });
 
 test("changes are undone and done again, typed ones too", async () => {

@@ -5,7 +5,7 @@ import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { PNG } from "pngjs";
-import { colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
+import { boxStl, colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
 
 /** Corners of the board in the photograph below, pixels of the picture from its upper left corner. */
 const BOARD = [[40, 30], [290, 50], [270, 180], [60, 160]];
@@ -31,17 +31,20 @@ function stripes(width, height) {
   return PNG.sync.write(png);
 }
 
-/** A ball of radius 8 mm in voxels of 0.5 mm, as NRRD. */
-function ballNrrd() {
-  const n = 40;
+/** A ball in voxels of 0.5 mm, n along each side, as NRRD; 40 give a radius of 8 mm. */
+function ballNrrd(n = 40) {
   const voxels = Buffer.alloc(n * n * n);
-  for (let z = 0; z < n; z++) for (let y = 0; y < n; y++) for (let x = 0; x < n; x++) voxels[(z * n + y) * n + x] = Math.hypot(x - 19.5, y - 19.5, z - 19.5) < 16 ? 200 : 20;
+  const middle = (n - 1) / 2;
+  for (let z = 0; z < n; z++) for (let y = 0; y < n; y++) for (let x = 0; x < n; x++) voxels[(z * n + y) * n + x] = Math.hypot(x - middle, y - middle, z - middle) < 0.4 * n ? 200 : 20;
   return Buffer.concat([Buffer.from(`NRRD0004\ntype: uint8\ndimension: 3\nsizes: ${n} ${n} ${n}\nspacings: 0.5 0.5 0.5\nencoding: raw\n\n`), voxels]);
 }
 
+/** Voxels along each side of a scan whose preview takes some seconds. */
+const LARGE = 360;
+
 let files, server, browser;
 before(async () => {
-  files = folder({ "board.png": stripes(240, 120), "askew.png": photograph(320, 200), "ball.nrrd": ballNrrd(), "letter.txt": Buffer.from("Dear Sir or Madam") });
+  files = folder({ "board.png": stripes(240, 120), "askew.png": photograph(320, 200), "ball.nrrd": ballNrrd(), "large.nrrd": ballNrrd(LARGE), "letter.txt": Buffer.from("Dear Sir or Madam") });
   mkdirSync(files.at("slices"));
   for (let k = 0; k < 3; k++) writeFileSync(files.at(`slices/${k}.png`), stripes(20, 20));
   server = await studio(files.dir);
@@ -201,12 +204,66 @@ test("a scan is planned from its file", async () => {
   await close();
 });
 
+test("a preview whose setting has changed is cancelled, and the last one is shown", async () => {
+  const { page, wrong, close } = await opened("large.nrrd");
+  const runs = async () => (await (await page.context().request.get(new URL("v1/jobs", page.url()).href)).json()).jobs.filter((run) => run.kind === "shape" && run.title === "large");
+  /** Waits for the run of this number, of those of the scan, to be in one of these phases. */
+  const phase = async (k, ...wanted) => {
+    for (let tries = 0; tries < 1200; tries++) {
+      const run = (await runs())[k];
+      if (run && wanted.includes(run.phase)) return run;
+      await new Promise((then) => setTimeout(then, 50));
+    }
+    assert.fail(`${k} ${wanted} ${JSON.stringify(await runs())}`);
+  };
+  const threshold = (grey) => page.$eval("#panel-job textarea", (area, value) => {
+    area.value = area.value.replace(/^ct = (?:\{ path = )?("[^"]*").*$/m, `ct = { path = $1, threshold = ${value} }`);
+    area.dispatchEvent(new Event("input"));
+  }, grey);
+  await page.waitForSelector("#panel-job textarea", { state: "attached" });
+  await phase(0, "running");
+  await threshold(60);
+  const first = await phase(0, "cancelled", "done");
+  assert.equal(first.phase, "cancelled", "the first preview went on, or LARGE is too small");
+  await phase(1, "running", "waiting");
+  await threshold(120);
+  assert.equal((await phase(1, "cancelled", "done")).phase, "cancelled");
+  const last = await phase(2, "done");
+  await page.waitForFunction((id) => document.documentElement.dataset.shape === String(id), last.id);
+  // What was cancelled by a change is no message: the user did not cancel anything.
+  assert.doesNotMatch(await page.textContent("#progress"), /Cancelled/);
+  assert.equal((await runs()).length, 3);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
 test("a folder of slices is opened as a scan", async () => {
   const { page, close } = await opened("slices/");
   await page.click("#open-folder");
   await page.waitForSelector("#panel-job textarea", { state: "attached" });
   assert.match(await job(page), /ct = ".*slices"/);
   await close();
+});
+
+test("a saved report is named for what it is, dropped or given by name", async () => {
+  const saved = folder();
+  // A report of the command line itself.
+  writeFileSync(saved.at("box.stl"), boxStl([10, 8, 1]));
+  writeFileSync(saved.at("report.json"), command(saved.dir, "slice", "box.stl", "--json"));
+  const says = /report\.json: the JSON report of a plan; open its G-code, box\.gcode, or its job/;
+  const dropped = await visit(browser, server.address);
+  await dropped.page.waitForSelector("#welcome h2");
+  await dropped.page.setInputFiles("#welcome input[type=file]", saved.at("report.json"));
+  await dropped.page.waitForSelector("#progress .error");
+  assert.match(await dropped.page.textContent("#progress .error"), says);
+  await dropped.close();
+  const own = await studio(saved.dir, "report.json");
+  const given = await visit(browser, own.address);
+  await given.page.waitForSelector("#progress .error");
+  assert.match(await given.page.textContent("#progress .error"), says);
+  await given.close();
+  await own.end();
+  saved.remove();
 });
 
 test("a file of another kind is refused with the kinds that are read", async () => {

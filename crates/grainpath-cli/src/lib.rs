@@ -14,6 +14,7 @@ mod interrupt;
 mod memory;
 mod outputs;
 mod progress;
+mod saved_report;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;

@@ -131,7 +131,7 @@ fn save_picture(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> 
     save(&path, bytes)
 }
 
-/// Writes the outputs of a job and returns the report. `ready` is called with the program as soon as it is read back,
+/// Writes the outputs of a job and returns the report, and the reserves of the beads if they were drawn. `ready` is called with the program as soon as it is read back,
 /// before it is tested, measured and drawn.
 pub(crate) fn write(
     settings: &Settings,
@@ -142,7 +142,7 @@ pub(crate) fn write(
     truth: Option<&[Dimension]>,
     ready: &dyn Fn(&Arc<Program>, &Planned),
     diagnostics: &Diagnostics,
-) -> Result<Report, Failure> {
+) -> Result<(Report, Option<BeadReserves>), Failure> {
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
@@ -170,6 +170,7 @@ pub(crate) fn write(
     report.stages_s.insert(Stage::Read.name(), seconds(read_s));
     report.stages_s.insert(Stage::Write.name(), seconds(write_s));
     report.outputs.insert("gcode", paths.gcode.display().to_string());
+    let mut reserves = None;
     if let Some(program) = program {
         report.dimensions = truth.map(|t| {
             grainpath::measure::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate())
@@ -193,7 +194,9 @@ pub(crate) fn write(
             drawn.push(("density.png".into(), picture));
         }
         if paths.report.is_some() || paths.preview.is_some() {
-            drawn.extend(reserve_picture(&report, &program));
+            // Looking up the cells below all beads takes time, so it is done only for a picture.
+            reserves = bead_reserves(&report, &program);
+            drawn.extend(reserves.as_ref().and_then(|r| reserve_picture(&report, &program, r)));
         }
         let supports = planned.supported_mesh.as_ref().zip(planned.support.as_ref());
         let pictures =
@@ -226,7 +229,7 @@ pub(crate) fn write(
     // Warnings are collected last, because each output above may add one.
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = memory::peak_rss_mb();
-    Ok(report)
+    Ok((report, reserves))
 }
 
 /// Rounds seconds to four decimals, as in reports.
@@ -441,15 +444,23 @@ fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
         .collect()
 }
 
+/// The reserves of the beads of a program whose report tells a reserve.
+pub(crate) fn bead_reserves(report: &Report, program: &Program) -> Option<BeadReserves> {
+    BeadReserves::new(report.reserve.as_ref()?.map.as_ref()?, program)
+}
+
 /// A picture of the layer that holds the least reserve, with its name.
-fn reserve_picture(report: &Report, program: &Program) -> Option<(String, page::Picture)> {
+fn reserve_picture(
+    report: &Report,
+    program: &Program,
+    reserves: &BeadReserves,
+) -> Option<(String, page::Picture)> {
     let map = report.reserve.as_ref()?.map.as_ref()?;
-    let BeadReserves { least, layer, .. } = BeadReserves::new(map, program)?;
-    let (beads, least) = (&program.layers[layer], f64::from(least));
+    let (beads, least) = (&program.layers[reserves.layer], f64::from(reserves.least));
     let title = format!(
         "Reserve in layer {} at {:.2} mm, which holds the least: the factor on the loads at first failure, red where the part \
-         fails first; grey beads lie near fixtures and loads and do not count",
-        layer + 1,
+         fails first, which the ring marks; grey beads lie near fixtures and loads and do not count",
+        reserves.layer + 1,
         beads.z_mm
     );
     let png = reserve_png(map, beads, least, GUIDE_PX);

@@ -71,6 +71,40 @@ fn bomb() -> Vec<u8> {
     zip.finish().expect("memory").into_inner()
 }
 
+/// JSON that the program printed or wrote is no shape; the error says what it is and what to open.
+#[test]
+fn saved_json_is_named_with_what_to_open() {
+    let dir = folder("saved json");
+    fs::write(dir.join("box.stl"), box_stl([10.0, 4.0, 0.4])).expect("a file");
+    let job = "[shape]\nmesh = \"box.stl\"\n[fill]\ndensity = 1\n[strength]\ncheck = false\ncorners = false\n\
+               [[guide.fixture]]\non = { box_mm = [[0, 0, 0], [1, 4, 1]] }\nfix = \"xyz\"\n\
+               [[guide.load]]\non = { box_mm = [[9, 0, 0], [10, 4, 1]] }\nforce_n = [10, 0, 0]\n[output]\nplan = \"paths.json\"\n";
+    fs::write(dir.join("pull.toml"), job).expect("a file");
+    for (name, args) in [
+        ("plan.json", &["run", "pull.toml", "--json"][..]),
+        ("strength.json", &["strength", "pull.toml", "--json"]),
+        ("failed.json", &["slice", "nowhere.stl", "--json"]),
+    ] {
+        let out = grainpath(&dir, args);
+        fs::write(dir.join(name), &out.stdout).expect("a file");
+    }
+    fs::write(dir.join("list.json"), "[1, 2]").expect("a file");
+    for (name, says) in [
+        ("plan.json", "plan.json: the JSON report of a plan; open its G-code, box.gcode, or its job (.toml)"),
+        (
+            "strength.json",
+            "the JSON report of a strength test; open the G-code or the job (.toml) that was tested",
+        ),
+        ("failed.json", "the JSON of a run that failed (nowhere.stl: no such file"),
+        ("paths.json", "the paths of a plan as JSON; open the G-code or the job of that plan"),
+        ("list.json", "a JSON file, which holds no shape"),
+    ] {
+        let out = grainpath(&dir, &["slice", name]);
+        let error = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.code() == Some(3) && error.contains(says), "{name}: {error}");
+    }
+}
+
 #[test]
 fn input_files() {
     fails("empty", &["slice", "empty.stl"], 3, "empty.stl: the file is empty");

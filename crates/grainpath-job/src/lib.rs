@@ -33,6 +33,7 @@ mod combinations;
 pub mod edit;
 mod error;
 mod fill_density;
+mod first_stage;
 mod layer_angles;
 pub mod loads;
 mod parse;
@@ -51,6 +52,7 @@ pub use combination_error::{
 };
 pub use error::{JobError, Location};
 pub use fill_density::{FillDensity, GradedDensity, LEAST_GRADED};
+pub use first_stage::{FirstStage, first_stages_markdown};
 pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, default_profile, profile, profiles_of};

@@ -77,6 +77,8 @@ fn schema_of(p: &Param) -> Value {
     if let Some(value) = default.and_then(|v| serde_json::to_value(v).ok()) {
         row["default"] = value;
     }
+    // Validators pass over keys that begin with `x-`; the studio's form shows what a change costs.
+    row["x-first-stage"] = json!(p.first_stage().name());
     row
 }
 

@@ -5,7 +5,7 @@
 
 use std::convert::Infallible;
 use std::path::{Path as FilePath, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use axum::Json;
@@ -17,7 +17,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
-use axum::routing::{MethodRouter, delete, get, post};
+use axum::routing::{MethodRouter, delete, get, post, put};
 use futures_util::Stream;
 use futures_util::stream::unfold;
 use grainpath_gcode::{Limits, simulate};
@@ -26,6 +26,7 @@ use serde_json::json;
 
 use crate::answers::{Problem, accepts_gzip, binary, fault, packed, refused};
 use crate::engine::{CaseValues, Finished, JobText, StressSurface};
+use crate::file_kind::FileKind;
 use crate::gate::check;
 use crate::openapi::{self, Route};
 use crate::records::Records;
@@ -33,7 +34,7 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
-use crate::{assets, cut_view, history, runs, surface_bytes, uploads};
+use crate::{assets, cut_view, drafts, history, runs, surface_bytes, uploads};
 
 /// Filament diameter for programs that state none, mm. Source: the nominal diameter of common filament, which the command
 /// line uses too.
@@ -78,6 +79,8 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::LINES, get(lines)),
         (openapi::BRANCHES, get(branches)),
         (openapi::HISTORY, get(history_rows)),
+        (openapi::DRAFTS, get(draft_rows)),
+        (openapi::KEEP, put(keep).layer(DefaultBodyLimit::max(MAX_DRAFT_BYTES))),
         (openapi::OUTPUT, get(output)),
         (openapi::SCHEMA, get(schema)),
         (openapi::PROFILES, get(profiles)),
@@ -110,64 +113,6 @@ pub fn router(studio: Arc<Studio>) -> Router {
 }
 
 type Answer<T> = Result<T, Problem>;
-
-/// The kind of a file, taken from its ending.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum FileKind {
-    Job,
-    Mesh,
-    Outline,
-    Photo,
-    Scan,
-    Program,
-    Other,
-}
-
-/// Endings of files that the studio opens. Scans of many files (DICOM, TIFF, PNG) are opened as their folder.
-const ENDINGS: [(&str, FileKind); 32] = [
-    ("toml", FileKind::Job),
-    ("stl", FileKind::Mesh),
-    ("obj", FileKind::Mesh),
-    ("ply", FileKind::Mesh),
-    ("off", FileKind::Mesh),
-    ("3mf", FileKind::Mesh),
-    ("step", FileKind::Mesh),
-    ("stp", FileKind::Mesh),
-    ("iges", FileKind::Mesh),
-    ("igs", FileKind::Mesh),
-    ("svg", FileKind::Outline),
-    ("dxf", FileKind::Outline),
-    ("png", FileKind::Photo),
-    ("jpg", FileKind::Photo),
-    ("jpeg", FileKind::Photo),
-    ("bmp", FileKind::Photo),
-    ("nrrd", FileKind::Scan),
-    ("nhdr", FileKind::Scan),
-    ("mhd", FileKind::Scan),
-    ("mha", FileKind::Scan),
-    ("nii", FileKind::Scan),
-    ("nii.gz", FileKind::Scan),
-    ("tif", FileKind::Scan),
-    ("tiff", FileKind::Scan),
-    ("dcm", FileKind::Scan),
-    ("gcode", FileKind::Program),
-    ("gco", FileKind::Program),
-    ("g", FileKind::Program),
-    ("nc", FileKind::Program),
-    ("ngc", FileKind::Program),
-    ("tap", FileKind::Program),
-    ("bgcode", FileKind::Program),
-];
-
-impl FileKind {
-    fn from_path(path: &FilePath) -> Self {
-        // An ending may have two parts (`.nii.gz`), so the end of the whole name is compared.
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let has = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| stem.ends_with('.'));
-        ENDINGS.iter().find(|(ending, _)| has(ending)).map_or(Self::Other, |(_, kind)| *kind)
-    }
-}
 
 async fn state(State(studio): Shared) -> impl IntoResponse {
     let shown = |p: &PathBuf| p.display().to_string();
@@ -803,6 +748,29 @@ async fn history_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> 
     let roots = Arc::clone(&studio.roots);
     let rows = tokio::task::spawn_blocking(move || history::told(&roots)).await.map_err(fault)?;
     Ok(Json(json!({ "ok": true, "runs": rows })))
+}
+
+/// Largest request that keeps a draft, bytes: the changed text and that of the file.
+const MAX_DRAFT_BYTES: usize = 2 * MAX_JOB_BYTES as usize;
+
+async fn draft_rows(State(studio): Shared) -> Answer<Json<serde_json::Value>> {
+    let roots = Arc::clone(&studio.roots);
+    let rows = tokio::task::spawn_blocking(move || drafts::told(&roots)).await.map_err(fault)??;
+    Ok(Json(json!({ "ok": true, "drafts": rows })))
+}
+
+async fn keep(
+    State(studio): Shared,
+    draft: Result<Json<drafts::Draft>, JsonRejection>,
+) -> Answer<StatusCode> {
+    let Json(draft) = draft?;
+    let kept = move || {
+        // The lock protects the file alone, which is whole whatever happened to the thread that held it.
+        let _held = studio.drafts.lock().unwrap_or_else(PoisonError::into_inner);
+        drafts::keep(&studio.roots, draft)
+    };
+    tokio::task::spawn_blocking(kept).await.map_err(fault)??;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// A file that a job wrote.

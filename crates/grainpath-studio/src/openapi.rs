@@ -219,6 +219,23 @@ pub(crate) const HISTORY: Route = Route::get(
     "Plans and strength tests of this working folder, the last one first; earlier starts of the studio too.",
     Answers::Json("History"),
 );
+pub(crate) const DRAFTS: Route = Route::get(
+    "/v1/drafts",
+    "drafts",
+    "Changes of files that were not saved, the last one first; earlier starts of the studio too.",
+    Answers::Json("Drafts"),
+);
+pub(crate) const KEEP: Route = Route {
+    method: "put",
+    body: Takes::Json("Draft"),
+    status: "204",
+    ..Route::get(
+        "/v1/drafts",
+        "keep",
+        "Keeps changes of a file that were not saved, in place of earlier ones. A text that is that of the file is forgotten.",
+        Answers::Nothing,
+    )
+};
 pub(crate) const OUTPUT: Route =
     Route::get("/v1/jobs/{id}/outputs/{kind}", "output", "A file that the job wrote.", Answers::Bytes);
 pub(crate) const SCHEMA: Route = Route::get(
@@ -308,7 +325,17 @@ fn schemas() -> Value {
         }
         schema
     };
+    let kind = json!({ "enum": ["job", "mesh", "outline", "photo", "scan", "program", "other"] });
+    let draft = object(json!({ "path": text, "kind": kind,
+        "text": { "type": "string", "description": "The changed text." },
+        "from": { "type": "string", "description": "The text of the file that was changed." },
+        "at_s": { "type": "integer", "description": "Seconds since 1970; set by the server." } }));
+    let mut kept = draft.clone();
+    kept["required"] = json!(["path", "kind", "text", "from"]);
+    kept["additionalProperties"] = json!(false);
     json!({
+        "Draft": kept,
+        "Drafts": object(json!({ "drafts": list(&draft) })),
         "Error": object(json!({ "ok": { "const": false }, "error": text })),
         "Object": { "type": "object" },
         "Studio": object(json!({ "version": text, "work": text, "roots": list(&text), "max_upload_bytes": whole,
@@ -316,7 +343,7 @@ fn schemas() -> Value {
         "Listing": object(json!({ "path": text, "parent": maybe("string"), "left_out": whole,
             "folders": list(&object(json!({ "name": text, "path": text }))),
             "files": list(&object(json!({ "name": text, "path": text, "bytes": whole,
-                "kind": { "enum": ["job", "mesh", "outline", "photo", "scan", "program", "other"] } }))) })),
+                "kind": kind }))) })),
         "Examples": object(json!({ "examples": list(&object(json!({ "name": text, "about": text }))) })),
         "JobText": object(json!({ "text": text, "folder": text })),
         "Upload": object(json!({ "path": text, "bytes": whole })),

@@ -334,6 +334,105 @@ fn an_example_is_written_to_a_folder_of_its_own_each_time() {
     assert!(unknown.error().contains("there are pair"), "{}", unknown.error());
 }
 
+/// Keeps a change of a job.
+fn keep(bench: &Bench, path: &str, text: &str, from: &str) -> StatusCode {
+    let draft = json!({ "path": path, "kind": "job", "text": text, "from": from });
+    bench.put("/v1/drafts", &draft).status
+}
+
+/// Paths and texts of the changes that are kept, the newest first.
+fn kept(bench: &Bench) -> Vec<(String, String)> {
+    let word = |value: &serde_json::Value| value.as_str().expect("a text").to_owned();
+    let told = bench.get("/v1/drafts").json();
+    let rows = told["drafts"].as_array().expect("a list");
+    rows.iter().map(|row| (word(&row["path"]), word(&row["text"]))).collect()
+}
+
+fn pair(path: &str, text: &str) -> (String, String) {
+    (path.to_owned(), text.to_owned())
+}
+
+#[test]
+fn changes_outlive_the_studio_and_the_last_one_of_a_file_stays() {
+    let bench = Bench::new();
+    assert_eq!(kept(&bench), []);
+    assert_eq!(keep(&bench, "/a.toml", "# one\n", ""), StatusCode::NO_CONTENT);
+    assert_eq!(keep(&bench, "/b.toml", "# b\n", "# old\n"), StatusCode::NO_CONTENT);
+    assert_eq!(keep(&bench, "/a.toml", "# two\n", ""), StatusCode::NO_CONTENT);
+    let both = [pair("/a.toml", "# two\n"), pair("/b.toml", "# b\n")];
+    assert_eq!(kept(&bench), both);
+    let row = &bench.get("/v1/drafts").json()["drafts"][1];
+    assert_eq!((row["from"].as_str(), row["kind"].as_str()), (Some("# old\n"), Some("job")));
+    assert!(row["at_s"].as_u64() > Some(1_700_000_000), "{row}");
+    // A studio that is started later in the same folder.
+    let work = bench.path("files/studio");
+    let later = Bench::with(|o| o.work = work.clone());
+    assert_eq!(kept(&later), both);
+    // A text that is that of the file again is no change.
+    assert_eq!(keep(&later, "/a.toml", "", ""), StatusCode::NO_CONTENT);
+    assert_eq!(kept(&bench), both[1..]);
+    // No temporary file is left beside the one that was renamed.
+    let names = fs::read_dir(&work).expect("the folder").flatten();
+    assert_eq!(names.map(|n| n.file_name()).collect::<Vec<_>>(), ["drafts.json"]);
+}
+
+#[test]
+fn twenty_changes_and_32_mib_of_them_are_kept() {
+    let bench = Bench::new();
+    for k in 0..25 {
+        assert_eq!(keep(&bench, &format!("/{k}.toml"), "# new\n", ""), StatusCode::NO_CONTENT);
+    }
+    let names: Vec<String> = kept(&bench).into_iter().map(|(path, _)| path).collect();
+    assert_eq!(names, (5..25).rev().map(|k| format!("/{k}.toml")).collect::<Vec<_>>());
+    let large = "#".repeat(7 << 20);
+    for k in 0..6 {
+        assert_eq!(keep(&bench, &format!("/large-{k}.toml"), &large, ""), StatusCode::NO_CONTENT);
+    }
+    let names: Vec<String> = kept(&bench).into_iter().map(|(path, _)| path).collect();
+    assert_eq!(names, (2..6).rev().map(|k| format!("/large-{k}.toml")).collect::<Vec<_>>());
+    let status = keep(&bench, "/larger.toml", &"#".repeat(9 << 20), "");
+    assert_eq!(status, StatusCode::PAYLOAD_TOO_LARGE);
+}
+
+#[test]
+fn a_damaged_file_of_changes_is_named_and_left() {
+    let bench = Bench::new();
+    let file = bench.path("files/studio/drafts.json");
+    fs::write(&file, "[{").expect("written");
+    let told = bench.get("/v1/drafts");
+    assert_eq!(told.status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert!(
+        told.error().contains("drafts.json") && told.error().contains("move it away"),
+        "{}",
+        told.error()
+    );
+    assert_eq!(keep(&bench, "/a.toml", "# one\n", ""), StatusCode::UNPROCESSABLE_ENTITY);
+    assert_eq!(fs::read_to_string(&file).expect("it is there"), "[{");
+    let other = bench.put("/v1/drafts", &json!({ "path": "/a.toml", "text": "" }));
+    assert_eq!(other.status, StatusCode::UNPROCESSABLE_ENTITY);
+}
+
+/// Several pages write at once: the file has each of their changes, whole.
+#[test]
+fn changes_of_many_pages_at_once_are_all_kept() {
+    let bench = Bench::new();
+    let studio = bench.path("files/studio");
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(4).enable_all().build();
+    runtime.expect("threads").block_on(async {
+        let all = (0..16).map(|k| {
+            let draft = json!({ "path": format!("/{k}.toml"), "kind": "job", "text": "# new\n", "from": "" });
+            let request = bench.request("PUT", "/v1/drafts").header("content-type", "application/json");
+            let request = request.body(Body::from(draft.to_string())).expect("a request");
+            tokio::spawn(tower::ServiceExt::oneshot(bench.router.clone(), request))
+        });
+        for answer in all.collect::<Vec<_>>() {
+            assert_eq!(answer.await.expect("no panic").expect("an answer").status(), StatusCode::NO_CONTENT);
+        }
+    });
+    assert_eq!(kept(&bench).len(), 16);
+    assert!(studio.join("drafts.json").is_file());
+}
+
 #[test]
 fn a_job_is_saved_under_a_new_name_below_the_working_folder_alone() {
     let bench = Bench::new();

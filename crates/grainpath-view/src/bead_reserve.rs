@@ -18,6 +18,10 @@ pub const SCALE: f64 = 10.0;
 /// Length of the pieces of a bead that get a colour of their own, mm. Source: chosen by eye; a bead is about as wide.
 const PIECE_MM: f64 = 0.5;
 
+/// Radius of the ring about the weakest place, as a share of the longer side of the picture, unless beads are wider.
+/// Source: chosen by eye.
+const RING_SHARE: f64 = 0.02;
+
 /// The reserves of the beads of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeadReserves {
@@ -77,7 +81,8 @@ impl BeadReserves {
 }
 
 /// A picture of the beads of a layer, each coloured along its length: red at the least reserve of the part, blue from
-/// [`SCALE`] times that on, in equal steps for equal ratios; grey where there is no value.
+/// [`SCALE`] times that on, in equal steps for equal ratios; grey where there is no value. A ring marks the weakest place of
+/// the part, with the factor beside it.
 pub fn reserve_png(map: &ReserveMap, layer: &BeadLayer, least: f64, size_px: u32) -> Vec<u8> {
     let beads: Vec<&Bead> = layer.beads.iter().filter(|b| b.role.is_part()).collect();
     let around = |b: &&Bead| {
@@ -116,7 +121,19 @@ pub fn reserve_png(map: &ReserveMap, layer: &BeadLayer, least: f64, size_px: u32
             from = to;
         }
     }
+    if let Some(weakest) = map.weakest() {
+        // The bead stays in sight inside the ring, which is large enough to be seen on a picture of thousands of beads.
+        let wide = widths.iter().fold(0.0, |most: f32, (wide, _)| most.max(*wide));
+        let radius = f64::from(1.5 * wide).max(RING_SHARE * f64::from(size_px));
+        canvas.ring(weakest.at_mm, radius, &factor(least));
+    }
     canvas.png()
+}
+
+/// A factor on the loads with three digits.
+fn factor(times: f64) -> String {
+    let places = if times < 10.0 { 2 } else { usize::from(times < 100.0) };
+    format!("{times:.places$}x")
 }
 
 #[cfg(test)]
@@ -170,14 +187,93 @@ mod tests {
         assert_eq!(BeadReserves::new(&map, &Program::default()), None);
     }
 
+    fn decoded(png: Vec<u8>) -> (png::OutputInfo, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
+        let mut data = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut data).expect("a frame");
+        (info, data)
+    }
+
+    /// Beads of 20 mm whose index is 0.5 at a place and falls with the distance from it.
+    #[test]
+    fn a_ring_and_the_factor_mark_the_weakest_place() {
+        // Two squares with room on either side, and two upright bars with room above or below.
+        for (n, is_upright, place, label) in [
+            (50, false, DVec2::new(3.0, 11.0), DVec2::X),
+            (50, false, DVec2::new(17.0, 9.0), DVec2::NEG_X),
+            (5, true, DVec2::new(1.0, 17.0), DVec2::NEG_Y),
+            (5, true, DVec2::new(1.0, 3.0), DVec2::Y),
+        ] {
+            let turned = |p: DVec2| if is_upright { DVec2::new(p.y, p.x) } else { p };
+            let ends = |k: i32| [0.0, 20.0].map(|x| turned(DVec2::new(x, 0.2 + 0.4 * f64::from(k))));
+            let mut text = "M83
+;LAYER_CHANGE
+G1 Z0.2
+;TYPE:Solid infill
+"
+            .to_owned();
+            for [a, b] in (0..n).map(ends) {
+                text.push_str(&format!(
+                    "G1 X{:.2} Y{:.2} F6000
+G1 X{:.2} Y{:.2} E0.67 F1200
+",
+                    a.x, a.y, b.x, b.y
+                ));
+            }
+            let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+            let beads = (0..n).map(ends).map(|[a, b]| BeadPiece { a, b, volume_mm3: 1.6, material: 0 });
+            let sheets = [BeadSheet { height_mm: 0.2, beads: beads.collect() }];
+            let laminate = Laminate::from_layers(&sheets, 0.4).expect("cells");
+            let mut map = ReserveMap::of_plate(&laminate, 0.0, Frame::default(), DVec3::ZERO);
+            let of_cell = |cell: usize| {
+                let n = laminate.starts[cell + 1] - laminate.starts[cell];
+                let off = laminate.grid.centre(cell).distance(place);
+                std::iter::repeat_n((0.5 - 0.01 * off) as f32, n as usize)
+            };
+            map.add_case(&(0..laminate.starts.len() - 1).flat_map(of_cell).collect::<Vec<_>>());
+            let weakest = map.weakest().expect("a place");
+            assert!(weakest.at_mm.distance(place) < 0.4, "{weakest:?}");
+            let (info, data) =
+                decoded(reserve_png(&map, &program.layers[0], 1.0 / f64::from(weakest.index), 800));
+            // Beads are 0.446 mm wide, and the window has a margin of two per cent and 0.2 mm.
+            let low = turned(DVec2::new(-0.223, 0.2 - 0.223)) - 0.609;
+            let scale = 800.0 / 21.664;
+            let colour = |off_px: DVec2| {
+                let at = (weakest.at_mm - low) * scale + off_px;
+                let (column, row) = (at.x as usize, (f64::from(info.height) - at.y) as usize);
+                let k = 4 * (row * info.width as usize + column);
+                [data[k], data[k + 1], data[k + 2]]
+            };
+            let is_light = |c: [u8; 3]| c.into_iter().all(|v| v > 150);
+            let radius = (1.5 * 0.446 * scale).max(RING_SHARE * 800.0);
+            for k in 0..16 {
+                let out = grainpath_core::math::direction(f64::from(k) * std::f64::consts::TAU / 16.0);
+                assert!(is_light(colour(radius * out)), "{place} {k}: {:?}", colour(radius * out));
+                // Its rims are dark on both sides, so that it is seen on light colours too.
+                for rim in [radius - 3.0, radius + 3.0] {
+                    assert!(
+                        colour(rim * out).into_iter().all(|v| v < 120),
+                        "{place} {k}: {:?}",
+                        colour(rim * out)
+                    );
+                }
+            }
+            let [red, green, blue] = colour(DVec2::ZERO);
+            assert!(red > 150 && green < 100 && blue < 100, "the bead is seen inside the ring");
+            // The plate of the number lies beside the ring, on the side with the most room.
+            let plate = radius + 7.0 + 1.0;
+            for side in [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y] {
+                assert_eq!(is_light(colour(plate * side)), side == label, "{place} {side}");
+            }
+        }
+        assert_eq!([0.934, 2.0, 12.34, 416.2].map(factor), ["0.93x", "2.00x", "12.3x", "416x"]);
+    }
+
     #[test]
     fn a_picture_shows_where_the_least_reserve_is() {
         let (program, map) = bar();
         let least = 1.0 / f64::from(map.weakest().expect("a place").index);
-        let png = reserve_png(&map, &program.layers[0], least, 400);
-        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
-        let mut data = vec![0; reader.output_buffer_size().expect("a size")];
-        let info = reader.next_frame(&mut data).expect("a frame");
+        let (info, data) = decoded(reserve_png(&map, &program.layers[0], least, 400));
         // The middle of the lower bead: beads are 0.446 mm wide, so the picture with its margin begins at x = -0.83 and is
         // 21.66 mm wide; its middle lies between both beads.
         let colour = |x: f64| {
@@ -187,11 +283,11 @@ mod tests {
             [data[at], data[at + 1], data[at + 2]]
         };
         let ramp = Ramp { low: -ln(SCALE * least), high: -ln(least) };
-        for x in [1.0, 10.0, 19.0] {
+        for x in [1.0, 10.0, 16.0] {
             let wanted = ramp.colour(ln(0.1 + 0.02 * x));
             let (found, far) = (colour(x), |(p, q): (u8, u8)| p.abs_diff(q) > 25);
             assert!(!found.into_iter().zip(wanted).any(far), "{x}: {found:?} {wanted:?}");
         }
-        assert!(colour(19.0)[0] > 150 && colour(1.0)[0] < 100, "red where it fails first");
+        assert!(colour(16.0)[0] > 150 && colour(1.0)[0] < 100, "red where it fails first");
     }
 }

@@ -8,22 +8,8 @@ use grainpath_core::faces::Faces;
 use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
-use crate::layer::encode_png as png;
+use crate::layer::{digits, encode_png as png};
 
-/// Digits of 3 by 5 pixels, rows from the top, three bits each. No font is used, since that would be a
-/// dependency of its own. Source: drawn by hand.
-const DIGITS: [u16; 10] = [
-    0b111_101_101_101_111,
-    0b010_110_010_010_111,
-    0b111_001_111_100_111,
-    0b111_001_111_001_111,
-    0b101_101_111_001_001,
-    0b111_100_111_001_111,
-    0b111_100_111_101_111,
-    0b111_001_010_010_010,
-    0b111_101_111_101_111,
-    0b111_101_111_001_111,
-];
 /// Colour behind the part. Source: that of all pictures of layers.
 const BACKGROUND: [u8; 3] = [28, 30, 34];
 /// Share of a view left free on each side. Source: derived: a number at the edge of the part stays inside.
@@ -59,7 +45,9 @@ pub fn faces_png(mesh: &TriMesh, faces: &Faces, width_px: u32) -> Vec<u8> {
                     rgba[at..at + 3].copy_from_slice(&colour);
                 }
             };
-            number(face + 1, x, y, (size / 300).max(1), &mut paint);
+            let (text, dot) = ((face + 1).to_string(), (size / 300).max(1));
+            let (wide, high) = digits::size(&text, dot);
+            digits::write(&text, (x.saturating_sub(wide / 2), y.saturating_sub(high / 2)), dot, &mut paint);
         }
     }
     png(2 * size as u32, size as u32, &rgba)
@@ -143,22 +131,6 @@ fn numbered(view: &View, n_faces: usize) -> Vec<(usize, (usize, usize))> {
         }
     }
     best.into_iter().enumerate().filter(|(_, b)| b.0 != usize::MAX).map(|(f, b)| (f, b.1)).collect()
-}
-
-/// Draws a number centred on a pixel, in dark digits on a light plate.
-fn number(value: usize, x: usize, y: usize, dot: usize, paint: &mut impl FnMut(usize, usize, [u8; 3])) {
-    let digits: Vec<usize> = value.to_string().bytes().map(|b| usize::from(b.saturating_sub(b'0'))).collect();
-    let (width, height) = ((4 * digits.len() + 1) * dot, 7 * dot);
-    let (left, top) = (x.saturating_sub(width / 2), y.saturating_sub(height / 2));
-    for j in 0..height {
-        for i in 0..width {
-            let (column, row) = (i / dot, j / dot);
-            let inside = column % 4 > 0 && (1..6).contains(&row);
-            let bit = || DIGITS[digits[column / 4]] >> (14 - (3 * (row - 1) + column % 4 - 1)) & 1 == 1;
-            let ink = inside && bit();
-            paint(left + i, top + j, if ink { [10, 10, 10] } else { [245, 245, 240] });
-        }
-    }
 }
 
 #[cfg(test)]

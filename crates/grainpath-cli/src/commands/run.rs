@@ -172,7 +172,7 @@ pub(crate) fn execute(
     // With --strict, a warning during planning ends the job before anything is written. Warnings during
     // writing can only be reported afterwards.
     common.refuse(&diagnostics.warnings(), false)?;
-    let report =
+    let (report, _) =
         outputs::write(settings, planned, paths, read_s, common.json, truth, &|_, _| {}, &diagnostics)?;
     // The progress line is cleared before anything is printed.
     drop(diagnostics);

@@ -10,7 +10,7 @@ use crate::claims::Claims;
 use crate::commands::inspect_scan;
 use crate::commands::run::execute;
 use crate::inputs::settings;
-use crate::{Failure, files, outputs};
+use crate::{Failure, files, outputs, saved_report};
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
@@ -38,6 +38,12 @@ const NO_SHAPES: [(&[&str], &str); 3] = [
         "not a mesh, but values at points: guide.import reads stress, guide.field reads directions, and `grainpath inspect` says which it holds",
     ),
 ];
+
+/// What a file is that holds no shape, and what takes it; `None` for all that may hold one.
+fn no_shape(file: &Path) -> Option<String> {
+    let row = NO_SHAPES.iter().find(|(endings, _)| has_ending(file, endings));
+    row.map(|(_, what)| (*what).to_owned()).or_else(|| saved_report::what_it_is(file))
+}
 
 /// The text of the default job for a file, and, for a photograph or scan, the assumptions that the job makes about it.
 fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
@@ -97,6 +103,9 @@ fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String
 /// is not a mesh, drawing, photograph or scan.
 #[cfg(feature = "studio")]
 pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
+    if let Some(what) = no_shape(model) {
+        return Err(Failure::input(format!("{}: {what}", model.display())));
+    }
     let file = serde_json::Value::from(model.display().to_string());
     let (job, assumed) = job_of(model)?;
     let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs"]);
@@ -134,7 +143,7 @@ pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
 pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     let name = args.model.display();
     if args.model.is_file() {
-        if let Some((_, what)) = NO_SHAPES.iter().find(|(endings, _)| has_ending(&args.model, endings)) {
+        if let Some(what) = no_shape(&args.model) {
             return Err(Failure::input(format!("{name}: {what}")));
         }
         // A photograph has no size, and any default would be a guess.

@@ -19,7 +19,6 @@ use grainpath_studio::roots::Roots;
 use grainpath_studio::{
     Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, RefusalKind, serve,
 };
-use grainpath_view::bead_reserve::BeadReserves;
 use serde_json::json;
 
 use super::render::angles_to_guide;
@@ -234,11 +233,10 @@ impl Engine for Commands {
             angles.get_or_init(|| angles_to_guide(read, planned, told));
         };
         let report = outputs::write(&settings, planned, &paths, read_s, true, truth, &ready, diagnostics);
-        let report = report.map_err(refusal)?;
-        let map = report.reserve.as_ref().and_then(|r| r.map.as_ref());
+        let (report, drawn) = report.map_err(refusal)?;
         // `outputs::write` was called with `measured`, so it has read the program back.
         let program = program.into_inner().unwrap_or_default();
-        let reserves = map.and_then(|map| BeadReserves::new(map, &program));
+        let reserves = drawn.or_else(|| outputs::bead_reserves(&report, &program));
         let bytes = |layer: &Vec<f32>| layer.iter().map(|factor| reserve_byte(*factor)).collect();
         let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
         let outputs = outputs.filter(|(_, path)| path.is_file());

@@ -289,6 +289,11 @@ impl Bench {
         self.raw(self.request("DELETE", address).body(Body::empty()).expect("a request"))
     }
 
+    pub(crate) fn put(&self, address: &str, body: &Value) -> Answer {
+        let request = self.request("PUT", address).header("content-type", "application/json");
+        self.raw(request.body(Body::from(body.to_string())).expect("a request"))
+    }
+
     pub(crate) fn post(&self, address: &str, body: &Value) -> Answer {
         self.post_bytes(address, body.to_string().into_bytes())
     }

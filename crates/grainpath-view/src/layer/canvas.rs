@@ -1,9 +1,11 @@
 //! A picture that is drawn in millimetres.
 
+use grainpath_core::math::direction;
 use grainpath_core::{Bounds2, DVec2};
 use tiny_skia::{Color, Pixmap};
 
 use super::colour::{Rgb, ramp};
+use super::digits;
 use super::rasteriser::{draw_line, png};
 
 /// A colour scale: blue through green and yellow to red.
@@ -21,6 +23,11 @@ impl Ramp {
         ramp(value, self.low, self.high)
     }
 }
+
+/// Width of a ring without its rims, pixels. Source: chosen by eye.
+const RING_PX: f32 = 3.0;
+/// Sides of the polygon that is drawn for a ring. Source: chosen; a side of a ring of 50 pixels is off its arc by 0.02.
+const RING_SIDES: f64 = 96.0;
 
 /// A picture of a window of the plane in mm, y upwards.
 pub struct Canvas {
@@ -77,6 +84,44 @@ impl Canvas {
         if points.len() > 1 {
             draw_line(&mut self.pixels, &points, width_px, colour, alpha);
         }
+    }
+
+    /// Draws a ring about a place in mm, white between two dark rims so that it is seen on any colour, and writes a number
+    /// beside it, above or below it in a picture that is too narrow.
+    pub fn ring(&mut self, centre: DVec2, radius_px: f64, text: &str) {
+        let around = |k: i32| {
+            let turn = f64::from(k) * std::f64::consts::TAU / RING_SIDES;
+            centre + direction(turn) * (radius_px / self.scale)
+        };
+        let points: Vec<DVec2> = (0..=RING_SIDES as i32).map(around).collect();
+        // The rims are what is left of a wider dark ring below the light one.
+        self.line(&points, RING_PX + 6.0, [14, 15, 17], 255);
+        self.line(&points, RING_PX, digits::PLATE, 255);
+        let (w, h) = (self.pixels.width() as usize, self.pixels.height() as usize);
+        // Dots grow with the picture, so that numbers stay readable where a page shows it smaller.
+        let dot = (w.max(h) / 300).max(1);
+        let (wide, high) = digits::size(text, dot);
+        let off = (centre - DVec2::new(self.window.min.x, self.window.max.y)) * self.scale;
+        let (x, y) = (off.x, -off.y);
+        // The plate stays clear of the outer rim.
+        let gap = radius_px + f64::from(RING_PX) + 4.0;
+        let (right, below) = (w as f64 - x, h as f64 - y);
+        let beside =
+            |low: f64, size: usize, end: usize| low.clamp(0.0, end.saturating_sub(size) as f64) as usize;
+        let corner = if right.max(x) >= gap + wide as f64 {
+            let left = if right >= x { x + gap } else { x - gap - wide as f64 };
+            (beside(left, wide, w), beside(y - 0.5 * high as f64, high, h))
+        } else {
+            let top = if below >= y { y + gap } else { y - gap - high as f64 };
+            (beside(x - 0.5 * wide as f64, wide, w), beside(top, high, h))
+        };
+        let data = self.pixels.data_mut();
+        digits::write(text, corner, dot, |x, y, colour| {
+            if x < w && y < h {
+                let at = 4 * (y * w + x);
+                data[at..at + 3].copy_from_slice(&colour);
+            }
+        });
     }
 
     /// The picture as a PNG file.

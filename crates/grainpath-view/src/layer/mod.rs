@@ -5,6 +5,7 @@
 
 mod canvas;
 mod colour;
+pub(crate) mod digits;
 mod rasteriser;
 mod svg;
 mod thumbnail;

@@ -1,0 +1,81 @@
+//! Changes of jobs that were not saved, in `drafts.json` of the working folder.
+//!
+//! The page sends each change; a closed tab, another browser and a studio on another port find it again. The file is
+//! written anew under a temporary name and renamed, so that it is always whole. Where two pages change one job, the last
+//! change stays.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+use crate::file_kind::FileKind;
+use crate::refusal::{Refusal, plain};
+use crate::roots::Roots;
+
+/// Name of the file.
+const FILE: &str = "drafts.json";
+/// The greatest number of drafts that are kept, the newest ones. Source: chosen; a page lists no more.
+const MOST: usize = 20;
+/// The greatest number of bytes of all their texts. Source: chosen; jobs have some kilobytes.
+const MOST_BYTES: usize = 32 << 20;
+
+/// The changed text of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Draft {
+    pub path: String,
+    pub kind: FileKind,
+    /// The changed text.
+    pub text: String,
+    /// The text of the file that was changed.
+    pub from: String,
+    /// When it was changed last, seconds since 1970; set by the server.
+    #[serde(default)]
+    pub at_s: u64,
+}
+
+fn wrong(path: &Path, what: &str) -> Refusal {
+    Refusal::usage(format!("changes that are not saved are kept in {}: {what}", path.display()))
+}
+
+/// All drafts, the newest first.
+pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
+    let path = roots.work().join(FILE);
+    match std::fs::read(&path) {
+        Ok(bytes) => serde_json::from_slice(&bytes)
+            .map_err(|e| wrong(&path, &format!("it is no list of drafts ({e}); move it away"))),
+        // The file does not exist before the first change.
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(e) => Err(wrong(&path, &plain(&e))),
+    }
+}
+
+/// Keeps a draft in place of an earlier one of its file. A text that is that of the file is no change and is forgotten.
+/// Calls must not overlap.
+pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
+    let mut all = told(roots)?;
+    all.retain(|d| d.path != draft.path);
+    // Undoing all changes brings the text of the file back, which needs no draft.
+    if draft.text != draft.from {
+        let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+        all.insert(0, Draft { at_s, ..draft });
+    }
+    let mut bytes = 0;
+    let mut is_kept = |d: &Draft| {
+        bytes += d.text.len() + d.from.len();
+        bytes <= MOST_BYTES
+    };
+    // The newest ones come first, so the oldest ones go where there are too many.
+    let n = all.iter().take(MOST).take_while(|d| is_kept(d)).count();
+    all.truncate(n);
+    let path = roots.writable(&roots.work().join(FILE))?;
+    let failed = |e: std::io::Error| wrong(&path, &plain(&e));
+    // A full disk or a crash leaves the earlier file, because only a whole one gets its name.
+    let mut file = tempfile::Builder::new().prefix(".drafts-").tempfile_in(roots.work()).map_err(failed)?;
+    let bytes = serde_json::to_vec(&all).map_err(|e| failed(e.into()))?;
+    file.write_all(&bytes).map_err(failed)?;
+    file.persist(&path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
