@@ -37,6 +37,7 @@ pub mod tuned;
 pub mod turns;
 pub mod units;
 pub mod warning;
+pub mod wide_turns;
 
 pub use bounds::Bounds2;
 pub use bvh::Bvh;

@@ -4,7 +4,7 @@
 //! in the cells passed, a search in the pieces of the cells around the place.
 
 use crate::buckets::{Buckets, CellGrid};
-use crate::segment::closest_share;
+use crate::segment::{Meeting, closest_share, meeting};
 use crate::{Bounds2, DVec2};
 
 /// Largest number of cells along a side of the grid. Source: derived; a cell takes 4 bytes, so all take 16 MB.
@@ -18,6 +18,7 @@ const MAX_CELLS_PER_SIDE: usize = 2000;
 /// let pieces = Segments::new(vec![[DVec2::ZERO, DVec2::X], [DVec2::Y, DVec2::ONE]], 1.0);
 /// let (piece, share) = pieces.within(DVec2::new(0.25, 0.9), 0.2).next().unwrap();
 /// assert_eq!((piece, share), (1, 0.25));
+/// assert!(pieces.meets(DVec2::new(0.5, 0.5), DVec2::new(0.5, 2.0), |piece| piece == 1));
 /// ```
 #[derive(Debug, Clone)]
 pub struct Segments {
@@ -38,6 +39,19 @@ impl Segments {
     /// The ends of a piece.
     pub fn ends(&self, i: usize) -> [DVec2; 2] {
         self.all[i]
+    }
+
+    /// Whether one of the pieces that `counts` names crosses or touches the way from `a` to `b`.
+    pub fn meets(&self, a: DVec2, b: DVec2, counts: impl Fn(usize) -> bool) -> bool {
+        let mut met = false;
+        self.near.cells.for_each_passed(a, b, |cell| {
+            met |= self
+                .near
+                .members(cell)
+                .iter()
+                .any(|&i| counts(i as usize) && meeting([a, b], self.all[i as usize]) != Meeting::Apart);
+        });
+        met
     }
 
     /// The pieces within `distance_mm` of `place`, each with the share of its length at which its nearest point lies. A piece

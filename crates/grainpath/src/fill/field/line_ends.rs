@@ -333,22 +333,24 @@ fn extend(lines: &mut [Line], neighbours: &Neighbours, place: &Place<'_>, room: 
     }
     let open: Vec<usize> =
         (0..lines.len()).filter(|&l| !lines[l].closed && lines[l].points.len() > 1).collect();
-    let mut extensions: Vec<[Vec<DVec2>; 2]> = open.iter().map(|_| Default::default()).collect();
+    // The points added to both ends of each line, and whether the end may still go on.
+    let mut extensions: Vec<[(Vec<DVec2>, bool); 2]> =
+        open.iter().map(|_| [(Vec::new(), true), (Vec::new(), true)]).collect();
     // Ends are extended one by one in the order of the lines, so the result does not depend on threads. All go as far as
     // there is the least room before the first goes into a tip: where many lines meet, tips would keep others out.
     for tip in [room.least, room.tip] {
         for (&l, extensions) in open.iter().zip(&mut extensions) {
-            for (at_start, extension) in [true, false].into_iter().zip(extensions) {
+            for (at_start, (extension, goes_on)) in [true, false].into_iter().zip(extensions) {
                 let n = extension.len();
-                End { lines, line: l, at_start, neighbours, place, room: Room { tip, ..room } }
-                    .extend(extension, &added);
+                let end = End { lines, line: l, at_start, neighbours, place, room: Room { tip, ..room } };
+                *goes_on = *goes_on && end.extend(extension, &added);
                 extension[n..].iter().for_each(|&p| added.insert(p, (l, false)));
             }
         }
     }
     for (l, [at_start, at_end]) in open.into_iter().zip(extensions) {
-        lines[l].points.splice(0..0, at_start.into_iter().rev());
-        lines[l].points.extend(at_end);
+        lines[l].points.splice(0..0, at_start.0.into_iter().rev());
+        lines[l].points.extend(at_end.0);
     }
 }
 
@@ -363,8 +365,8 @@ struct End<'a> {
 }
 
 impl End<'_> {
-    /// Adds points to an extension of the end.
-    fn extend(&self, out: &mut Vec<DVec2>, added: &PointGrid2<(usize, bool)>) {
+    /// Adds points to an extension of the end. True if only lack of room ended it, so that it may go on into a tip.
+    fn extend(&self, out: &mut Vec<DVec2>, added: &PointGrid2<(usize, bool)>) -> bool {
         let points = &self.lines[self.line].points;
         let n = points.len();
         let (end, inside) =
@@ -383,7 +385,7 @@ impl End<'_> {
             let along = if axis.dot(heading) < 0.0 { -axis } else { axis };
             let ahead_mm = self.place.free_ahead_mm(at, along);
             if ahead_mm.is_some_and(|mm| mm <= ROUNDING_MM) {
-                break;
+                return false;
             }
             let mut next = at + ahead_mm.map_or(step, |mm| mm.min(step)) * along;
             if self.room.middle && ahead_mm.is_none() {
@@ -399,21 +401,25 @@ impl End<'_> {
                 || self.crowds(next, added)
                 || self.returns(next, out)
             {
-                break;
+                return false;
             }
             if let Some(border) = self.place.area.crossings(at, next).first() {
                 out.push(at.lerp(next, border.t));
-                break;
+                return false;
             }
             let [left_mm, right_mm] = self.sides(next, along);
             let room = (left_mm + right_mm) / spacing_mm;
             n_narrow = if room < self.room.least { n_narrow + 1 } else { 0 };
-            if !self.place.area.contains(next) || room < self.room.tip || n_narrow > TIP_STEPS {
-                break;
+            if !self.place.area.contains(next) {
+                return false;
+            }
+            if room < self.room.tip || n_narrow > TIP_STEPS {
+                return self.room.tip >= self.room.least;
             }
             out.push(next);
             (at, heading) = (next, along);
         }
+        false
     }
 
     /// Whether another line lies across the way directly ahead.

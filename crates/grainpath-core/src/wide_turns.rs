@@ -1,4 +1,4 @@
-//! Joins pieces of fibre by turns that keep the least radius.
+//! Joins pieces of lines, as of continuous fibre, by turns that keep a least radius.
 //!
 //! Two lines a bead apart cannot be joined by a turn that is wider than a bead. So a line returns several beads away, and
 //! the turns of a group of lines lie inside each other along the border:
@@ -30,13 +30,14 @@
 
 use std::collections::BTreeSet;
 
-use grainpath_core::buckets::{Buckets, CellGrid, PointGrid2};
-use grainpath_core::math::{cross, tan};
-use grainpath_core::poly::LineClipper;
-use grainpath_core::polyline::{length_mm, shorten_start};
-use grainpath_core::segment::{self, Meeting};
-use grainpath_core::turns::{rounded, sharp_turns};
-use grainpath_core::{Bounds2, Contour, DVec2, Region, Toolpath};
+use crate::buckets::PointGrid2;
+use crate::math::{cross, tan};
+use crate::poly::LineClipper;
+use crate::polyline::{length_mm, shorten_start};
+use crate::segment;
+use crate::segments::Segments;
+use crate::turns::{rounded, sharp_turns};
+use crate::{Bounds2, Contour, DVec2, DisjointSets, Region, Toolpath};
 
 /// The direction of a piece at its end is that of the stretch between these two distances from the end, in spacings.
 /// Source: derived; a hairpin between two beads is over after one spacing and a half.
@@ -85,8 +86,8 @@ const WITHIN_MM: f64 = 0.05;
 /// [`rounded`](grainpath_core::turns::rounded) adds to them. Source: derived from its factor of 1.03.
 const LEAST_TURN: f64 = 2.1;
 
-/// Where pieces of fibre lie.
-pub(super) struct Place<'a> {
+/// Where pieces lie.
+pub struct Place<'a> {
     /// The area for their centrelines.
     pub region: &'a Region,
     /// The same area, searchable.
@@ -99,8 +100,25 @@ pub(super) struct Place<'a> {
     pub onward_mm: f64,
 }
 
-/// Joins open pieces where turns of the least radius fit. Corners of the result are still to be rounded. Closed pieces stay.
-pub(super) fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
+/// Joins open pieces where turns of the least radius fit. Corners of the result are still to be rounded, by
+/// [`rounded`]. Closed pieces stay as they are.
+///
+/// ```
+/// use grainpath_core::wide_turns::{Place, joined};
+/// use grainpath_core::{DVec2, Region, Role, Toolpath, poly::LineClipper};
+///
+/// // Nine lines, a bead of 1 mm apart, end at the sides of a rectangle.
+/// let line = |k: usize| vec![DVec2::new(0.1, k as f64 + 0.5), DVec2::new(49.9, k as f64 + 0.5)];
+/// let pieces = (0..9).map(|k| Toolpath::new(line(k), 1.0, Role::Fibre, false)).collect();
+/// let region = Region::rectangle(DVec2::ZERO, DVec2::new(50.0, 9.0));
+/// let clipper = LineClipper::new(&region);
+/// let place = Place { region: &region, clipper: &clipper, spacing_mm: 1.0, least_mm: 2.0, onward_mm: 0.0 };
+/// // Turns of 2 mm radius are five beads wide. Four lines end inside them; the others are joined two by two at either side.
+/// let joined = joined(pieces, &place);
+/// assert!(joined.len() < 9);
+/// assert!(joined.iter().map(Toolpath::length_mm).sum::<f64>() > 0.9 * 9.0 * 49.8);
+/// ```
+pub fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
     let (closed, open): (Vec<Toolpath>, Vec<Toolpath>) = pieces.into_iter().partition(|p| p.closed);
     let Some(like) = open.first().cloned() else { return closed };
     let mut lines: Vec<Vec<DVec2>> = open.into_iter().map(|p| without_hairpins(p.points, place)).collect();
@@ -153,36 +171,24 @@ fn onward(line: &[DVec2], spacing_mm: f64) -> Option<DVec2> {
 
 /// The segments of lines, searchable.
 struct Obstacles {
-    /// Both ends, and the line.
-    segments: Vec<(DVec2, DVec2, usize)>,
-    buckets: Buckets,
+    segments: Segments,
+    /// The line of each segment.
+    line_of: Vec<usize>,
 }
 
 impl Obstacles {
     fn new(lines: impl Iterator<Item = Vec<DVec2>>, cell_mm: f64) -> Self {
-        let mut segments = Vec::new();
+        let (mut segments, mut line_of) = (Vec::new(), Vec::new());
         for (l, line) in lines.enumerate() {
-            segments.extend(line.windows(2).map(|w| (w[0], w[1], l)));
+            segments.extend(line.windows(2).map(|w| [w[0], w[1]]));
+            line_of.resize(segments.len(), l);
         }
-        let bounds = Bounds2::around_points(segments.iter().flat_map(|s| [s.0, s.1]))
-            .unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let cells = CellGrid::covering(bounds, cell_mm, 4000);
-        let buckets = Buckets::new(cells, segments.len(), |k, add| {
-            cells.for_each_passed(segments[k].0, segments[k].1, add)
-        });
-        Self { segments, buckets }
+        Self { segments: Segments::new(segments, cell_mm), line_of }
     }
 
     /// Whether a line other than those that `skips` names crosses or touches the way from `a` to `b`.
     fn between(&self, a: DVec2, b: DVec2, skips: impl Fn(usize) -> bool) -> bool {
-        let mut blocked = false;
-        self.buckets.cells.for_each_passed(a, b, |cell| {
-            blocked |= self.buckets.members(cell).iter().any(|&k| {
-                let (p, q, l) = self.segments[k as usize];
-                !skips(l) && segment::meeting([a, b], [p, q]) != Meeting::Apart
-            });
-        });
-        blocked
+        self.segments.meets(a, b, |i| !skips(self.line_of[i]))
     }
 }
 
@@ -241,6 +247,7 @@ fn facing_joined(
             }
         }
     }
+    // Ends that are equally near are taken in the order of the lines, so that the result is always the same.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| (a.1, a.2).cmp(&(b.1, b.2))));
     let mut joints: Vec<Joint> = Vec::new();
     let mut taken = vec![false; 2 * lines.len()];
@@ -352,7 +359,7 @@ fn turned_at_border(
     ends.sort_by(|a, b| {
         a.contour.cmp(&b.contour).then(a.along_mm.total_cmp(&b.along_mm)).then(a.end.cmp(&b.end))
     });
-    let mut chains = Chains((0..lines.len()).collect());
+    let mut chains = DisjointSets::new(lines.len());
     let mut joints = Vec::new();
     for run in runs(&ends, SIDE_BY_SIDE * spacing_mm) {
         // Lines inside the narrowest turn.
@@ -369,11 +376,12 @@ fn turned_at_border(
             .map(|k| laid_in_groups(&run, (first_tried + k) % group, group, &chains, &obstacles, place))
             .min_by_key(|laid| laid.n_open);
         let Some(Laid { depths_mm, pairs, .. }) = laid else { continue };
+        // Lines are moved only now, since every division was tried on the same ones.
         for (end, depth_mm) in run.iter().zip(depths_mm) {
             moved_to(&mut lines, end, depth_mm, &obstacles);
         }
         for joint in pairs {
-            chains.join(joint.ends.map(|e| e / 2));
+            chains.union(joint.ends[0] / 2, joint.ends[1] / 2);
             joints.push(joint);
         }
     }
@@ -413,7 +421,7 @@ fn laid_in_groups(
     run: &[&BorderEnd],
     first: usize,
     group: usize,
-    chains: &Chains,
+    chains: &DisjointSets,
     obstacles: &Obstacles,
     place: &Place<'_>,
 ) -> Laid {
@@ -431,6 +439,7 @@ fn laid_in_groups(
         while high - low > 1 {
             let (a, b) = (run[low], run[high - 1]);
             let way: Vec<DVec2> = run[low..high].iter().map(|end| end.at_depth(depth_mm)).collect();
+            // Lines further inside are nearer still.
             let wide = way[0].distance(way[way.len() - 1]) >= LEAST_TURN * place.least_mm;
             if !wide {
                 break;
@@ -443,7 +452,7 @@ fn laid_in_groups(
             if let Some(turn) = fits.then(|| rounded_turn([a, b], depth_mm, &way, place)).flatten() {
                 (depths_mm[low], depths_mm[high - 1]) = (depth_mm, depth_mm);
                 let joint = Joint { ends: [a.end, b.end], way: way[1..way.len() - 1].to_vec() };
-                n_rings += usize::from(!chains.join(joint.ends.map(|e| e / 2)));
+                n_rings += usize::from(!chains.union(a.end / 2, b.end / 2));
                 pairs.push(joint);
                 depth_mm += place.spacing_mm;
                 around = Some(turn);
@@ -485,12 +494,13 @@ fn depth_inside(end: &BorderEnd, turn: &[DVec2], depth_mm: f64, place: &Place<'_
     let apart_mm = (1.0 - CLOSER) * place.spacing_mm;
     let near =
         |p: DVec2| arc.iter().any(|w| segment::distance_squared_mm2(p, w[0], w[1]) < apart_mm * apart_mm);
-    let deepest_mm = depth_mm + STRAIGHT * place.least_mm;
-    let mut at_mm = depth_mm;
-    while at_mm < deepest_mm && near(end.at_depth(at_mm)) {
-        at_mm += CLOSER * place.spacing_mm;
+    // The line comes from deep inside the turn, since its place at `depth_mm` may lie beyond the arc.
+    let step_mm = CLOSER * place.spacing_mm;
+    let mut at_mm = depth_mm + STRAIGHT * place.least_mm;
+    while at_mm > depth_mm + step_mm && !near(end.at_depth(at_mm - step_mm)) {
+        at_mm -= step_mm;
     }
-    at_mm
+    if at_mm > depth_mm + step_mm { at_mm } else { depth_mm }
 }
 
 /// Shortens or extends the end of a line to `depth_mm` from the border.
@@ -507,26 +517,6 @@ fn moved_to(lines: &mut [Vec<DVec2>], end: &BorderEnd, depth_mm: f64, obstacles:
         line.insert(0, to);
     }
     put_back(lines, end.end, line);
-}
-
-/// Which lines are one chain already: each line names another of its chain, the last one itself.
-#[derive(Clone)]
-struct Chains(Vec<usize>);
-
-impl Chains {
-    fn last(&self, mut line: usize) -> usize {
-        while self.0[line] != line {
-            line = self.0[line];
-        }
-        line
-    }
-
-    /// Puts two chains together; false if they are one already, so that a ring closes.
-    fn join(&mut self, lines: [usize; 2]) -> bool {
-        let [a, b] = lines.map(|l| self.last(l));
-        self.0[a] = b;
-        a != b
-    }
 }
 
 /// Puts lines together whose ends are joined. Each result is a line, and whether it is closed.
