@@ -138,6 +138,7 @@ const JOBS: &[Job] = &[
     // Continuous paths and fibre.
     ("fibre-plate", "continuous/plate.toml", &[]),
     ("fibre-hook-cut", "continuous/hook.toml", &["fibre.turns=cut", "fibre.start=calm"]),
+    ("fibre-wide", "continuous/plate-wide.toml", &["process.layer_height_mm=0.4"]),
     ("fibre-rings", "continuous/plate-concentric.toml", &["fibre.every=2", "fibre.turns=report"]),
     (
         "fibre-separate",
