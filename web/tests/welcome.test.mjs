@@ -40,7 +40,7 @@ function ballNrrd(n = 40) {
 }
 
 /** Voxels along each side of a scan whose preview takes some seconds. */
-const LARGE = 360;
+const LARGE = 560;
 
 let files, server, browser;
 before(async () => {

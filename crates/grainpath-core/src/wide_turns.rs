@@ -14,14 +14,14 @@
 //! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes three steps:
 //!
 //! 1. what is left of a hairpin goes from the ends of the pieces;
-//! 2. ends that face each other are joined again, by a slope of [`STEEPEST_RAD`] at most: there a path had changed from one
+//! 2. ends that face each other are joined again, by a slope of `STEEPEST_RAD` at most: there a path had changed from one
 //!    line to the next;
 //! 3. ends that meet the border side by side form groups. Lines of a group whose distance is two radii or more are joined
 //!    by turns along the border, a bead apart; the lines inside end before them. Groups at the other ends of the same
 //!    lines are moved so that lines become long pieces and not rings.
 //!
 //! Turns that do not cross lie beside or inside each other, and the innermost has lines inside it that cannot turn. So of
-//! lines that end side by side some stay cut, here a fifth ([`TURNS_PER_LINE`]). The steps are this project's own.
+//! lines that end side by side some stay cut, here a fifth (`TURNS_PER_LINE`). The steps are this project's own.
 //!
 //! Lengths are in mm. Cost: linear in the length of the pieces for steps 1 and 3; step 2 looks at the ends within a few
 //! beads of each other. Limits: the turns lie across the lines, in a strip along the border twice as wide as the least
