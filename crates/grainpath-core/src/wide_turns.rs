@@ -45,8 +45,8 @@ const STRETCH: [f64; 2] = [2.0, 4.0];
 /// A segment within the first of [`STRETCH`] belongs to a hairpin if it deviates from the direction of the piece by more
 /// than this; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`], with ten degrees for the curve of a line.
 const HAIRPIN_COS: f64 = 0.906;
-/// Steepest slope by which two ends that face each other are joined: 15 degrees. Source: chosen; half of the angle within
-/// which a path counts as along the load in the report.
+/// Steepest slope by which two ends that face each other are joined: 15 degrees. Source: chosen; the angle within which a
+/// path counts as along the load in the report.
 const STEEPEST_RAD: f64 = 0.2618;
 /// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
 /// slope and the curve of the lines are added to it.
@@ -83,7 +83,7 @@ const TURNS_PER_LINE: usize = 2;
 /// around a hole of 5 mm radius a straight piece of 1.4 mm between two of them comes 0.05 mm nearer to the hole.
 const WITHIN_MM: f64 = 0.05;
 /// Least length of a turn along the border, in radii: one for the arc at each of its ends, and what
-/// [`rounded`](grainpath_core::turns::rounded) adds to them. Source: derived from its factor of 1.03.
+/// [`rounded`] adds to them. Source: derived from its factor of 1.03.
 const LEAST_TURN: f64 = 2.1;
 
 /// Where pieces lie.
