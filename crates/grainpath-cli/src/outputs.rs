@@ -131,8 +131,8 @@ fn save_picture(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> 
     save(&path, bytes)
 }
 
-/// Writes the outputs of a job and returns the report, and the reserves of the beads if they were drawn. `ready` is called with the program as soon as it is read back,
-/// before it is tested, measured and drawn.
+/// Writes the outputs of a job and returns the report, and the reserves of the beads if they were drawn. `ready` is called
+/// with the program as soon as it is read back, before it is tested, measured and drawn.
 pub(crate) fn write(
     settings: &Settings,
     mut planned: Planned,

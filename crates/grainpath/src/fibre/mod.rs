@@ -321,11 +321,8 @@ impl FibreSettings {
             tally.rounded += n_rounded;
             path.points = points;
         }
-        if cuts {
-            let pieces = self.cut_at_sharp_turns(path.clone());
-            if pieces.len() != 1 || pieces[0] != path {
-                return pieces;
-            }
+        if cuts && !sharp_turns(&path.points, false, self.min_radius_mm).is_empty() {
+            return self.cut_at_sharp_turns(path);
         }
         if was_closed {
             path.points.pop();
