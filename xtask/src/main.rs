@@ -265,6 +265,7 @@ fn test(options: &TestOptions) -> Outcome {
     checks.run("pages", pages::check)?;
     checks.run("figures of the README", || figures::run(&[]))?;
     checks.run("licences", licences::check)?;
+    checks.run("libraries of the wheel", python::shares_libraries)?;
     checks.run("lints", || {
         cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])
     })?;

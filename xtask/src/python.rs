@@ -7,6 +7,7 @@
 //! linker. Such a wheel is held against its goals: its size, the stable interface of Python (abi3audit), the platform
 //! that its name promises (auditwheel), and the time that importing it takes; and its notebooks are run.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -117,6 +118,25 @@ fn install(release: bool) -> Result<PathBuf, String> {
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"];
     run(setup::python().args(install).arg("--force-reinstall").arg(&wheel))?;
     Ok(wheel)
+}
+
+/// Fails where the wheel asks a library of others for features with which the programs and tests do not have it: that
+/// library, and all that stands on it, would be compiled once more for the wheel.
+pub fn shares_libraries() -> Result<(), String> {
+    let tree = |of: &[&str]| -> Result<BTreeSet<String>, String> {
+        let mut command = Command::new("cargo");
+        command.args(["tree", "--locked", "--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"]).args(of);
+        let told = output(command.current_dir(crate::root()))?;
+        Ok(told.lines().map(|line| line.replace(" (*)", "").replace(" (proc-macro)", "")).collect())
+    };
+    let wheel = tree(&["--package", "grainpath-py", "--edges", "normal,build"])?;
+    let programs = tree(&["--workspace", "--edges", "all"])?;
+    // Crates of ours name their folder; the program in the wheel is without the studio.
+    let differ: Vec<&str> = wheel.difference(&programs).map(String::as_str).filter(|p| !p.contains('/')).collect();
+    if differ.is_empty() {
+        return Ok(());
+    }
+    Err(format!("the wheel has {} with other features than the programs: see {MANIFEST}", differ.join(", ")))
 }
 
 /// Builds the wheel of a manifest.
