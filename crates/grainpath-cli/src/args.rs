@@ -68,7 +68,7 @@ pub(crate) enum Command {
     Compare(Compare),
     /// Rank the stable poses of a job's part by the loads that it carries in them
     #[command(
-        after_help = "Examples:\n  grainpath orient bracket.toml\n  grainpath orient bracket.toml --write --json"
+        after_help = "Examples:\n  grainpath orient bracket.toml\n  grainpath orient bracket.toml --image poses.png --write"
     )]
     Orient(Orient),
     /// Draw a layer of a G-code file
@@ -340,6 +340,9 @@ pub(crate) struct Orient {
     /// Write the rotation of the best pose into the job as shape.rotate_deg
     #[arg(long)]
     pub write: bool,
+    /// Write a picture of the poses here: the part with its supports, and a ring where it first fails
+    #[arg(long, value_name = "FILE.png")]
+    pub image: Option<PathBuf>,
     #[command(flatten)]
     pub common: Common,
 }

@@ -57,6 +57,22 @@ fn a_bar_is_laid_down_so_that_its_layers_do_not_part() {
 }
 
 #[test]
+fn poses_are_drawn_and_replace_no_input() {
+    let dir = folder("orient drawn");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    fs::write(dir.join("bar.toml"), JOB).expect("written");
+    let report = json(&grainpath(&dir, &["orient", "bar.toml", "--json", "--image", "poses.png"]));
+    assert_eq!(report["outputs"], serde_json::json!({ "image": "poses.png" }), "{report}");
+    // Six poses are two rows of three.
+    let png = fs::read(dir.join("poses.png")).expect("a picture");
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().expect("four bytes"));
+    assert_eq!(2 * number(16), 3 * number(20));
+    let out = grainpath(&dir, &["orient", "bar.toml", "--image", "bar.stl"]);
+    assert_eq!(out.status.code(), Some(2));
+    assert_eq!(fs::read(dir.join("bar.stl")).expect("the part"), box_stl([8.0, 8.0, 30.0]));
+}
+
+#[test]
 fn what_cannot_stand_or_turn_is_refused_in_a_line() {
     let dir = folder("orient refused");
     fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");

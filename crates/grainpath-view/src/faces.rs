@@ -1,14 +1,14 @@
 //! A picture of the numbered faces of a part, seen from two sides.
 //!
 //! There are two parallel projections, one from the front and above, one from behind and below. Together
-//! they show most faces that can be seen from outside. Triangles are drawn pixel by pixel with a depth
-//! for each pixel. Cost: linear in the pixels that the triangles cover.
+//! they show most faces that can be seen from outside.
 
 use grainpath_core::faces::Faces;
 use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use crate::layer::{digits, encode_png as png};
+use crate::nearest::nearest;
 
 /// Colour behind the part. Source: that of all pictures of layers.
 const BACKGROUND: [u8; 3] = [28, 30, 34];
@@ -79,38 +79,19 @@ fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
         let q = (p.truncate() - middle) * scale;
         DVec2::new(0.5 * size as f64 + q.x, 0.5 * size as f64 - q.y)
     };
-    let mut view = View { face: vec![None; size * size], light: vec![0.0; size * size], size };
-    let mut depth = vec![f64::NEG_INFINITY; size * size];
-    for (i, t) in mesh.triangles.iter().enumerate() {
-        let Some(face) = faces.of_triangle(i) else { continue };
-        let corners = t.map(|v| flat[v as usize]);
-        let [a, b, c] = corners.map(pixel);
-        let twice = (b - a).perp_dot(c - a);
-        if !(twice.abs() > 0.0 && twice.is_finite()) {
-            continue;
-        }
-        let normal = triangle_normal(corners);
-        let light = 0.45 + 0.55 * normal.dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let range = |low: f64, high: f64| {
-            (low - 0.5).ceil().max(0.0) as usize..(high + 0.5).floor().max(0.0) as usize
-        };
-        for y in range(low.y, high.y).take_while(|y| *y < size) {
-            for x in range(low.x, high.x).take_while(|x| *x < size) {
-                let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                let (u, v) = ((p - a).perp_dot(c - a) / twice, (b - a).perp_dot(p - a) / twice);
-                if u < 0.0 || v < 0.0 || u + v > 1.0 {
-                    continue;
-                }
-                let z = corners[0].z + u * (corners[1].z - corners[0].z) + v * (corners[2].z - corners[0].z);
-                let at = y * size + x;
-                if z > depth[at] {
-                    (depth[at], view.face[at], view.light[at]) = (z, Some(face), light);
-                }
-            }
-        }
+    let of_face: Vec<(usize, [DVec3; 3])> = mesh
+        .triangles
+        .iter()
+        .enumerate()
+        .filter_map(|(i, t)| Some((faces.of_triangle(i)?, t.map(|v| flat[v as usize]))))
+        .collect();
+    let shown = nearest(of_face.iter().map(|(_, t)| t.map(|p| pixel(p).extend(p.z))), size, size);
+    let light = |t: usize| 0.45 + 0.55 * triangle_normal(of_face[t].1).dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
+    View {
+        face: shown.iter().map(|t| t.map(|t| of_face[t].0)).collect(),
+        light: shown.iter().map(|t| t.map_or(0.0, light)).collect(),
+        size,
     }
-    view
 }
 
 /// The faces that are large enough in a view to be numbered. Each has the pixel of the face that is nearest
@@ -139,10 +120,7 @@ mod tests {
 
     #[test]
     fn each_face_of_a_cube_is_seen_once() {
-        let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 10.0;
-        let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let cube = TriMesh { vertices: (0..8).map(corner).collect(), triangles };
+        let cube = TriMesh::cuboid(DVec3::ZERO, DVec3::splat(10.0));
         let faces = Faces::segment(&cube);
         let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
         let seen = |t: DVec3| -> Vec<usize> {

@@ -9,7 +9,9 @@ pub mod grain;
 pub mod guide;
 pub mod histogram;
 pub mod layer;
+mod nearest;
 pub mod page;
+pub mod poses;
 pub mod strength;
 pub mod support;
 

@@ -6,6 +6,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 use tiny_skia::{Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use crate::layer::encode_png;
+use crate::nearest::nearest;
 use grainpath::support::Support;
 use grainpath::support::contact::Reason;
 use grainpath::support::tree::Kind;
@@ -98,44 +99,21 @@ type Rgb = [f64; 3];
 
 /// A shaded picture of the mesh; `colour` gives the colour of each facet.
 fn shaded(mesh: &TriMesh, view: &View, colour: impl Fn(usize) -> Rgb) -> Pixmap {
-    let mut depth = vec![f64::NEG_INFINITY; view.w * view.h];
     let mut canvas = Pixmap::new(view.w as u32, view.h as u32).expect("pictures have a size");
     canvas.fill(Color::from_rgba8(28, 30, 34, 255));
     // Unit vector towards the light, in pixels (y down): the light is at the upper left, on the eye's side.
     let light = DVec3::new(-0.4, -0.5, 0.77);
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = triangle.map(|i| view.at(mesh.vertices[i as usize]));
+    let corners = |t: usize| mesh.triangles[t].map(|i| view.at(mesh.vertices[i as usize]));
+    let shown = nearest((0..mesh.triangles.len()).map(corners), view.w, view.h);
+    for (pixel, t) in canvas.data_mut().chunks_exact_mut(4).zip(shown) {
+        let Some(t) = t else { continue };
+        let [a, b, c] = corners(t);
         let n = (b - a).cross(c - a);
-        // A facet that is seen edge-on covers no pixel, and its depth would divide by zero below.
-        if n.z == 0.0 {
-            continue;
-        }
         // Normals are turned to the eye, so that inverted facets are drawn like others: the picture shows
         // the shape only.
         let facing = n.normalize_or_zero() * n.z.signum();
         let shade = 0.35 + 0.65 * facing.dot(light).max(0.0);
-        let rgb = colour(t).map(|v| (v * shade).clamp(0.0, 255.0) as u8);
-        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
-        let (x0, x1) = (lo.x.ceil().max(0.0) as usize, (hi.x.floor() as usize).min(view.w - 1));
-        let (y0, y1) = (lo.y.ceil().max(0.0) as usize, (hi.y.floor() as usize).min(view.h - 1));
-        for y in y0..=y1 {
-            for x in x0..=x1 {
-                let p = DVec2::new(x as f64, y as f64);
-                let side = |u: DVec3, v: DVec3| (v - u).truncate().perp_dot(p - u.truncate()) * n.z.signum();
-                if side(a, b) < 0.0 || side(b, c) < 0.0 || side(c, a) < 0.0 {
-                    continue;
-                }
-                // The depth comes from the facet's plane. This is exact, because depth is linear in the pixel
-                // in a parallel projection.
-                let z = a.z - (n.x * (p.x - a.x) + n.y * (p.y - a.y)) / n.z;
-                let slot = &mut depth[y * view.w + x];
-                if z > *slot {
-                    *slot = z;
-                    let i = 4 * (y * view.w + x);
-                    canvas.data_mut()[i..i + 3].copy_from_slice(&rgb);
-                }
-            }
-        }
+        pixel[..3].copy_from_slice(&colour(t).map(|v| (v * shade).clamp(0.0, 255.0) as u8));
     }
     canvas
 }

@@ -1,21 +1,25 @@
 //! `grainpath orient`: ranks the stable poses of a part by the loads that it carries in them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 use grainpath::orient::{self, BeadDirections, Pose, PoseReserve};
 use grainpath::run::config;
 use grainpath::run::placed_mesh;
-use grainpath_core::Diagnostics;
+use grainpath::support;
+use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::units::bead_area_mm2;
 use grainpath_io::MeshFile;
 use grainpath_job::Settings;
 use grainpath_job::choices::{LoadFrame, SupportStyle};
 use grainpath_job::edit::with_value;
+use grainpath_view::poses::{PosePicture, poses_png};
 use serde_json::{Value, json};
 
 use crate::args::Orient;
+use crate::claims::Claims;
 use crate::commands::run::checked;
 use crate::commands::support::supported;
 use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
@@ -39,6 +43,8 @@ struct Ranked {
     /// Area of the flat that the part stands on, and the angle by which it can be tilted before it falls.
     flat_mm2: f64,
     tilt_deg: f64,
+    /// Only where pictures are asked for.
+    picture: Option<PosePicture>,
 }
 
 impl Ranked {
@@ -64,12 +70,27 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
             args.job.display()
         )));
     }
+    let mut claims = Claims::default();
+    claims.read("job", &args.job);
+    claims.read("shape", &shape);
+    if let Some(image) = &args.image {
+        claims.write("--image", image);
+    }
+    claims.check()?;
     let diagnostics = progress::diagnostics();
-    let (ranked, solve_s) = ranked(&settings, Given::default(), &shape, &folder, &diagnostics)?;
+    let (mut ranked, solve_s) =
+        ranked(&settings, Given::default(), &shape, &folder, args.image.is_some(), &diagnostics)?;
     let warnings = diagnostics.warnings();
     drop(diagnostics);
     args.common.refuse(&warnings, false)?;
-    let mut written = None;
+    let mut written = BTreeMap::new();
+    if let Some(image) = &args.image {
+        let pictures: Vec<PosePicture> = ranked.iter_mut().filter_map(|r| r.picture.take()).collect();
+        if let Some(png) = poses_png(&pictures) {
+            outputs::save(image, &png)?;
+            written.insert("image", image.display().to_string());
+        }
+    }
     if args.write {
         let [x, y, z] = ranked[0].rotate_deg;
         let rotation = format!("[{x}, {y}, {z}]");
@@ -86,21 +107,21 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
             ))
         };
         outputs::save(&args.job, text.ok_or_else(refused)?.as_bytes())?;
-        written = Some(args.job.display().to_string());
+        written.insert("job", args.job.display().to_string());
     }
     if args.common.json {
         let mut value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "poses": ranked.iter().map(Ranked::json).collect::<Vec<_>>(),
             "stages_s": { "guide": (solve_s * 1e4).round() / 1e4 }, "warnings": warnings,
         });
-        if let Some(job) = written {
-            value["outputs"] = json!({ "job": job });
+        if !written.is_empty() {
+            value["outputs"] = json!(written);
         }
         files::print(&format!("{value}\n"));
     } else {
         let mut text = table(&ranked);
         warnings.iter().for_each(|w| text.push_str(&format!("warning: {w}\n")));
-        written.iter().for_each(|job| text.push_str(&format!("job: {job}\n")));
+        written.iter().for_each(|(what, path)| text.push_str(&format!("{what}: {path}\n")));
         files::print(&text);
     }
     Ok(())
@@ -118,17 +139,18 @@ pub fn poses_json(
     folder: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Value>, Failure> {
-    let (ranked, _) = ranked(settings, given, shape, folder, diagnostics)?;
+    let (ranked, _) = ranked(settings, given, shape, folder, false, diagnostics)?;
     Ok(ranked.iter().map(Ranked::json).collect())
 }
 
-/// The poses of a job's part, the best first, and the seconds that solving the loads took. Without fixtures and loads,
-/// poses are ranked by support and height.
+/// The poses of a job's part, the best first, with their pictures if `pictured`, and the seconds that solving the loads
+/// took. Without fixtures and loads, poses are ranked by support and height.
 fn ranked(
     settings: &Settings,
     given: Given,
     shape: &Path,
     folder: &Path,
+    pictured: bool,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<Ranked>, f64), Failure> {
     let needed = || Failure::usage("orient needs a part from a mesh or an outline");
@@ -157,13 +179,21 @@ fn ranked(
     })?;
     let strength = config::strength(settings);
     let beads = beads(settings);
+    let lowest = |rotation: DMat3, mesh: &TriMesh| {
+        mesh.vertices.iter().fold(DVec3::INFINITY, |low, p| low.min(rotation * *p))
+    };
     let mut ranked = Vec::with_capacity(poses.len());
     diagnostics.begin(Stage::Support, poses.len());
     for pose in poses {
         let reserve = |guide| orient::reserve(guide, pose.rotation(), &beads, &strength);
         let reserve = guide.as_ref().map(reserve).transpose().map_err(grainpath::Error::from)?.flatten();
         let (settings, file, name) = (settings.clone(), file.clone(), shape.display().to_string());
-        let rank = move || ranked_pose(settings, &pose, reserve, file, &name);
+        // The part was solved as it stands in the job; its pose is moved so that it stands on the plate.
+        let fails_at = reserve.as_ref().map(|r| {
+            let at = pose.rotation() * (DVec3::from_array(r.at_mm));
+            at - lowest(pose.rotation(), &placed.mesh)
+        });
+        let rank = move || ranked_pose(settings, &pose, reserve, file, &name, pictured.then_some(fails_at));
         ranked.push(diagnostics.leave_at_stop(rank).map_err(grainpath::Error::from)??);
         diagnostics.advance(1);
     }
@@ -198,6 +228,7 @@ fn ranked_pose(
     reserve: Option<PoseReserve>,
     file: MeshFile,
     name: &str,
+    pictured: Option<Option<DVec3>>,
 ) -> Result<Ranked, Failure> {
     settings.shape.rotate_deg = pose.rotate_deg;
     if settings.support.style == SupportStyle::None {
@@ -205,11 +236,20 @@ fn ranked_pose(
     }
     // Warnings of a single pose are dropped here: a run of the job in that pose reports them.
     let quiet = Diagnostics::default();
-    let (_, stack, support, _) = supported(&settings, file, name, &quiet)?;
+    let (mesh, stack, support, _) = supported(&settings, file, name, &quiet)?;
     let supports_mm3 = support.beads_mm3(&stack).unwrap_or_else(|| support.volume_mm3(&stack));
     let part_mm3: f64 = stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
     let p = &settings.process;
     let flow_mm3_s = bead_area_mm2(p.bead_width_mm, p.layer_height_mm) * p.solid_speed_mm_s;
+    let picture = match pictured {
+        Some(fails_at) => {
+            let surface = support::surface(&support.cut.layers, &stack, settings.support.solid, &quiet)
+                .map_err(grainpath::Error::from)?;
+            let low = mesh.bounds().map_or(DVec3::ZERO, |(low, _)| low);
+            Some(PosePicture { fails_at_mm: fails_at.map(|at| at + low), part: mesh, support: surface })
+        }
+        None => None,
+    };
     // The volume without support is -0; adding zero turns it into 0.
     let round = |v: f64, to: f64| (v * to).round() / to + 0.0;
     Ok(Ranked {
@@ -220,6 +260,7 @@ fn ranked_pose(
         time_s: round((part_mm3 + supports_mm3) / flow_mm3_s, 1.0),
         flat_mm2: round(pose.flat_mm2, 10.0),
         tilt_deg: round(pose.tilt_deg, 10.0),
+        picture,
     })
 }
 

@@ -45,6 +45,24 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// A box between its lowest and its highest corner, wound outwards.
+    ///
+    /// ```
+    /// use grainpath_core::{DVec3, TriMesh};
+    ///
+    /// let plate = TriMesh::cuboid(DVec3::ZERO, DVec3::new(40.0, 20.0, 0.5));
+    /// assert_eq!((plate.triangles.len(), plate.signed_volume()), (12, 400.0));
+    /// ```
+    pub fn cuboid(low: DVec3, high: DVec3) -> Self {
+        // Bit 0 of a corner is x, bit 1 y, bit 2 z; each face is counter-clockwise from outside.
+        let corner = |k: usize| DVec3::from_array(std::array::from_fn(|a| if k >> a & 1 == 1 { high[a] } else { low[a] }));
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Self {
+            vertices: (0..8).map(corner).collect(),
+            triangles: faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect(),
+        }
+    }
+
     /// Unit normal of a triangle of the mesh, see [`triangle_normal`].
     pub fn normal(&self, triangle: [u32; 3]) -> DVec3 {
         triangle_normal(triangle.map(|i| self.vertices[i as usize]))

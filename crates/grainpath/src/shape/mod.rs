@@ -252,11 +252,7 @@ mod tests {
     /// A box with its lowest corner at a place.
     pub(super) fn box_at(low: [f64; 3], size: [f64; 3]) -> TriMesh {
         let (low, size) = (DVec3::from_array(low), DVec3::from_array(size));
-        let corner =
-            |i: i32| low + size * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
-        let quads = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5], [4, 5, 7, 6]];
-        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        TriMesh { vertices: (0..8).map(corner).collect(), triangles }
+        TriMesh::cuboid(low, low + size)
     }
 
     /// A triangle, slanted in both directions.

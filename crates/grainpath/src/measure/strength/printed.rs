@@ -109,20 +109,6 @@ fn point_inside(contour: &[DVec2]) -> DVec2 {
     0.5 * (a + b) + (b - a).normalize_or_zero().perp() * left * BESIDE_MM
 }
 
-/// A box as twelve triangles.
-fn box_mesh(low: DVec3, high: DVec3) -> TriMesh {
-    let corner = |k: usize| {
-        let pick = |axis: usize, low: f64, high: f64| if k >> axis & 1 == 1 { high } else { low };
-        DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
-    };
-    // Bit 0 of a corner is x, bit 1 y, bit 2 z; each face is counter-clockwise from outside.
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    TriMesh {
-        vertices: (0..8).map(corner).collect(),
-        triangles: faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect(),
-    }
-}
-
 impl PrintedPart {
     /// Reconstructs the part from a program.
     ///
@@ -150,7 +136,7 @@ impl PrintedPart {
         let stack = stack.collect::<Option<Vec<Layer>>>().and_then(LayerStack::new);
         let stack = stack.ok_or(StrengthError::NothingPrinted)?;
         let high = bounds.max.extend(below_mm - bottom_mm);
-        Ok(Self { stack, mesh: box_mesh(bounds.min.extend(0.0), high), bottom_mm })
+        Ok(Self { stack, mesh: TriMesh::cuboid(bounds.min.extend(0.0), high), bottom_mm })
     }
 
     /// The fixtures and loads of a job on this part.
