@@ -278,7 +278,7 @@ pub(crate) struct Inspect {
     #[arg(long)]
     pub faces: bool,
     /// Write a picture here: with --faces the faces, numbered as in the list; for a scan its histogram with
-    /// the thresholds
+    /// the thresholds; for a photograph its grain
     #[arg(long, value_name = "FILE.png")]
     pub image: Option<PathBuf>,
     /// File of true dimensions to compare a G-code file with, in the format of shape.ct.truth

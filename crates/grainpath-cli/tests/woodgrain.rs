@@ -41,6 +41,21 @@ fn the_example_is_what_new_writes_and_its_variants_weigh_the_same() {
 }
 
 #[test]
+fn the_grain_of_a_photograph_is_drawn_before_a_plan() {
+    let folder = folder("woodgrain_inspect");
+    assert!(grainpath(&folder, &["new", "woodgrain", "."]).status.success());
+    let seen = json(&grainpath(&folder, &["inspect", "board.png", "--image", "grain.png", "--json"]));
+    assert!(seen["image"].as_str().is_some_and(|told| told.starts_with("grain.png: ")), "{seen}");
+    let picture = fs::read(folder.join("grain.png")).expect("a picture");
+    assert_eq!(&picture[1..4], b"PNG");
+    // Other files have no such picture, and the photograph is not replaced by it.
+    for (file, image) in [("job.toml", "job.png"), ("board.png", "board.png")] {
+        let out = grainpath(&folder, &["inspect", file, "--image", image]);
+        assert_eq!(out.status.code(), Some(2), "{}", String::from_utf8_lossy(&out.stderr));
+    }
+}
+
+#[test]
 fn edges_and_field_are_the_same_bytes_for_any_number_of_threads() {
     let folder = folder("woodgrain_threads");
     assert!(grainpath(&folder, &["new", "woodgrain", "."]).status.success());

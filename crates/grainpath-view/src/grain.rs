@@ -5,9 +5,10 @@ use grainpath_core::math::direction;
 use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform};
 
 use grainpath::guide::grain::{GrainGuide, PhotoSteps};
+use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::ShownSlice;
-use grainpath_imaging::structure_tensor::AxisSample;
+use grainpath_imaging::structure_tensor::{AxisGrid, AxisSample};
 
 use crate::layer::encode_png;
 use crate::page::Picture;
@@ -35,8 +36,8 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let PhotoSteps { photo, corners, image, denoised, edges, axes, curves } = found;
     let mut out = Vec::new();
     let mut put = |name: &str, title: &str, canvas: Canvas| {
-        let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, ..Picture::default() }));
+        let picture = Picture { title: title.into(), png: canvas.png(), ..Picture::default() };
+        out.push((format!("grain_{name}.png"), picture));
     };
     let mut canvas = Canvas::new(photo, 1.0, false);
     let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
@@ -74,6 +75,11 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     out
 }
 
+/// A photograph with the directions of its grain: yellow where it is clear, violet where it is unclear.
+pub fn axes_png(image: &MetricImage, axes: &AxisGrid) -> Vec<u8> {
+    with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y))).png()
+}
+
 /// A picture of a slice of a scan with the directions that were found in it.
 fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let ShownSlice { index, height_mm, pixel_mm, grey } = slice;
@@ -83,8 +89,7 @@ fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let range = (high - low).max(f32::MIN_POSITIVE);
     let data = grey.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
     let axis = |p: DVec2| guide.scan_axis((p * *pixel_mm).extend(*height_mm)).unwrap_or_default();
-    let canvas = with_strokes(&Grey { data, ..*grey }, &axis);
-    let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
+    let png = with_strokes(&Grey { data, ..*grey }, &axis).png();
     let title = format!("Directions at height {height_mm:.2} mm in the scan: yellow clear, violet unclear");
     (format!("texture_{:04}.png", index + 1), Picture { title, png, ..Picture::default() })
 }
@@ -139,6 +144,10 @@ impl Canvas {
             *pixel = PremultipliedColorU8::from_rgba(v, v, v, 255).expect("opaque");
         }
         Self { pixels, scale }
+    }
+
+    fn png(&self) -> Vec<u8> {
+        encode_png(self.pixels.width(), self.pixels.height(), self.pixels.data())
     }
 
     /// Draws the numbers 1 to 4 beside the corners of a board, on the side of its middle.

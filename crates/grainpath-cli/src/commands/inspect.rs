@@ -13,7 +13,7 @@ use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_imaging::raster::Grey;
-use grainpath_imaging::structure_tensor::{TensorSettings, grain_axes};
+use grainpath_imaging::structure_tensor::{AxisGrid, TensorSettings, grain_axes};
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
@@ -28,7 +28,7 @@ use super::{inspect_faces as faces, inspect_scan as scan};
 use crate::args::Inspect;
 use crate::claims::Claims;
 use crate::inputs::{self, FILAMENT_MM};
-use crate::{Failure, cad, files};
+use crate::{Failure, cad, files, outputs};
 
 /// Runs the command.
 pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
@@ -63,13 +63,15 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     if raw.is_some() || scan::is_scan(&args.file)? {
         return scan::inspect(args, raw);
     }
-    // The option has no effect below, so it is refused instead of ignored.
-    if args.image.is_some() {
-        return Err(Failure::usage(
-            "--image draws the faces of a mesh (with --faces) or the histogram of a scan",
-        ));
-    }
+    let refused = || {
+        Failure::usage(
+            "--image draws the faces of a mesh (with --faces), the histogram of a scan, or the grain of a photograph",
+        )
+    };
     if is_vector_slicer(&args.file) {
+        if args.image.is_some() {
+            return Err(refused());
+        }
         let samples = inputs::directions(&args.file, &DirectionOptions::default())?;
         return Ok(directions_json(&args.file.display().to_string(), &samples));
     }
@@ -79,15 +81,27 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     // G-code has no signature and may begin with a comment that looks like another format, so its name
     // decides.
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
+    let is_image = (sniff_image(&bytes).is_some() || sniff_other_image(&bytes).is_some()) && !named_gcode;
+    // The option has no effect on other files, so it is refused instead of ignored.
+    if args.image.is_some() && !is_image {
+        return Err(refused());
+    }
     // Formats with a signature are tried before those without. G-code, which any text can be, is the
     // last.
     let value = if !named_gcode && sniff_directions(&bytes, &name) {
         directions_json(&name, &inputs::directions(&args.file, &DirectionOptions::default())?)
     } else if sniff_outline(&bytes) && !named_gcode {
         outline_json(&name, &bytes)?
-    } else if (sniff_image(&bytes).is_some() || sniff_other_image(&bytes).is_some()) && !named_gcode {
-        let image = decode(&bytes);
-        image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
+    } else if is_image {
+        let image =
+            decode(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
+        let (mut value, grain) = image_json(&name, &image);
+        if let Some(path) = &args.image {
+            outputs::save(path, &grain.png())?;
+            let told = "directions of the grain; yellow clear, violet unclear";
+            value["image"] = json!(format!("{}: {told}", path.display()));
+        }
+        value
     } else if !named_gcode && let Some(format) = sniff_exact_surfaces(&bytes) {
         let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
         let by =
@@ -290,7 +304,7 @@ fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
     }))
 }
 
-fn image_json(name: &str, image: &Image) -> Value {
+fn image_json(name: &str, image: &Image) -> (Value, Grain) {
     let photo = Photo::from_image(name.to_owned(), image.clone());
     let grey = photo.whole();
     let round = |v: f32| (f64::from(v) * 1e3).round() / 1e3;
@@ -299,45 +313,65 @@ fn image_json(name: &str, image: &Image) -> Value {
         Samples::U16(_) => "16 bit",
         Samples::F32(_) => "float or 32 bit",
     };
-    json!({
+    let grain = Grain::of(&grey);
+    let value = json!({
         "ok": true, "file": name, "kind": "image", "format": image.format.name(),
         "width": image.width, "height": image.height, "channels": image.channels, "samples": sample,
         // The darkest and brightest 1 % are left out: dust and highlights would hide that a picture has
         // low contrast.
         "darkest": round(grey.quantile(0.01)), "median": round(grey.quantile(0.5)),
         "brightest": round(grey.quantile(0.99)),
-        "grain": grain_json(&grey),
-    })
+        "grain": grain.json(),
+    });
+    (value, grain)
 }
 
-/// The grain that a plan would follow: its mean axis, its coherence, and the share of the picture where it is clear. The
-/// size of the board is unknown here, so lengths are pixels of a picture with at most [`GRAIN_PX`] on its longer side.
-fn grain_json(grey: &Grey) -> Value {
-    let mut small = grey.clone();
-    while small.width.max(small.height) > GRAIN_PX && small.width.min(small.height) > 32 {
-        small = small.halved();
+/// The grain that a plan would follow. The size of the board is unknown here, so lengths are pixels of a picture with at
+/// most [`GRAIN_PX`] on its longer side.
+struct Grain {
+    picture: MetricImage,
+    axes: AxisGrid,
+}
+
+impl Grain {
+    fn of(grey: &Grey) -> Self {
+        let mut small = grey.clone();
+        while small.width.max(small.height) > GRAIN_PX && small.width.min(small.height) > 32 {
+            small = small.halved();
+        }
+        // Rows of a photograph start at the top; they are flipped so that the axis counts counter-clockwise from x.
+        let upright = Grey::from_fn(small.width, small.height, |x, y| small.at(x, small.height - 1 - y));
+        let picture = MetricImage { grey: upright, min_mm: DVec2::ZERO, px_mm: 1.0 };
+        // The two scales have the same ratio as their defaults in a job, 0.12 and 0.6 mm.
+        let axes =
+            grain_axes(&picture, &TensorSettings { gradient_mm: 1.0, integration_mm: 5.0, smooth_mm: 5.0 });
+        Self { picture, axes }
     }
-    // Rows of a photograph start at the top; they are flipped so that the axis counts counter-clockwise from x.
-    let upright = Grey::from_fn(small.width, small.height, |x, y| small.at(x, small.height - 1 - y));
-    let picture = MetricImage { grey: upright, min_mm: DVec2::ZERO, px_mm: 1.0 };
-    // The two scales have the same ratio as their defaults in a job, 0.12 and 0.6 mm.
-    let axes =
-        grain_axes(&picture, &TensorSettings { gradient_mm: 1.0, integration_mm: 5.0, smooth_mm: 5.0 });
-    let weight = axes.coherence.iter().map(|&c| f64::from(c));
-    let sum = axes
-        .double
-        .iter()
-        .zip(weight.clone())
-        .fold(DVec2::ZERO, |sum, ([c, s], w)| sum + w * DVec2::new(f64::from(*c), f64::from(*s)));
-    let total: f64 = weight.sum();
-    let round = |v: f64| (v * 100.0).round() / 100.0;
-    let axis_deg = (0.5 * atan2(sum.y, sum.x)).to_degrees().rem_euclid(180.0);
-    json!({
-        "axis_deg": (axis_deg * 10.0).round() / 10.0,
-        "same_direction": round(if total > 0.0 { sum.length() / total } else { 0.0 }),
-        "coherence": round(axes.mean_coherence()),
-        "clear_share": round(axes.clear_share(0.3)),
-    })
+
+    /// A picture of it.
+    fn png(&self) -> Vec<u8> {
+        grainpath_view::grain::axes_png(&self.picture, &self.axes)
+    }
+
+    /// Its mean axis, its coherence, and the share of the picture where it is clear.
+    fn json(&self) -> Value {
+        let axes = &self.axes;
+        let weight = axes.coherence.iter().map(|&c| f64::from(c));
+        let sum = axes
+            .double
+            .iter()
+            .zip(weight.clone())
+            .fold(DVec2::ZERO, |sum, ([c, s], w)| sum + w * DVec2::new(f64::from(*c), f64::from(*s)));
+        let total: f64 = weight.sum();
+        let round = |v: f64| (v * 100.0).round() / 100.0;
+        let axis_deg = (0.5 * atan2(sum.y, sum.x)).to_degrees().rem_euclid(180.0);
+        json!({
+            "axis_deg": (axis_deg * 10.0).round() / 10.0,
+            "same_direction": round(if total > 0.0 { sum.length() / total } else { 0.0 }),
+            "coherence": round(axes.mean_coherence()),
+            "clear_share": round(axes.clear_share(0.3)),
+        })
+    }
 }
 
 /// Longer side of the picture that the grain is read from, pixels. Source: derived. A board 100 mm wide has growth rings
