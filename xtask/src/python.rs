@@ -125,14 +125,17 @@ fn install(release: bool) -> Result<PathBuf, String> {
 pub fn shares_libraries() -> Result<(), String> {
     let tree = |of: &[&str]| -> Result<BTreeSet<String>, String> {
         let mut command = Command::new("cargo");
-        command.args(["tree", "--locked", "--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"]).args(of);
+        command
+            .args(["tree", "--locked", "--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"])
+            .args(of);
         let told = output(command.current_dir(crate::root()))?;
         Ok(told.lines().map(|line| line.replace(" (*)", "").replace(" (proc-macro)", "")).collect())
     };
     let wheel = tree(&["--package", "grainpath-py", "--edges", "normal,build"])?;
     let programs = tree(&["--workspace", "--edges", "all"])?;
     // Crates of ours name their folder; the program in the wheel is without the studio.
-    let differ: Vec<&str> = wheel.difference(&programs).map(String::as_str).filter(|p| !p.contains('/')).collect();
+    let differ: Vec<&str> =
+        wheel.difference(&programs).map(String::as_str).filter(|p| !p.contains('/')).collect();
     if differ.is_empty() {
         return Ok(());
     }

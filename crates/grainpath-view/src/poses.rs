@@ -126,7 +126,8 @@ fn draw(seen: &Seen, extent: f64, paint: &mut dyn FnMut(usize, usize, [u8; 3])) 
                 let found = colour(shown[(y * FINER + j) * fine + x * FINER + i]);
                 sum.iter_mut().zip(found).for_each(|(s, v)| *s += v);
             }
-            let off = ring.map(|at| (at.distance(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) - RING_PX).abs());
+            let off =
+                ring.map(|at| (at.distance(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) - RING_PX).abs());
             let mean = sum.map(|s| s / (FINER * FINER) as f64);
             // The ring is three pixels wide, with a light edge of one that sets it off from the part.
             let mixed = match off {

@@ -55,7 +55,9 @@ impl TriMesh {
     /// ```
     pub fn cuboid(low: DVec3, high: DVec3) -> Self {
         // Bit 0 of a corner is x, bit 1 y, bit 2 z; each face is counter-clockwise from outside.
-        let corner = |k: usize| DVec3::from_array(std::array::from_fn(|a| if k >> a & 1 == 1 { high[a] } else { low[a] }));
+        let corner = |k: usize| {
+            DVec3::from_array(std::array::from_fn(|a| if k >> a & 1 == 1 { high[a] } else { low[a] }))
+        };
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         Self {
             vertices: (0..8).map(corner).collect(),
