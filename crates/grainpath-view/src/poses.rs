@@ -58,7 +58,8 @@ pub fn poses_png(poses: &[PosePicture]) -> Option<Vec<u8>> {
     let extent = seen.iter().map(|s| (s.high - s.low).max_element()).reduce(f64::max)?;
     let columns = seen.len().min(MOST_COLUMNS);
     let (w, h) = (columns * SIZE, seen.len().div_ceil(columns) * SIZE);
-    let mut rgba = vec![255u8; 4 * w * h];
+    let ground = GROUND.map(|v| v as u8);
+    let mut rgba = [ground[0], ground[1], ground[2], 255].repeat(w * h);
     for (k, seen) in seen.iter().enumerate() {
         let (left, top) = (k % columns * SIZE, k / columns * SIZE);
         let mut paint = |x: usize, y: usize, colour: [u8; 3]| {

@@ -124,7 +124,7 @@ pub fn poses(mesh: &TriMesh, file_from_part: DMat3, most: usize) -> Result<Vec<P
         let tilt = atan2(reach_mm, foot.z - low);
         let ([x, y], _) = turn_down(file_from_part * *down);
         // Angles are rounded to 0.0001 degrees, which moves a part of 300 mm by half a micrometre.
-        let degrees = |rad: f64| (rad.to_degrees() * 1e4).round() * 1e-4 + 0.0;
+        let degrees = |rad: f64| (rad.to_degrees() * 1e4).round() / 1e4 + 0.0;
         let n = flat.len();
         let area = |k: usize| 0.5 * cross(flat[k], flat[(k + 1) % n]);
         (reach_mm >= LEAST_REACH_MM && tilt >= LEAST_TILT_RAD).then(|| Pose {
@@ -351,7 +351,7 @@ fn of_case(
         first_failure: [low, nominal, high].map(|f| 1.0 / f.index.max(1e-12)),
         case: result.name.clone(),
         mode: nominal.mode.name(),
-        at_mm: result.nodes[free[nominal.cell]].to_array().map(|v| (v * 100.0).round() * 0.01),
+        at_mm: result.nodes[free[nominal.cell]].to_array().map(|v| (v * 100.0).round() / 100.0),
         across_layers_mpa: digits(across[covered].max(0.0)),
     }))
 }
