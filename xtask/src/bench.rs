@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
@@ -54,6 +54,14 @@ pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, Strin
     let mut next = || numbers.next().unwrap_or(f64::NAN);
     let (wall_s, user_s, system_s, kib) = (next(), next(), next(), next());
     Ok((Cost { wall_s, cpu_s: user_s + system_s, peak_mib: kib / 1024.0 }, text))
+}
+
+/// The JSON objects that a script prints, one a line; what it tells on standard error is seen while it runs.
+pub fn rows(script: &mut Command) -> Result<Vec<Value>, String> {
+    let text = crate::output(script.current_dir(crate::root()).stderr(Stdio::inherit()))?;
+    text.lines()
+        .map(|line| serde_json::from_str(line).map_err(|e| format!("{script:?}: {line}: {e}")))
+        .collect()
 }
 
 /// Programs in the order of the tables.

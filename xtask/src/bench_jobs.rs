@@ -11,6 +11,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
+use crate::bench::rows;
 use crate::measured::Table;
 
 /// A part of the bench: its name on the command line, and what runs it.
@@ -285,8 +286,7 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
     crate::setup::fields()?;
     let mut command = crate::setup::python();
     command.arg("xtask/py/direction_fields.py").arg(crate::setup::check("field")?);
-    command.arg(jobs.folder.join("fields")).arg(&jobs.program).current_dir(crate::root());
-    let text = crate::output(&mut command)?;
+    command.arg(jobs.folder.join("fields")).arg(&jobs.program);
     let header = [
         "field",
         "fill",
@@ -300,9 +300,7 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
         "largest void beads",
     ];
     let table = Table::new("fields", &header, 3);
-    for line in text.lines() {
-        let found: Value =
-            serde_json::from_str(line).map_err(|e| format!("direction_fields.py: {line}: {e}"))?;
+    for found in rows(&mut command)? {
         let word = |key: &str| found[key].as_str().unwrap_or_default().to_owned();
         // The sum has no negative zero.
         let short = |key: &str| format!("{:.1}", (10.0 * number(&found[key])).round() / 10.0 + 0.0);

@@ -11,8 +11,11 @@ mod bench_density;
 mod bench_fea;
 mod bench_gains;
 mod bench_jobs;
+mod bench_klipper;
 mod bench_paths;
+mod bench_stops;
 mod bench_strength;
+mod bench_turned;
 mod bench_verification;
 mod book;
 mod campaign;
@@ -81,6 +84,9 @@ const USAGE: &str = "usage: cargo xtask <command>
                    stress (bracket hook lever two-holes hinge)
   bench gains [PART...]  lines of several beads, staggered and extra walls at equal mass (lines), poses of a bracket in
                    the virtual test (poses), graded plates beside solids (stiffness)
+  bench stops [SIGNALS [SEED]]  from SIGINT and SIGTERM to the exit, at random moments (20) of each stage
+  bench klipper    the time told of ten programs beside Klipper's own planner (GRAINPATH_KLIPPER: a checkout)
+  bench turned [COPIES [SEED]]  one set of beads, turned and moved (50 times), in the virtual test
   bench studio [PATH]  the studio in Chromium: file to first layer, name under the pointer, cancel, bytes, frames
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
@@ -124,6 +130,9 @@ fn main() -> ExitCode {
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "jobs", parts @ ..] => bench_jobs::run(parts),
         ["bench", "paths"] => bench_paths::run(),
+        ["bench", "stops", words @ ..] => bench_stops::run(words),
+        ["bench", "klipper"] => bench_klipper::run(),
+        ["bench", "turned", words @ ..] => bench_turned::run(words),
         ["bench", "verification"] => bench_verification::run(),
         ["bench", "strength", parts @ ..] => bench_strength::run(parts),
         ["bench", "density", parts @ ..] => bench_density::run(parts),
@@ -158,6 +167,7 @@ fn main() -> ExitCode {
         _ => Err(USAGE.to_owned()),
     };
     let outcome = outcome.and_then(|()| if records { measured::save() } else { Ok(()) });
+    let outcome = outcome.and_then(|()| measured::check_goals());
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {

@@ -40,6 +40,9 @@ const GENERATED: [&str; 6] =
 /// Numbers of this run by group and name, until [`save`] writes them.
 static FOUND: Mutex<Groups> = Mutex::new(BTreeMap::new());
 
+/// Goals that the benches of this run have missed, until [`check_goals`] tells them.
+static MISSED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
 /// Numbers by name, in groups: a row of a table is a group.
 type Groups = BTreeMap<String, BTreeMap<String, String>>;
 
@@ -88,6 +91,21 @@ pub fn keep_lines(text: &str) -> Result<usize, String> {
         n_kept += 1;
     }
     Ok(n_kept)
+}
+
+/// Notes whether a measured number meets its goal; the cell of a table.
+pub fn goal(what: &str, goal: &str, is_met: bool) -> String {
+    if is_met {
+        return format!("{goal}: met");
+    }
+    MISSED.lock().unwrap_or_else(PoisonError::into_inner).push(format!("{what} ({goal})"));
+    format!("{goal}: MISSED")
+}
+
+/// Fails where a goal was missed. Numbers are recorded before, because a miss is a result too.
+pub fn check_goals() -> Result<(), String> {
+    let missed = std::mem::take(&mut *MISSED.lock().unwrap_or_else(PoisonError::into_inner));
+    if missed.is_empty() { Ok(()) } else { Err(format!("goals missed: {}", missed.join("; "))) }
 }
 
 /// A text as a part of a key: small letters and digits, with `-` for all between.

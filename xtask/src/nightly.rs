@@ -28,6 +28,9 @@ const CHECKS: &[Check] = &[
     ("fill along the stress", crate::bench_paths::run),
     ("finite elements beside gmsh and CalculiX", || crate::bench_fea::run(&["300000"])),
     ("strength beside the papers", || crate::bench_strength::run(&["s1", "s2"])),
+    ("beads turned and moved", || crate::bench_turned::run(&[])),
+    ("time beside Klipper's planner", klipper),
+    ("from a signal to the exit", || crate::bench_stops::run(&[])),
     ("headers of scans beside SimpleITK", crate::bench_ct::headers),
     ("scans beside marching cubes", || crate::bench_ct::run(&["hub", "engine"])),
     ("quality beside the peers", || crate::bench::quality(&[])),
@@ -55,6 +58,15 @@ fn slow_tests() -> Outcome {
     // Without a name every ignored test would run, also those that need data.
     names.peek().ok_or("no test is ignored because it is slow")?;
     crate::test_programs::run(&["--ignored", "--exact"].into_iter().chain(names).collect::<Vec<_>>())
+}
+
+/// Told times beside Klipper's, where there is a checkout of it.
+fn klipper() -> Outcome {
+    if let Err(problem) = crate::setup::klipper() {
+        println!("NOT RUN: {problem}");
+        return Ok(());
+    }
+    crate::bench_klipper::run()
 }
 
 /// The package of the program that the check of two builds has left. Programs that the check needs are installed.
@@ -89,6 +101,9 @@ pub fn run() -> Outcome {
         println!("\n== {name}");
         let start = Instant::now();
         let outcome = check();
+        // Taken also after a failure, so that the next check does not answer for them.
+        let goals = crate::measured::check_goals();
+        let outcome = outcome.and(goals);
         let seconds = start.elapsed().as_secs();
         match outcome {
             Ok(()) => {

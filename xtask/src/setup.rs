@@ -217,6 +217,29 @@ pub fn scans() -> Result<(), String> {
     if has(&["skimage"]) { Ok(()) } else { environment(true, &["scikit-image"]) }
 }
 
+/// For `cargo xtask bench klipper`: a checkout of Klipper, and the packages that its host software imports. Klipper is under
+/// the GPL; it is run, and nothing of it is part of grainpath.
+pub fn klipper() -> Result<PathBuf, String> {
+    let how = "git clone --depth 1 https://github.com/Klipper3d/klipper && cd klipper && \
+               printf 'CONFIG_LOW_LEVEL_OPTIONS=y\\nCONFIG_MACH_LINUX=y\\n' > .config && make olddefconfig && make; \
+               then set GRAINPATH_KLIPPER to that folder";
+    let checkout = folder("GRAINPATH_KLIPPER").map_err(|problem| format!("{problem}; get Klipper: {how}"))?;
+    // The dictionary of the controller is what `make` leaves.
+    for part in ["klippy/klippy.py", "out/klipper.dict"] {
+        if !checkout.join(part).is_file() {
+            return Err(format!(
+                "GRAINPATH_KLIPPER: {} has no {part}; get Klipper: {how}",
+                checkout.display()
+            ));
+        }
+    }
+    // The package pyserial is imported by another name.
+    if !has(&["cffi", "greenlet", "jinja2", "serial"]) {
+        environment(true, &["cffi", "greenlet", "jinja2", "pyserial"])?;
+    }
+    Ok(checkout)
+}
+
 /// For `cargo xtask bench jobs fields`: what the outside measure of fields needs.
 pub fn fields() -> Result<(), String> {
     bench()?;

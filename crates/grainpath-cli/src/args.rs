@@ -284,6 +284,9 @@ pub(crate) struct Inspect {
     /// File of true dimensions to compare a G-code file with, in the format of shape.ct.truth
     #[arg(long, value_name = "FILE.toml")]
     pub truth: Option<PathBuf>,
+    /// For G-code: a setting of the printer whose limits and filament the time and the volume are counted with
+    #[arg(long = "set", value_name = "SECTION.KEY=VALUE", conflicts_with_all = ["sheet", "faces"])]
+    pub sets: Vec<String>,
     /// Columns, rows and slices of raw data
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     pub size: Option<Vec<usize>>,

@@ -163,6 +163,8 @@ pub(crate) fn write(
         program.iter().for_each(|program| ready(program, &planned));
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
             tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
+            // Pictures and files for other programs are still to come.
+            diagnostics.begin(Stage::Write, 0);
         }
         Ok(written)
     })?;

@@ -25,6 +25,8 @@ impl Progress for Bar {
             Stage::Write => "writing",
             Stage::Strength => "strength test",
         });
+        // Redraws are limited to some a second, and a stage that counts no steps would never show its name.
+        self.0.force_draw();
     }
 
     fn advance(&self, n: usize) {

@@ -34,6 +34,38 @@ fn real_meshes_give_the_same_bytes_for_any_number_of_threads() {
     same_bytes(&folder("determinism of real meshes"), &real.map(|f| data(&format!("meshes/{f}"))));
 }
 
+/// Without a job nothing states the printer of a program, so its time is told for an ordinary one; with the printer's settings
+/// it is the time that the plan told.
+#[test]
+fn a_program_takes_as_long_on_its_printer_as_its_plan_said() {
+    let dir = folder("time on a printer");
+    fs::write(dir.join("box.stl"), support::box_stl([20.0, 20.0, 4.0])).expect("a file");
+    let printer = [
+        "--set",
+        "printer.flavour=klipper",
+        "--set",
+        "printer.square_corner_mm_s=5",
+        "--set",
+        "printer.acceleration_mm_s2=3000",
+        "--set",
+        "printer.travel_acceleration_mm_s2=3000",
+    ];
+    let time_s = |args: &[&str]| {
+        let out = grainpath(&dir, args);
+        json(&out)["time_s"].as_f64().unwrap_or_else(|| panic!("{out:?}"))
+    };
+    let planned = time_s(&[&["slice", "box.stl", "-o", "box.gcode", "--json"], &printer[..]].concat());
+    let inspect = ["inspect", "box.gcode", "--json"];
+    let told = time_s(&[&inspect[..], &printer].concat());
+    assert!((told / planned - 1.0).abs() < 0.002, "{told} {planned}");
+    let elsewhere = time_s(&inspect);
+    assert!((elsewhere / planned - 1.0).abs() > 0.02, "{elsewhere} {planned}");
+    let out = grainpath(&dir, &["inspect", "box.stl", "--set", "printer.flavour=klipper"]);
+    let stderr = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("only G-code has a printer"), "{stderr}");
+}
+
 /// Slices each model with 1, 2, 8 and 3 threads, and once more with 2.
 fn same_bytes(dir: &Path, models: &[PathBuf]) {
     for model in models {

@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 use std::path::Path;
 
+use grainpath::run::config::limits;
 use grainpath::shape::{Repair, mend_counting, united_volume};
 use grainpath_core::math::atan2;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
@@ -53,14 +54,28 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
 /// For a file that cannot be read.
 pub fn inspect_file(file: &Path, size: Option<Vec<usize>>, sample: &str) -> Result<Value, Failure> {
     let (file, sample) = (file.to_owned(), sample.to_owned());
-    let args =
-        Inspect { file, sheet: None, truth: None, size, sample, json: true, faces: false, image: None };
+    let args = Inspect {
+        file,
+        sheet: None,
+        truth: None,
+        sets: Vec::new(),
+        size,
+        sample,
+        json: true,
+        faces: false,
+        image: None,
+    };
     describe(&args, scan::raw_header(&args)?.as_ref())
 }
 
 fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
+    let refuse_printer = || match args.sets.first() {
+        Some(set) => Err(Failure::usage(format!("--set {set} is of no use: only G-code has a printer"))),
+        None => Ok(()),
+    };
     // Scans first: they can be larger than the memory, and all other kinds are read whole.
     if raw.is_some() || scan::is_scan(&args.file)? {
+        refuse_printer()?;
         return scan::inspect(args, raw);
     }
     let refused = || {
@@ -72,6 +87,7 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
         if args.image.is_some() {
             return Err(refused());
         }
+        refuse_printer()?;
         let samples = inputs::directions(&args.file, &DirectionOptions::default())?;
         return Ok(directions_json(&args.file.display().to_string(), &samples));
     }
@@ -121,20 +137,32 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
                 ),
             ));
         }
-        let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
+        let (filament_mm, limits) = printer(&args.sets)?;
+        let program = simulate(&bytes, filament_mm, &limits);
         let program = program.map_err(|e| Failure::of_file(&args.file, e))?;
         let mut value = gcode_json(&name, &program);
         if let Some(path) = &args.truth {
             value["dimensions"] = dimensions(path, &program)?;
         }
-        value
+        return Ok(value);
     } else {
         let file = parse_mesh(&bytes, Some(&name));
         let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
         let format = sniff_mesh(&bytes, Some(&name)).map_or("mesh", MeshFormat::name);
         mesh_json(&name, format, &file)
     };
+    refuse_printer()?;
     Ok(value)
+}
+
+/// Filament diameter and limits of the printer of a job with these settings; without any, those that programs are read with
+/// where no job is known.
+fn printer(sets: &[String]) -> Result<(f64, Limits), Failure> {
+    if sets.is_empty() {
+        return Ok((FILAMENT_MM, Limits::default()));
+    }
+    let settings = inputs::settings("", "--set", sets, Path::new(""))?;
+    Ok((settings.printer.filament_mm, limits(&settings)))
 }
 
 /// Whether bytes without a known signature are binary. `lower` is the file's name in lower case.

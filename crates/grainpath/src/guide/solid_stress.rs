@@ -18,6 +18,7 @@
 
 use std::sync::Arc;
 
+use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec3, Diagnostics, WarningId};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_fea::material::Stiffness;
@@ -58,7 +59,10 @@ pub(super) fn solve(
         cancel: diagnostics.cancel_flag(),
         ..MeshSettings::default()
     };
+    // The mesh and the solution.
+    diagnostics.begin(Stage::Guide, 2);
     let meshed = mesh(part.mesh, &mesh_settings)?;
+    diagnostics.advance(1);
     // A shell without volume, for example a facet and its mirror image, has no inside to mesh.
     if meshed.n_flat_shells > 0 {
         let n = meshed.n_flat_shells;
