@@ -405,7 +405,8 @@ impl End<'_> {
             }
             if let Some(border) = self.place.area.crossings(at, next).first() {
                 out.push(at.lerp(next, border.t));
-                return false;
+                // A bead that may be narrowed goes on beside the edge, into the tip between it and the next line.
+                return self.room.middle;
             }
             let [left_mm, right_mm] = self.sides(next, along);
             let room = (left_mm + right_mm) / spacing_mm;
