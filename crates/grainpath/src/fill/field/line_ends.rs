@@ -64,7 +64,10 @@ const JOINT_SMOOTHING: usize = 3;
 /// A line ends on a border that it meets at an angle with a larger sine than this; it goes on beside a border that it meets at
 /// a smaller one. 0.6 is 37 degrees. Measured: row `fill.field.line_ends.ACROSS_SINE` of `cargo xtask bench constants`.
 pub(super) static ACROSS_SINE: Tuned<f64> = Tuned::new("fill.field.line_ends.ACROSS_SINE", 0.6);
-/// An end is not extended by less than this, mm. Source: chosen; far below what a printer can show, above rounding.
+/// An end that lies nearer than this to where it may go is left there, in spacings. Source: derived; half of [`STEP`], so that
+/// no line ends in a piece that is far shorter than its bead is wide.
+const LEAST_EXTENSION: f64 = 0.5 * STEP;
+/// No step of an extension is shorter than this, mm. Source: chosen; far below what a printer can show, above rounding.
 const ROUNDING_MM: f64 = 1e-6;
 /// The border is looked for so far ahead of an end, in spacings. Source: derived. A line that meets the border at
 /// [`ACROSS_SINE`] and lies half a spacing from it has 0.83 spacings to go, and one that lies nine tenths from it 1.5.
@@ -384,7 +387,8 @@ impl End<'_> {
             let axis = (self.place.axis)(at);
             let along = if axis.dot(heading) < 0.0 { -axis } else { axis };
             let ahead_mm = self.place.free_ahead_mm(at, along);
-            if ahead_mm.is_some_and(|mm| mm <= ROUNDING_MM) {
+            let least_mm = if out.is_empty() { LEAST_EXTENSION * spacing_mm } else { ROUNDING_MM };
+            if ahead_mm.is_some_and(|mm| mm <= least_mm) {
                 return false;
             }
             let mut next = at + ahead_mm.map_or(step, |mm| mm.min(step)) * along;

@@ -213,7 +213,12 @@ pub(crate) fn spaced(
                 push_inside(&near_border, line.points, line.closed, shortest_mm, step_mm, &mut inside);
             }
             let lines = trimmed(fitted(inside, &place, room), &place);
-            let (lines, mut widths) = filling_their_space(lines, &border, spacing);
+            let (mut lines, mut widths, ended) = filling_their_space(lines, &border, spacing);
+            if ended {
+                // Where lines were ended before others, the lines beside them have more room.
+                let again = trimmed(fitted(lines, &place, room), &place);
+                (lines, widths, _) = filling_their_space(again, &border, spacing);
+            }
             for width in widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
             }
@@ -231,11 +236,11 @@ pub(crate) fn spaced(
 }
 
 /// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
-/// space is at its points, mm.
+/// space is at its points, mm, and whether lines were ended before others that they would have crossed.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, and beads at the bounds of their width, leave some of it open.
-fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<Line>, Vec<Vec<f64>>) {
+fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
     let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
     let moved = |l: usize| {
         let line = &lines[l];
@@ -256,18 +261,22 @@ fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<
         (Line { points, closed: line.closed }, widths)
     };
     let (mut out, mut widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    end_before_crossings(&mut out, &mut widths, border, spacing);
-    out.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
+    let ended = end_before_crossings(&mut out, &mut widths, border, spacing);
+    let (lines, widths) = out.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
+    (lines, widths, ended)
 }
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
 /// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end.
-fn end_before_crossings(lines: &mut [Line], widths: &mut [Vec<f64>], border: &Region, spacing: f64) {
+/// Returns whether there were such lines.
+fn end_before_crossings(lines: &mut [Line], widths: &mut [Vec<f64>], border: &Region, spacing: f64) -> bool {
+    let mut ended = false;
     loop {
         let crossings = Neighbours::new(lines, border, CELL_BEADS * spacing).crossings();
         if crossings.is_empty() {
-            return;
+            return ended;
         }
+        ended = true;
         let mut changed = vec![false; lines.len()];
         for pair in crossings {
             if pair.iter().any(|(l, _)| changed[*l]) {
