@@ -422,6 +422,15 @@ mod tests {
     }
 
     #[test]
+    fn a_missed_goal_fails_the_run_that_missed_it() {
+        assert_eq!(goal("the first", "at most 1", true), "at most 1: met");
+        assert_eq!(check_goals(), Ok(()));
+        assert_eq!(goal("the second", "at most 1", false), "at most 1: MISSED");
+        assert_eq!(check_goals(), Err("goals missed: the second (at most 1)".to_owned()));
+        assert_eq!(check_goals(), Ok(()), "the next bench does not answer for it");
+    }
+
+    #[test]
     fn a_number_that_is_not_the_recorded_one_is_found_and_renewed() {
         let page =
             "| 0.51<!--slicing.benchy.grainpath.wall-s--> s | 0.5<!--slicing.benchy.grainpath.wall-s--> s |";
