@@ -95,7 +95,7 @@ class Sweep(Sequence[Row]):
 
 def sweep(
     job: Job,
-    settings: Mapping[str, Sequence[Any]],
+    settings: Mapping[str, Iterable[Any]],
     *,
     executor: Any = None,
     cache: str | os.PathLike[str] | None = None,
