@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from . import _grainpath
+from ._checks import whole
 from .errors import GrainpathError, InputError, JobError
 from .sweeps import GONE, LOOK_S, Row, Sweep, as_same, connected, in_order_of_end
 
@@ -87,6 +88,8 @@ def keeping_memory() -> Any:
 def connect(scheduler: str, workers: int | None = None, wait_s: float = WAIT_S) -> Any:
     """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused. The
     first worker has ``wait_s`` seconds to come."""
+    if workers is not None and whole(workers, "workers") < 1:
+        raise JobError(f"workers = {workers} should be 1 or more")
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
