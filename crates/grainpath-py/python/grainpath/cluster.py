@@ -342,6 +342,6 @@ def text_of(table: Sweep) -> str:
 
 if __name__ == "__main__":
     # Workers import what they run by its name, which in this module as a program would be `__main__`.
-    from grainpath.cluster import main as whole
+    from grainpath.cluster import main as imported
 
-    sys.exit(whole())
+    sys.exit(imported())
