@@ -8,6 +8,8 @@
 //! [`GRACE`]; then the exception is raised, and the thread ends when it next reads the flag. In this case the command line
 //! ends the process, which a module may not do.
 
+use std::cell::Cell;
+use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -28,6 +30,26 @@ use crate::pool;
 const STEP: Duration = Duration::from_millis(25);
 /// Time that the caller waits for stopped work to end by itself. Source: derived: as [`STEP`].
 const GRACE: Duration = Duration::from_millis(150);
+
+thread_local! {
+    /// Whether this thread waits for work already.
+    static WAITS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The time for which a thread waits for work. It keeps whether the thread waited before.
+struct Waiting(bool);
+
+impl Waiting {
+    fn begin() -> Self {
+        Self(WAITS.replace(true))
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        WAITS.set(self.0);
+    }
+}
 
 /// A message from the work to the caller's thread.
 pub(crate) enum Request {
@@ -86,7 +108,11 @@ where
     T: Send + 'static,
     W: FnOnce(&Arc<Diagnostics>, Sender<Request>) -> Result<T, Failure> + Send + 'static,
 {
-    let pool = pool::threads(caller.threads).map_err(|f| errors::of_failure(py, &f))?;
+    let waiting = Waiting::begin();
+    // A function of the caller's may plan in turn. The work that asked it holds a thread of the shared pool until it has
+    // the answer, and with the only one the two would wait for each other.
+    let own = || waiting.0.then(|| thread::available_parallelism().map_or(1, NonZeroUsize::get));
+    let pool = pool::threads(caller.threads.or_else(own)).map_err(|f| errors::of_failure(py, &f))?;
     let counter = Arc::new(Counter::default());
     let diagnostics = Arc::new(Diagnostics::with_progress(Box::new(Counting(Arc::clone(&counter)))));
     let (requests, receiver) = mpsc::channel();

@@ -373,3 +373,39 @@ def test_parts_have_to_be_all(scan):
             _grainpath.scan_join(spec, array[:3], found, parts, (None, None, None))
     with pytest.raises(gp.InputError, match="20 to 99"):
         _grainpath.scan_part(spec, array, found, (20, 99, 0), (None, None, None))
+
+
+def test_a_scan_that_a_worker_does_not_find_is_told(client, tmp_path, scan):
+    """The worker ended where it unpacked the task, and with the only one gone the plan waited for ever."""
+    path = store(tmp_path / "scan.zarr", scan, (7, 32, 32))
+    workers, seen = set(client.nthreads()), []
+
+    def hide(stage, done, total):
+        if not seen:
+            path.rename(tmp_path / "gone.zarr")
+        seen.append(stage)
+
+    with pytest.raises(gp.InputError, match=r"scan\.zarr: no such file"):
+        gp.dask.plan_zarr(path, gp.Job(**SETTINGS), client=client, spacing=SPACING, progress=hide)
+    assert seen[0] == "read" and set(client.nthreads()) == workers
+
+
+@pytest.mark.parametrize(
+    "given, error, words",
+    [
+        ({"client": "tcp://127.0.0.1:8786"}, gp.JobError, "client is a str"),
+        ({"job": "job.toml"}, gp.JobError, "job is a str; a grainpath.Job is needed"),
+        ({"slab_planes": 7.5}, gp.InputError, "slab_planes = 7.5; a whole number"),
+        ({"workers": 0}, gp.JobError, "workers = 0 should be 1 or more"),
+    ],
+)
+def test_wrong_arguments_are_told_before_a_worker_starts(stores, given, error, words):
+    with pytest.raises(error, match=words):
+        gp.dask.plan_zarr(stores["planes"], **{"job": gp.Job(**SETTINGS), "spacing": SPACING, **given})
+
+
+def test_a_client_that_is_closed_is_told(client, stores):
+    own = distributed.Client(client.scheduler.address, set_as_default=False)
+    own.close()
+    with pytest.raises(gp.InputError, match="the client is closed"):
+        gp.dask.plan_zarr(stores["planes"], gp.Job(**SETTINGS), client=own, spacing=SPACING)

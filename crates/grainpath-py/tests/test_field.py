@@ -229,3 +229,36 @@ def test_what_is_no_finite_direction_is_a_hole(plate, value, components):
     plan = gp.Job(plate, field=gp.Field((X, Y), directions), **FILL, **DENSE).plan()
     assert off_deg(plan, lambda p: np.full(len(p), np.pi / 4)) < 3
     assert any(w.id == "field-left-out" for w in plan.warnings)
+
+
+@pytest.mark.parametrize("size", [1e300, 1e-300, 1e-310])
+def test_only_the_direction_of_a_vector_counts(size):
+    """The squares of these are no numbers."""
+    x = np.linspace(0, 30, 31)
+    turned = np.deg2rad(37)
+    plate = gp.box(30, 20, 1)
+    vectors = np.broadcast_to([np.cos(turned), np.sin(turned)], (31, 31, 2))
+
+    def printed(field):
+        return gp.Job(plate, field=field, fill__pattern="stripes", **QUICK).plan().to_gcode()
+
+    plain = printed(gp.Field((x, x), vectors))
+    for given in (vectors * size, lambda p: np.broadcast_to(vectors[0, 0], (len(p), 2)) * size):
+        field = gp.Field((x, x), given)
+        assert field.error_deg < 1e-6
+        assert printed(field) == plain
+
+
+@pytest.mark.parametrize(
+    "make, words",
+    [
+        (lambda: gp.Field(5, [[0.0]]), "axes has the type int"),
+        (lambda: gp.Field(([0.0, 1.0], [0.0]), lambda p: [[1.0], [1.0, 2.0]]), "what the function returned is no array"),
+        (lambda: gp.Field.over(gp.Volume(np.ones((2, 2, 2))), lambda p: p[:, 0]), "part is a Volume; a Mesh is needed"),
+        (lambda: gp.Field.over(gp.box(60, 30, 1), lambda p: p[:, 0], cell_mm=1e-7), "a grid of .* points; at most"),
+        (lambda: gp.Field.over(gp.box(60, 30, 1), lambda p: p[:, 0], cell_mm=np.inf), "cell_mm is inf"),
+    ],
+)
+def test_what_makes_no_field_is_told_at_once(make, words):
+    with pytest.raises(gp.InputError, match=words):
+        make()

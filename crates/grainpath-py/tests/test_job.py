@@ -48,7 +48,7 @@ def test_a_profile_brings_its_settings(plate):
         ("fill__pattern", "gyrod", "gyroid"),
         ("process__walls", -1, "process.walls"),
         ("process__walls", 1.5, "process.walls"),
-        ("density", 0.4, "should be section.key=value"),
+        ("density", 0.4, "density: a setting is its section, two underscores and its name"),
         ("material__profile", "plaa", "pla"),
     ],
 )
@@ -200,3 +200,86 @@ def test_errors_of_other_files_name_them(tmp_path):
         with pytest.raises(gp.GrainpathError) as error:
             call(path)
         assert error.value.file == str(path)
+
+
+ACROSS = gp.Field(([0.0, 15.0, 30.0], [0.0, 15.0, 30.0]), np.full((3, 3), np.pi / 2))
+PULL = gp.Stress([[0, 0, 0], [30, 20, 1]], np.tile([10.0, 0, 0, 0, 0, 0], (2, 1)))
+
+
+@pytest.mark.parametrize(
+    "before, arrays, kind",
+    [
+        ({"guide__kind": "angle"}, {"field": ACROSS}, "field"),
+        ({"guide__field__path": "x.npz", "guide__field__cell_mm": 3.0, "guide__kind": "field"}, {"field": ACROSS}, "field"),
+        ({"guide__field": "x.npz", "guide__kind": "field"}, {"stress": PULL}, "stress"),
+        ({"guide__kind": "field", "field": ACROSS}, {"stress": PULL}, "stress"),
+    ],
+)
+def test_a_guide_that_is_an_array_takes_the_place_of_what_was_named(plate, before, arrays, kind):
+    """It was ignored without a word where a setting of the job before named another kind."""
+    fill = {"fill__pattern": "stripes", "fill__density": 0.4, "process__walls": 1}
+    job = gp.Job(plate, **before, **fill).with_(**arrays)
+    assert job["guide.kind"] == kind
+    assert job.plan().to_gcode() == gp.Job(plate, **arrays, **fill).plan().to_gcode()
+
+
+def test_a_kind_that_is_named_later_takes_the_place_of_an_array(plate):
+    job = gp.Job(plate, field=ACROSS, fill__pattern="stripes", fill__density=0.4)
+    assert job.with_(guide__kind="field").plan().to_gcode() == job.plan().to_gcode()
+    turned = job.with_(guide__kind="angle", guide__angle_deg=30)
+    plain = gp.Job(plate, guide__kind="angle", guide__angle_deg=30, fill__pattern="stripes", fill__density=0.4)
+    assert turned.plan().to_gcode() == plain.plan().to_gcode()
+    table = gp.sweep(job, {"guide.kind": ["angle", "field"]})
+    assert not table.failed and table[0]["printed_mm"] != table[1]["printed_mm"]
+
+
+@pytest.mark.parametrize(
+    "named", [{"shape__mesh": "a.stl"}, {"shape__ct__path": "scan/"}, {"shape__ct": "scan/"}]
+)
+def test_an_array_takes_the_place_of_the_file_that_was_named(plate, named):
+    job = gp.Job(**named, fill__density=0.4)
+    assert job.with_(plate).plan().to_gcode() == gp.Job(plate, fill__density=0.4).plan().to_gcode()
+    with pytest.raises(gp.GrainpathError, match=r"a\.stl|scan/"):
+        gp.Job(plate).with_(**named).plan()
+
+
+@pytest.mark.parametrize(
+    "arrays, named, words",
+    [
+        ({}, {"shape__mesh": "a.stl"}, "shape.mesh = 'a.stl'"),
+        ({}, {"shape__ct": "scan/"}, "shape.ct.path = 'scan/'"),
+        ({"field": ACROSS}, {"guide__kind": "angle"}, "guide.kind = 'angle'"),
+        ({"field": ACROSS}, {"guide__field__cell_mm": 2.0}, "guide.field.cell_mm = 2.0"),
+        ({"stress": PULL}, {"guide__import": "a.frd"}, "guide.import = 'a.frd'"),
+    ],
+)
+def test_an_array_and_a_file_for_one_thing_are_refused(plate, arrays, named, words):
+    with pytest.raises(gp.JobError) as error:
+        gp.Job(plate, **arrays, **named)
+    assert str(error.value) == f"{words}: the job has an array for it; leave one of the two out"
+
+
+def test_settings_are_no_arguments_of_a_command(plate):
+    with pytest.raises(gp.JobError) as error:
+        gp.Job(plate, fill__densty=0.4)
+    assert str(error.value) == "unknown key `densty` in [fill]; did you mean `density`?" and error.value.file is None
+
+
+def test_a_job_that_was_unpacked_finds_its_files_from_another_folder(plate, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.toml").write_text("density_g_cm3 = 1.5\n")
+    job = pickle.dumps(gp.Job(plate, material__profile="own.toml"))
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    assert pickle.loads(job)["material.density_g_cm3"] == 1.5
+    # Unpacking reads nothing, so that a worker that misses a file can say so.
+    (tmp_path / "own.toml").unlink()
+    again = pickle.loads(job)
+    with pytest.raises(gp.JobError, match=r"own\.toml"):
+        again.plan()
+
+
+@pytest.mark.parametrize("threads", [0, 1.5, "2", 2000, 10**30])
+def test_threads_are_a_whole_number(plate, threads):
+    with pytest.raises((gp.JobError, gp.InputError), match="threads = "):
+        gp.Job(plate).plan(threads=threads)

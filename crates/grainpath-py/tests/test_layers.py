@@ -102,7 +102,7 @@ def test_layers_without_area_are_gaps(cup):
     "make, message",
     [
         (lambda: gp.LayerStack([[SQUARE[:, :1]]], height_mm=0.2), r"sections\[0\]\[0\] has the shape \(4, 1\)"),
-        (lambda: gp.LayerStack([[SQUARE * np.nan]], height_mm=0.2), r"sections\[0\]\[0\]\[\(0, 0\)\] is nan"),
+        (lambda: gp.LayerStack([[SQUARE * np.nan]], height_mm=0.2), r"sections\[0\]\[0\]\[0, 0\] is nan"),
         (lambda: gp.LayerStack([[SQUARE * 1e7]], height_mm=0.2), "100 m"),
         (lambda: gp.LayerStack([[SQUARE]], height_mm=0), r"height_mm\[0\] should be above 0"),
         (lambda: gp.LayerStack([[SQUARE]], height_mm=[0.2, 0.2]), "height_mm has the shape"),
@@ -134,3 +134,12 @@ def test_notebooks_show_parts(cup, plan, ball):
         text = shown._repr_html_()
         assert text.startswith("<table><caption>") and text.count("<tr>") == text.count("</tr>") >= 2
     assert "<svg" in cup._repr_html_() and "evenodd" in cup[3]._repr_svg_()
+
+
+@pytest.mark.parametrize(
+    "sections, words",
+    [(5, "sections is a int"), ([None], r"sections\[0\] is a NoneType"), ([[1, 2, 3]], r"sections\[0\]\[0\] has the shape \(\)")],
+)
+def test_what_holds_no_rings_is_told(sections, words):
+    with pytest.raises(gp.InputError, match=words):
+        gp.LayerStack(sections, height_mm=0.2)

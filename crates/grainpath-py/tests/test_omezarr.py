@@ -51,7 +51,7 @@ def test_levels_units_channels_and_times(tmp_path, ball):
     assert np.array_equal(second.array[2:4], ball[2:4, ::2, ::2])
     assert not gp.read_zarr(path).array[0:12].any()
     assert gp.read_zarr(path, spacing=0.1).spacing == (0.1, 0.1, 0.1)
-    for wrong, message in (({"level": 2}, "level = 2"), ({"channel": 2}, "index 2 of axis 1"), ({"time": 5}, "index 5")):
+    for wrong, message in (({"level": 2}, "level = 2"), ({"channel": 2}, "index 2 of axis 1"), ({"time": 5}, "index 5"), ({"channel": 0.5}, "channel = 0.5")):
         with pytest.raises(gp.InputError, match=message):
             gp.read_zarr(path, **wrong)
 
@@ -80,6 +80,16 @@ def test_a_damaged_chunk_is_told_with_its_planes(tmp_path, ball):
         (lambda m: m["axes"][-1].pop("unit"), "the axis x has no unit"),
         (lambda m: m["axes"].reverse(), "the last should be z, y and x"),
         (lambda m: m["datasets"][0]["coordinateTransformations"][0].update(scale=[1, 1]), "a scale of 2 numbers"),
+        (lambda m: m["datasets"][0]["coordinateTransformations"][0].update(scale=[0, 1, 1]), "all should be above 0"),
+        (lambda m: m["datasets"][0]["coordinateTransformations"][0].pop("scale"), "scale has the type"),
+        (lambda m: m["datasets"][0].pop("coordinateTransformations"), "the level has no scale"),
+        (lambda m: m["datasets"][0].update(coordinateTransformations="x"), "no list of coordinateTransformations"),
+        (lambda m: m["datasets"][0].update(path="nope"), "there is no array 'nope'"),
+        (lambda m: m["datasets"][0].update(path="../other"), "there is no array '../other'"),
+        (lambda m: m["datasets"][0].pop("path"), "a level of the image has no path"),
+        (lambda m: m.update(datasets="abc"), "no list of datasets"),
+        (lambda m: m.pop("axes"), "no list of axes"),
+        (lambda m: m["axes"][-1].update(unit=5), "the unit 5"),
     ],
 )
 def test_descriptions_that_say_too_little(tmp_path, ball, change, message):
@@ -101,3 +111,33 @@ def test_what_is_no_zarr(tmp_path):
     zarr.open_group(tmp_path / "group.zarr", mode="w")
     with pytest.raises(gp.InputError, match="without OME-Zarr's multiscales"):
         gp.read_zarr(tmp_path / "group.zarr")
+
+
+@pytest.mark.parametrize("zarr_format", [2, 3])
+def test_chunks_that_an_array_misses_are_warned_of(tmp_path, ball, zarr_format):
+    """Of an array that the user opened, as of one that is read by its path."""
+    array = zarr.create_array(
+        tmp_path / "scan.zarr", shape=ball.shape, dtype="u1", chunks=(3, 40, 40), zarr_format=zarr_format
+    )
+    array[3:] = ball[3:]
+    plan = gp.Job(gp.Volume(array, spacing=0.3), **SETTINGS).plan()
+    assert [(w.id, w.text.split()[0]) for w in plan.warnings] == [("scan-chunks-missing", "1")]
+    array[:3] = ball[:3]
+    assert not gp.Job(gp.Volume(array, spacing=0.3), **SETTINGS).plan().warnings
+
+
+def test_a_scan_is_found_from_another_folder(tmp_path, ball, monkeypatch):
+    ome(tmp_path / "scan.zarr", ball, "0.5")
+    monkeypatch.chdir(tmp_path)
+    volume = gp.read_zarr("scan.zarr")
+    packed = pickle.dumps(volume)
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    assert np.array_equal(pickle.loads(packed).array[0:12], ball)
+    # Nothing is opened before it is read: a worker that cannot unpack a task ends.
+    (tmp_path / "scan.zarr").rename(tmp_path / "gone.zarr")
+    with pytest.raises(gp.InputError, match=r"scan\.zarr: no such file"):
+        pickle.loads(packed).array[0:1]
+    ome(tmp_path / "scan.zarr", ball[:6], "0.5")
+    with pytest.raises(gp.InputError, match="the path has to lead to the same scan everywhere"):
+        pickle.loads(packed).array[0:1]

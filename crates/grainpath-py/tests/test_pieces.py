@@ -119,3 +119,14 @@ def test_wrong_pictures_are_named(plan, options, words):
     with pytest.raises(gp.InputError) as error:
         gp.gcode.loads(plan.to_gcode()).render(**{"layer": 0, **options})
     assert words in str(error.value)
+
+
+def test_a_folder_that_cannot_be_written_is_told(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(gp.JobError, match="cannot be written: file exists"):
+        gp.new("plate", tmp_path / "file")
+
+
+def test_half_a_column_is_no_size(tmp_path):
+    with pytest.raises(gp.InputError, match=r"size\[0\] = 60.7; a whole number is needed"):
+        gp.inspect(tmp_path / "raw", size=(60.7, 60, 12))

@@ -1,6 +1,7 @@
 """Plans: the same bytes as the command line's, arrays of paths, the report."""
 
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -297,3 +298,27 @@ def test_drawing_frees_the_lock(plan):
         sys.setswitchinterval(interval)
         ended.set()
         thread.join()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="processes cannot be bound to a core here")
+@pytest.mark.parametrize("within", ["array", "progress"])
+def test_a_function_of_the_callers_may_plan_in_turn(within):
+    """On one core the work that asked the function and the plan in it waited for each other."""
+    code = """
+import os, sys, numpy as np
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+import grainpath as gp
+small = gp.Job(gp.box(20, 10, 1))
+class Pin:
+    shape, dtype = (200, 200, 200), np.dtype("u1")
+    plane = np.zeros((200, 200), "u1")
+    plane[50:150, 50:150] = 200
+    def __getitem__(self, key):
+        if sys.argv[1] == "array":
+            small.plan()
+        return np.broadcast_to(self.plane, (key.stop - key.start, 200, 200))
+progress = (lambda *_: small.plan()) if sys.argv[1] == "progress" else None
+print(len(gp.Job(gp.Volume(Pin(), spacing=0.2)).plan(progress=progress).layers))
+"""
+    ran = subprocess.run([sys.executable, "-c", code, within], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.stdout == "200\n", ran.stderr

@@ -203,7 +203,7 @@ def test_fill_follows_a_stress_of_another_program(angle_deg):
         (np.zeros((2, 3)), np.zeros((3, 6)), "tensors has the shape (3, 6); (2, 6) is needed"),
         (np.zeros((2, 3)), np.zeros((2, 5)), "tensors has the shape (2, 5)"),
         (np.zeros((1, 3)), [[[0, 1, 0], [0, 0, 0], [0, 0, 0]]], "symmetric"),
-        (np.zeros((1, 3)), np.full((1, 6), np.nan), "tensors[(0, 0)] is nan"),
+        (np.zeros((1, 3)), np.full((1, 6), np.nan), "tensors[0, 0] is nan"),
     ],
 )
 def test_wrong_stress_is_named(points, tensors, words):

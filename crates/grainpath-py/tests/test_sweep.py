@@ -171,7 +171,7 @@ def test_a_change_of_any_file_that_a_job_reads_is_another_entry(plate, tmp_path,
     for name, said in files.items():
         (folder / name).write_bytes(content(said))
     # What the rows hold does not matter here, and a deck of one element is no part that could be solved.
-    monkeypatch.setattr(sweeps, "measure", lambda *_: {"seconds": 0.0, "error": None})
+    monkeypatch.setattr(sweeps, "measure", lambda *_: {**dict.fromkeys(sweeps.COLUMNS), "warnings": [], "seconds": 0.0, "error": None})
     job = gp.Job(None if "[shape]" in text else plate, text=text, folder=folder, **QUICK)
 
     def cached():
@@ -234,3 +234,63 @@ def test_values_are_lists(job, settings):
         gp.sweep(job, settings)
     with pytest.raises(gp.JobError, match="in_flight"):
         gp.sweep(job, SETTINGS, in_flight=0)
+
+
+class Broken:
+    """A scan whose store fails."""
+
+    shape, dtype = (4, 20, 20), np.dtype("u1")
+
+    def __getitem__(self, key):
+        raise OSError("disk on fire")
+
+
+@pytest.mark.parametrize("threads", [None, 2])
+def test_an_array_that_cannot_be_read_is_a_row(threads):
+    job = gp.Job(gp.Volume(Broken(), spacing=0.3))
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        table = gp.sweep(job, {"process.walls": [1, 2]}, executor=threads and pool)
+    assert [row["error"] for row in table] == ["OSError: disk on fire"] * 2
+
+
+def test_values_may_be_any_numbers_in_a_row(job, tmp_path):
+    plain = gp.sweep(job, {"fill.density": [0.2, 0.4]}, cache=tmp_path)
+    for values in (np.array([0.2, 0.4]), (v for v in (0.2, 0.4)), (0.2, np.float64(0.4))):
+        again = gp.sweep(job, {"fill__density": values}, cache=tmp_path)
+        assert [row["fill.density"] for row in again] == [0.2, 0.4] and all(row["cached"] for row in again)
+        assert numbers(again) == numbers(plain)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda job: gp.sweep(gp.box(1, 1, 1), {}), "job is a Mesh"),
+        (lambda job: gp.sweep(job, ["fill.density"]), "settings is a list"),
+        (lambda job: gp.sweep(job, {"fill.density": [0.2], "fill__density": [0.3]}), "fill.density is there twice"),
+        (lambda job: gp.sweep(job, {"fill.density": []}), "a list of at least one value is needed"),
+        (lambda job: gp.sweep(job, {}, executor=concurrent.futures.ThreadPoolExecutor), "executor is a type without submit"),
+    ],
+)
+def test_wrong_calls_are_refused_before_any_work(job, call, words):
+    with pytest.raises(gp.JobError, match=words):
+        call(job)
+
+
+def test_a_cache_that_cannot_be_written_is_told(job, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(gp.JobError, match="cache .*file cannot be made: file exists"):
+        gp.sweep(job, SETTINGS, cache=tmp_path / "file")
+    gp.sweep(job, SETTINGS, cache=tmp_path / "cache")
+    for entry in (tmp_path / "cache").iterdir():
+        entry.unlink()
+        entry.mkdir()
+    with pytest.raises(gp.JobError, match=r"\.json cannot be written: is a directory"):
+        gp.sweep(job, SETTINGS, cache=tmp_path / "cache")
+    assert not list((tmp_path / "cache").glob("*.part"))
+
+
+def test_an_entry_that_says_too_little_is_computed_again(job, tmp_path):
+    gp.sweep(job, SETTINGS, cache=tmp_path)
+    for entry in tmp_path.iterdir():
+        entry.write_text("{}")
+    assert not any(row["cached"] for row in gp.sweep(job, SETTINGS, cache=tmp_path))

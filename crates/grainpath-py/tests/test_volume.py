@@ -140,3 +140,49 @@ def test_wrong_volumes_are_named(array, spacing, words):
 def test_a_scan_of_nothing_is_refused(value):
     with pytest.raises(gp.GrainpathError):
         gp.Job(gp.Volume(np.full((8, 20, 20), value, dtype="f4"), spacing=0.5)).plan()
+
+
+class Said:
+    """An array that says of itself what it is told."""
+
+    def __init__(self, array, **said):
+        self.array, self.shape, self.dtype = array, said.get("shape", array.shape), said.get("dtype", array.dtype)
+
+    def __getitem__(self, key):
+        return self.array[key]
+
+
+@pytest.mark.parametrize(
+    "said, words",
+    [
+        ({"dtype": "torch.float32"}, "the array has the type 'torch.float32', which numpy does not know"),
+        ({"shape": "abc"}, "the array has the shape 'abc'"),
+        ({"shape": (-1, 40, 40)}, "no length is below 0"),
+    ],
+)
+def test_arrays_that_say_nonsense_of_themselves(ball, said, words):
+    with pytest.raises(gp.InputError, match=words):
+        gp.Volume(Said(ball, **said), spacing=SPACING)
+
+
+@pytest.mark.parametrize("kind", ["U3", "c8", "O"])
+def test_planes_of_another_type_than_promised_are_refused(ball, kind):
+    """Words would be read as numbers, and of complex numbers a half be dropped."""
+    with pytest.raises(gp.InputError, match="of the array have the type .*; uint8 was promised"):
+        bytes_of(Said(ball.astype(kind), dtype=np.dtype("u1")))
+
+
+def test_masked_arrays_are_refused(ball):
+    """What is under a mask would be printed without a word."""
+    masked = np.ma.masked_less(ball, 100)
+    for take in (
+        lambda: gp.Volume(masked, spacing=SPACING),
+        lambda: bytes_of(Said(masked)),
+        lambda: gp.Image(masked[0]),
+        lambda: gp.Field((range(40), range(40)), masked[0] * 0.1),
+        lambda: gp.Mesh(np.ma.masked_greater(gp.box(1, 1, 1).vertices, 0.5), gp.box(1, 1, 1).faces),
+    ):
+        with pytest.raises(gp.InputError, match=r"has masked entries|have masked entries"):
+            take()
+    assert bytes_of(masked.filled(0)) == bytes_of(np.where(ball < 100, 0, ball))
+    assert bytes_of(np.ma.array(ball)) == bytes_of(ball)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -16,12 +17,27 @@ from .errors import InputError, JobError
 FloatArray = npt.NDArray[np.float64]
 
 
+def plain(values: Any, name: str) -> npt.NDArray[Any]:
+    """``values`` as an array. A mask would be lost without a word, so an array with one is refused."""
+    if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
+        raise InputError(f"{name} has masked entries; give what they stand for, as by .filled(value)")
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} is no array: rows of equal length are needed ({error})") from error
+
+
+def whole(value: Any, name: str) -> int:
+    """``value`` as an int. A number with a fraction is refused rather than cut."""
+    try:
+        return operator.index(value)
+    except TypeError as error:
+        raise InputError(f"{name} = {value!r}; a whole number is needed") from error
+
+
 def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
     """``values`` as finite native float64 of a shape, whose ``None`` stand for any number."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{name}: {error}; rows of equal length are needed") from error
+    array = plain(values, name)
     shown = ", ".join("n" if n is None else str(n) for n in shape)
     wanted = f"({shown},)" if len(shape) == 1 else f"({shown})"
     if array.dtype.kind not in "fiu":
@@ -33,8 +49,8 @@ def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
     bad = ~np.isfinite(out)
     if bad.any():
         at = tuple(int(i) for i in np.argwhere(bad)[0])
-        place = at[0] if len(at) == 1 else at
-        raise InputError(f"{name}[{place}] is {out[at]}; finite numbers are needed")
+        place = f"[{', '.join(map(str, at))}]" if at else ""
+        raise InputError(f"{name}{place} is {out[at]}; finite numbers are needed")
     return out
 
 

@@ -9,16 +9,19 @@ names only when they are whole. Dask is the engine: SLURM, Kubernetes and SSH ar
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import json
 import os
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from . import _grainpath
+from ._checks import whole
 from .errors import GrainpathError, InputError, JobError
 from .sweeps import GONE, LOOK_S, Row, Sweep, as_same, connected, in_order_of_end
 
@@ -85,6 +88,8 @@ def keeping_memory() -> Any:
 def connect(scheduler: str, workers: int | None = None, wait_s: float = WAIT_S) -> Any:
     """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused. The
     first worker has ``wait_s`` seconds to come."""
+    if workers is not None and whole(workers, "workers") < 1:
+        raise JobError(f"workers = {workers} should be 1 or more")
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -103,12 +108,9 @@ def connect(scheduler: str, workers: int | None = None, wait_s: float = WAIT_S) 
             client = distributed.Client(scheduler, timeout=PATIENCE_S)
         except (OSError, ValueError) as error:
             raise InputError(f"{scheduler}: no scheduler answers ({error})") from error
-    try:
+    with closing(client):
         wait_for_workers(client, wait_s)
         same_version(client)
-    except BaseException:
-        close(client)
-        raise
     return client
 
 
@@ -118,6 +120,33 @@ def close(client: Any) -> None:
     client.close()
     if cluster is not None:
         cluster.close()
+
+
+@contextlib.contextmanager
+def closing(client: Any, always: bool = False) -> Iterator[None]:
+    """Ends a client where an exception is raised, or always. After Ctrl-C its workers end in a thread of their own, for
+    which the interpreter waits before it ends: they take seconds, and who pressed the keys has the prompt at once."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        threading.Thread(target=close, args=(client,), name="grainpath-close").start()
+        raise
+    except BaseException:
+        close(client)
+        raise
+    if always:
+        close(client)
+
+
+def check_client(client: Any) -> None:
+    """Refuses what is no client, such as the address of a scheduler."""
+    if not callable(getattr(client, "nthreads", None)) or getattr(client, "asynchronous", False):
+        raise JobError(
+            f'client is a {type(client).__name__} that cannot be asked here; a dask.distributed.Client("tcp://host:8786") is '
+            "needed, not an asynchronous one"
+        )
+    if client.status == "closed":
+        raise InputError("the client is closed; make another one")
 
 
 def _version() -> str:
@@ -203,8 +232,10 @@ def run_folder(
     """
     jobs = jobs_of(folder)
     own = client is None
+    if not own:
+        check_client(client)
     client = connect(scheduler, workers, wait_s) if own else client
-    try:
+    with closing(client, always=True) if own else contextlib.nullcontext():
         if not own:
             reachable(wait_for_workers, client, wait_s)
             reachable(same_version, client)
@@ -242,9 +273,6 @@ def run_folder(
             if note is not None:
                 note(row)
         return Sweep([row for row in rows if row is not None])
-    finally:
-        if own:
-            close(client)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -314,6 +342,6 @@ def text_of(table: Sweep) -> str:
 
 if __name__ == "__main__":
     # Workers import what they run by its name, which in this module as a program would be `__main__`.
-    from grainpath.cluster import main as whole
+    from grainpath.cluster import main as imported
 
-    sys.exit(whole())
+    sys.exit(imported())

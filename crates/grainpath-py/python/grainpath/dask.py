@@ -8,13 +8,15 @@ another with the same result. A few are handed over at a time, which bounds the 
 
 from __future__ import annotations
 
+import contextlib
 import os
 import warnings
 from collections.abc import Callable
 from typing import Any
 
 from . import _grainpath
-from .cluster import WAIT_S, Limit, close, connect, reachable, same_version, wait_for_workers
+from ._checks import whole
+from .cluster import WAIT_S, Limit, check_client, closing, connect, reachable, same_version, wait_for_workers
 from .errors import Cancelled, InputError, JobError
 from .job import Cancel, Job, Progress
 from .layers import LayerStack
@@ -60,15 +62,19 @@ def plan_zarr(
     layer to layer, are filled here instead. The first worker has ``wait_s`` seconds to come, and more may come while the
     plan is made. Other arguments are those of :func:`grainpath.read_zarr` and :meth:`grainpath.Job.plan`.
     """
+    if not isinstance(job, Job):
+        raise JobError(f"job is a {type(job).__name__}; a grainpath.Job is needed")
+    if client is not None:
+        check_client(client)
     for name, value in (("slab_planes", slab_planes), ("window_layers", window_layers)):
-        if value is not None and value < 1:
+        if value is not None and whole(value, name) < 1:
             raise JobError(f"{name} = {value} should be 1 or more")
     # Opened here before any worker is asked, so that what is wrong with the store is told at once.
     volume = read_zarr(path, level=level, channel=channel, time=time, spacing=spacing)
-    whole = job.with_(volume)
-    if any(whole["shape.rotate_deg"]):
+    scanned = job.with_(volume)
+    if any(scanned["shape.rotate_deg"]):
         raise JobError("shape.rotate_deg: a scan that is turned is not cut in slabs; plan it with gp.read_zarr(path)")
-    if whole["guide.kind"] == "grain" and not whole.settings.get("guide.image.files"):
+    if scanned["guide.kind"] == "grain" and not scanned.settings.get("guide.image.files"):
         raise JobError(
             "guide.kind = grain: the texture of a scan is not found in slabs; plan it with gp.read_zarr(path), or name photographs"
         )
@@ -79,14 +85,11 @@ def plan_zarr(
         if cancel is not None and cancel.is_set():
             raise Cancelled("cancelled; nothing was written")
 
-    try:
+    with closing(client, always=True) if own else contextlib.nullcontext():
         if not own:
             _reachable(wait_for_workers, client, wait_s, look)
             _reachable(same_version, client)
-        return _Run(client, whole, volume, progress, cancel).plan(slab_planes, window_layers)
-    finally:
-        if own:
-            close(client)
+        return _Run(client, scanned, volume, progress, cancel).plan(slab_planes, window_layers)
 
 
 class _Run:

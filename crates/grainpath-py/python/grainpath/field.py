@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import FloatArray, floats
+from ._checks import FloatArray, floats, plain
 from .errors import InputError
 from .mesh import Mesh
 
@@ -58,16 +59,15 @@ class Field:
         strength: npt.ArrayLike | None = None,
         spacing_mm: npt.ArrayLike | None = None,
     ) -> None:
-        if len(axes) not in (2, 3):
-            raise InputError(f"axes has {len(axes)} entries; positions along x, y and perhaps z are needed")
+        if not hasattr(axes, "__len__") or len(axes) not in (2, 3):
+            found = f"{len(axes)} entries" if hasattr(axes, "__len__") else f"the type {type(axes).__name__}"
+            raise InputError(f"axes has {found}; positions along x, y and perhaps z are needed")
         self.axes = tuple(floats(a, f"axes[{k}]", (None,)) for k, a in enumerate(axes))
         for k, axis in enumerate(self.axes):
             if len(axis) == 0 or (np.diff(axis) <= 0).any():
                 raise InputError(f"axes[{k}] should rise from entry to entry and have at least one")
         self.shape = tuple(len(a) for a in self.axes)
-        n = int(np.prod(self.shape))
-        if n > MAX_POINTS:
-            raise InputError(f"a grid of {n} points; at most {MAX_POINTS} are read, so take larger steps")
+        _count(self.shape)
         #: Greatest angle that was found between the function and the grid, degrees, at places between its points on every
         #: level and between the levels; 0 for arrays, NaN where no place has a direction of both.
         self.error_deg = 0.0
@@ -95,24 +95,28 @@ class Field:
         >>> gp.Field.over(gp.box(20, 10, 2), lambda p: p[:, 0] * 0.1).shape
         (21, 11)
         """
-        if not cell_mm > 0:
+        if not isinstance(part, Mesh):
+            raise InputError(f"part is a {type(part).__name__}; a Mesh is needed, or give axes: Field((x, y), function)")
+        if not floats(cell_mm, "cell_mm", ()) > 0:
             raise InputError(f"cell_mm = {cell_mm} should be above 0")
         low, high = part.bounds_mm[:, :2]
-        n = np.maximum(np.ceil((high - low) / cell_mm), 1).astype(int) + 1
+        cells = np.maximum(np.ceil((high - low) / cell_mm), 1)
+        _count(cells + 1)
+        n = cells.astype(int) + 1
         return cls(tuple(np.linspace(low[k], high[k], n[k]) for k in range(2)), function)
 
     def _points(self) -> FloatArray:
         return np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1).reshape(-1, len(self.axes))
 
     def _vectors(self, directions: npt.ArrayLike) -> FloatArray:
-        array = np.asarray(directions)
+        array = plain(directions, "directions")
         if array.dtype.kind not in "fiu":
             raise InputError(f"directions has the type {array.dtype}; numbers are needed")
         array = array.astype(np.float64)
         if array.shape == self.shape:
             return _of_angles(array)
         if array.shape[:-1] == self.shape and array.shape[-1] in (2, 3):
-            return array
+            return _handy(array)
         raise InputError(
             f"directions has the shape {array.shape}; {self.shape} is needed for angles, with a last index of 2 or 3 "
             "more for vectors"
@@ -254,7 +258,7 @@ def _called(function: Function, points: FloatArray) -> FloatArray:
     parts = []
     for first in range(0, len(points), BATCH):
         batch = points[first : first + BATCH]
-        found = np.asarray(function(batch))
+        found = plain(function(batch), "what the function returned")
         if found.dtype.kind not in "fiu":
             raise InputError(f"the function returned the type {found.dtype}; numbers are needed")
         found = found.astype(np.float64)
@@ -265,5 +269,18 @@ def _called(function: Function, points: FloatArray) -> FloatArray:
                 f"the function returned the shape {found.shape} for {len(batch)} points; an angle ({len(batch)},) or a "
                 f"vector ({len(batch)}, 2) for each is needed"
             )
-        parts.append(found)
+        parts.append(_handy(found))
     return np.concatenate(parts)
+
+
+def _count(shape: Iterable[float]) -> None:
+    """Refuses a grid that is too large, before it is made."""
+    n = math.prod(shape)
+    if n > MAX_POINTS:
+        raise InputError(f"a grid of {n:.0f} points; at most {MAX_POINTS} are read, so take larger steps")
+
+
+def _handy(vectors: FloatArray) -> FloatArray:
+    """Vectors whose squares are in the range of numbers: only their direction counts. Steps of 2 change no digit."""
+    _, exponent = np.frexp(np.abs(vectors).max(axis=-1, keepdims=True))
+    return np.asarray(np.ldexp(vectors, np.where(np.abs(exponent) > 400, -exponent, 0)))

@@ -196,4 +196,6 @@ def read(path: str | os.PathLike[str], *, filament_mm: float = 1.75) -> Program:
 
 def loads(text: bytes | str, *, filament_mm: float = 1.75) -> Program:
     """A program in memory."""
+    if not isinstance(text, (str, bytes, bytearray, memoryview)):
+        raise InputError(f"text is a {type(text).__name__}; bytes or a str are needed; files are read by grainpath.gcode.read")
     return Program(text.encode() if isinstance(text, str) else bytes(text), filament_mm=filament_mm)

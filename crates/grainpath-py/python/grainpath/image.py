@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import read_only
+from ._checks import plain, read_only
 from .errors import InputError
 
 #: Most pixels, as readers of files have it.
@@ -31,7 +31,7 @@ class Image:
     """
 
     def __init__(self, array: npt.ArrayLike, *, name: str = "an array") -> None:
-        given = np.asarray(array)
+        given = plain(array, "the picture")
         if given.dtype.kind not in "fiub":
             raise InputError(f"the picture has the type {given.dtype}; numbers are needed")
         if given.ndim not in (2, 3) or (given.ndim == 3 and not 1 <= given.shape[2] <= 4):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from . import _grainpath
-from ._checks import toml
+from ._checks import toml, whole
 from .errors import JobError
 from .field import Field
 from .image import Image
@@ -32,6 +32,19 @@ SHAPES: dict[str, Any] = {
     "shape.ct.path": "",
     "shape.photo.files": [],
 }
+
+
+#: Settings that say what guides the fill, and how the file of a field is read: a guide that is an array says it itself.
+FILES_OF_GUIDES = ("guide.field.path", "guide.import", "guide.image.files")
+GUIDES = (
+    "guide.kind",
+    *FILES_OF_GUIDES,
+    *(f"guide.field.{name}" for name in ("frame", "length_unit", "axes", "array", "cell_mm", "origin_mm")),
+)
+#: What may be said of a field that is an array: where its coordinates begin.
+MAY_DIFFER = {"guide.field.frame", "guide.field.length_unit"}
+#: Names that stand for a path where they are a text.
+SHORT = {"shape.ct": "shape.ct.path", "guide.field": "guide.field.path"}
 
 
 #: Settings that change a part, which a stack of sections does not take, and their values that change nothing.
@@ -61,8 +74,6 @@ class Job:
     (0.4, 0.2)
     """
 
-    _spec: _grainpath.Spec
-
     def __init__(
         self,
         shape: Shape | None = None,
@@ -75,8 +86,7 @@ class Job:
         folder: str | os.PathLike[str] = "",
         **settings: Any,
     ) -> None:
-        sets = {_key(key): value for key, value in settings.items()}
-        self._build(shape, field, stress, grain, text, name, os.fspath(folder), sets)
+        self._build(shape, field, stress, grain, text, name, os.fspath(folder), _sets(settings))
 
     def _build(
         self,
@@ -104,6 +114,26 @@ class Job:
             raise JobError(f"stress is a {type(stress).__name__}; a grainpath.Stress is needed")
         if sum(guide is not None for guide in (field, stress, grain)) > 1:
             raise JobError("field, stress and grain: exactly one guides the fill")
+        self._hold(shape, field, stress, grain, text, name, folder, sets)
+        # Read at once, so that what is wrong is told where it was written.
+        _ = self._spec
+        if isinstance(shape, LayerStack):
+            self._check_layers()
+
+    def _hold(
+        self,
+        shape: Shape | None,
+        field: Field | None,
+        stress: Stress | None,
+        grain: Image | Sequence[Image] | None,
+        text: str,
+        name: str,
+        folder: str,
+        sets: dict[str, Any],
+    ) -> None:
+        """Keeps what a job is made of. Nothing is read, since a job that comes to another machine is unpacked before
+        anyone there can be told that a file is missing."""
+        board, photos = _images(shape), _images(grain)
         self._shape, self._field, self._stress, self._grain = shape, field, stress, grain
         self._text, self._name, self._folder = text, name, folder
         self._sets = sets
@@ -123,11 +153,23 @@ class Job:
             every.update({"guide.kind": "stress", "guide.import": "grainpath.Stress"})
         if photos is not None:
             every.update({"guide.kind": "grain", "guide.image.files": [image.name for image in photos]})
+        for key in every.keys() & sets.keys() - MAY_DIFFER:
+            if toml(every[key], key) != toml(sets[key], key):
+                raise JobError(f"{key} = {sets[key]!r}: the job has an array for it; leave one of the two out")
         every.update(sets)
-        lines = [f"{key}={toml(value, key)}" for key, value in every.items()]
-        self._spec = _grainpath.Spec(text, name, folder, lines)
-        if isinstance(shape, LayerStack):
-            self._check_layers()
+        self._lines = [f"{key}={toml(value, key)}" for key, value in every.items()]
+
+    @functools.cached_property
+    def _spec(self) -> _grainpath.Spec:
+        """The settings as the planner has them."""
+        try:
+            return _grainpath.Spec(self._text, self._name, self._folder, self._lines)
+        except JobError as error:
+            # Settings are arguments here, and have no place in a file.
+            message = str(error)
+            if not message.startswith("--set: "):
+                raise
+            raise JobError(message.removeprefix("--set: ")) from None
 
     def _check_layers(self) -> None:
         """Sections are printed as they are: what would change a part is refused, so that nothing is ignored in silence."""
@@ -168,13 +210,31 @@ class Job:
         grain: Image | Sequence[Image] | None = None,
         **settings: Any,
     ) -> Job:
-        """The same job with another shape, guide or settings. A field, a stress or a grain takes the place of the other."""
+        """The same job with another shape, guide or settings. A field, a stress or a grain takes the place of the other.
+
+        What is given here counts: an array takes the place of a file that was named before, and of the kind of the guide;
+        a setting that names a file or another kind takes the place of an array.
+
+        >>> import grainpath as gp
+        >>> turned = gp.Job(gp.box(20, 10, 1), field=gp.Field(([0, 20], [0, 10]), [[0.6, 0.6], [0.6, 0.6]]))
+        >>> turned.with_(guide__kind="none")["guide.kind"], turned["guide.kind"]
+        ('none', 'field')
+        """
         made = Job.__new__(Job)
-        sets = {**self._sets, **{_key(key): value for key, value in settings.items()}}
-        if field is None and stress is None and grain is None:
-            field, stress, grain = self._field, self._stress, self._grain
-        shape = self._shape if shape is None else shape
-        made._build(shape, field, stress, grain, self._text, self._name, self._folder, sets)
+        given, before = _sets(settings), dict(self._sets)
+        if shape is not None:
+            before = {key: value for key, value in before.items() if key not in SHAPES}
+        elif not any(given.get(key) for key in SHAPES):
+            shape = self._shape
+        if field is not None or stress is not None or grain is not None:
+            before = {key: value for key, value in before.items() if key not in GUIDES}
+        else:
+            kind = given.get("guide.kind")
+            arrays = {"field": self._field, "stress": self._stress, "grain": self._grain}
+            for name, array in arrays.items():
+                if array is not None and kind in (None, name) and not any(given.get(key) for key in FILES_OF_GUIDES):
+                    field, stress, grain = self._field, self._stress, self._grain
+        made._build(shape, field, stress, grain, self._text, self._name, self._folder, {**before, **given})
         return made
 
     @property
@@ -248,7 +308,8 @@ class Job:
 
     def _without_shape(self) -> Job:
         """The settings alone, for those who have the part already."""
-        return _again(None, self._field, self._stress, self._grain, self._text, self._name, self._folder, self._sets)
+        folder = os.path.abspath(self._folder)
+        return _again(None, self._field, self._stress, self._grain, self._text, self._name, folder, self._sets)
 
     def _given(self) -> tuple[_grainpath.Spec, Any]:
         shape = self._shape
@@ -276,7 +337,8 @@ class Job:
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = (self._shape, self._field, self._stress, self._grain)
-        return _again, (*arrays, self._text, self._name, self._folder, self._sets)
+        # Whoever unpacks it may stand in another folder.
+        return _again, (*arrays, self._text, self._name, os.path.abspath(self._folder), self._sets)
 
 
 def _images(given: Any) -> list[Image] | None:
@@ -290,7 +352,7 @@ def _images(given: Any) -> list[Image] | None:
 
 def _again(*parts: Any) -> Job:
     job = Job.__new__(Job)
-    job._build(*parts)
+    job._hold(*parts)
     return job
 
 
@@ -324,10 +386,19 @@ def _value(text: str) -> Any:
 
 
 def _threads(threads: int | None) -> int | None:
-    if threads is not None and threads < 1:
+    if threads is not None and not 1 <= whole(threads, "threads") <= 1024:
         raise JobError(f"threads = {threads} should be from 1 to 1024")
     return threads
 
 
-def _key(key: str) -> str:
-    return key.replace("__", ".")
+def _sets(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings by the names of the job file."""
+    sets: dict[str, Any] = {}
+    for given, value in settings.items():
+        key = given.replace("__", ".")
+        if "." not in key:
+            raise JobError(f"{given}: a setting is its section, two underscores and its name, as fill__density")
+        if key in SHORT and isinstance(value, (str, os.PathLike)):
+            key = SHORT[key]
+        sets[key] = value
+    return sets

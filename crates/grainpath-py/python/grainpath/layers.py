@@ -78,6 +78,8 @@ class LayerStack(Sequence[Section]):
     ) -> None:
         if rule not in RULES:
             raise InputError(f"rule = {rule!r} should be one of {', '.join(RULES)}")
+        if not hasattr(sections, "__len__"):
+            raise InputError(f"sections is a {type(sections).__name__}; a list with the rings of each layer is needed")
         n = len(sections)
         thick = floats(np.full(n, height_mm) if np.ndim(height_mm) == 0 else height_mm, "height_mm", (n,))
         if (thick <= 0).any():
@@ -85,6 +87,8 @@ class LayerStack(Sequence[Section]):
         rings: list[FloatArray] = []
         counts: list[list[int]] = []
         for k, section in enumerate(sections):
+            if not hasattr(section, "__len__"):
+                raise InputError(f"sections[{k}] is a {type(section).__name__}; a list of rings is needed")
             own = [floats(r, f"sections[{k}][{i}]", (None, 2)) for i, r in enumerate(_flat(section))]
             rings += own
             counts.append([len(r) for r in own])
@@ -104,7 +108,7 @@ class LayerStack(Sequence[Section]):
     @classmethod
     def from_bytes(cls, data: bytes) -> LayerStack:
         """The stack in bytes of :meth:`to_bytes`."""
-        return cls._of(_grainpath.stack_from_bytes(bytes(data)))
+        return cls._of(_grainpath.stack_from_bytes(memoryview(data).tobytes()))
 
     def to_bytes(self) -> bytes:
         """The stack as bytes: compact, exact, and the same for the same stack on any machine."""
@@ -176,7 +180,7 @@ def _flat(section: Any) -> list[Any]:
     rings: list[Any] = []
     for entry in section:
         # A ring has rows of two numbers, and a polygon has rings.
-        if not isinstance(entry, np.ndarray) and len(entry) and np.ndim(entry[0]) == 2:
+        if isinstance(entry, (list, tuple)) and len(entry) and np.ndim(entry[0]) == 2:
             rings += list(entry)
         else:
             rings.append(entry)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, floats, read_only
+from ._checks import FloatArray, floats, plain, read_only
 from .errors import InputError
 from .layers import table
 from .warning import Warning, warnings_of
@@ -37,7 +37,7 @@ class Mesh:
         if unit not in UNITS_MM:
             raise InputError(f"unit = {unit!r} should be one of {', '.join(UNITS_MM)}")
         points = floats(vertices, "vertices", (None, 3))
-        corners = np.asarray(faces)
+        corners = plain(faces, "faces")
         if corners.ndim != 2 or corners.shape[1] != 3:
             raise InputError(f"faces has the shape {corners.shape}; (n, 3) is needed, a row a triangle")
         if corners.dtype.kind not in "iu":

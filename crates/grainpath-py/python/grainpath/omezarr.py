@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._checks import floats, whole
 from .errors import InputError, JobError
 from .volume import Volume
 
-#: Millimetres of units of length, as OME-Zarr names them (those of UDUNITS-2).
+#: Millimetres of units of length, as OME-Zarr names them (those of UDUNITS-2), and their short forms.
 UNITS_MM = {
     "angstrom": 1e-7,
     "nanometer": 1e-6,
@@ -25,6 +26,11 @@ UNITS_MM = {
     "meter": 1000.0,
     "inch": 25.4,
     "foot": 304.8,
+    "nm": 1e-6,
+    "um": 1e-3,
+    "mm": 1.0,
+    "cm": 10.0,
+    "m": 1000.0,
 }
 
 
@@ -38,13 +44,7 @@ class ZarrPlanes:
 
     def __init__(self, path: str, inner: str, before: tuple[int, ...]) -> None:
         self._of = (path, inner, before)
-        opened = _open(path)
-        array: Any = opened[inner] if inner else opened
-        if array.ndim != len(before) + 3:
-            raise InputError(f"{path}: {array.ndim} axes; planes, rows and columns are needed", path)
-        for axis, (index, size) in enumerate(zip(before, array.shape, strict=False)):
-            if not -size <= index < size:
-                raise InputError(f"{path}: index {index} of axis {axis}, which has {size} entries", path)
+        array = self._opened()
         self._array = array
         self.shape: tuple[int, ...] = tuple(int(n) for n in array.shape[len(before) :])
         self.dtype: np.dtype[Any] = np.dtype(array.dtype)
@@ -52,6 +52,35 @@ class ZarrPlanes:
         #: Planes of a row of chunks: those that are packed together.
         self.depth = max(int(chunks[-3]), 1)
         self._row: tuple[int, npt.NDArray[Any]] | None = None
+
+    def _opened(self) -> Any:
+        path, inner, before = self._of
+        opened = _open(path)
+        try:
+            array: Any = opened[inner] if inner else opened
+            n_axes, shape = array.ndim, array.shape
+        except Exception as error:
+            raise InputError(f"{path}: there is no array {inner!r}, which is a level of the image", path) from error
+        if n_axes != len(before) + 3:
+            raise InputError(f"{path}: {n_axes} axes; planes, rows and columns are needed", path)
+        for axis, (index, size) in enumerate(zip(before, shape, strict=False)):
+            if not -size <= index < size:
+                raise InputError(f"{path}: index {index} of axis {axis}, which has {size} entries", path)
+        return array
+
+    def _stored(self) -> Any:
+        """The array, which is opened at the first use where the planes came from another process."""
+        if self._array is None:
+            array = self._opened()
+            shape = tuple(int(n) for n in array.shape[len(self._of[2]) :])
+            if (shape, array.dtype) != (self.shape, self.dtype):
+                raise InputError(
+                    f"{self._of[0]}: {shape} {array.dtype} here, and {self.shape} {self.dtype} where the job was made; the "
+                    "path has to lead to the same scan everywhere",
+                    self._of[0],
+                )
+            self._array = array
+        return self._array
 
     def __getitem__(self, planes: slice) -> npt.NDArray[Any]:
         first, last, _ = planes.indices(self.shape[0])
@@ -70,42 +99,58 @@ class ZarrPlanes:
 
     def _read(self, planes: slice) -> npt.NDArray[Any]:
         path, _, before = self._of
+        array = self._stored()
         try:
-            return np.asarray(self._array[(*before, planes)])
+            return np.asarray(array[(*before, planes)])
         except Exception as error:
             # Codecs and stores raise errors of many kinds, and most do not name the file.
             raise InputError(
                 f"{path}: planes {planes.start} to {planes.stop} cannot be read: {error or type(error).__name__}", path
             ) from error
 
-    def _missing_chunks(self, first: int, end: int) -> int:
-        """How many stored objects (shards, or chunks where there are none) of planes the store has not. Zarr reads them
-        as the fill value: programs leave out objects that hold nothing else, but an incomplete copy lacks others too."""
-        array, before = self._array, self._of[2]
-        sizes = getattr(array, "shards", None) or array.chunks
-        places = [range(k % n // size, k % n // size + 1) for k, n, size in zip(before, array.shape, sizes, strict=False)]
-        depth, *plane = sizes[-3:]
-        places.append(range(first // depth, -(-end // depth)))
-        places += [range(-(-n // size)) for n, size in zip(self.shape[1:], plane, strict=True)]
-        prefix = f"{array.path}/" if array.path else ""
-        keys = (prefix + array.metadata.encode_chunk_key(at) for at in itertools.product(*places))
-
-        async def count() -> int:
-            if array.store.supports_listing:
-                stored = {key async for key in array.store.list_prefix(prefix)}
-                return sum(key not in stored for key in keys)
-            return sum([not await array.store.exists(key) for key in keys])
-
-        sync: Any = importlib.import_module("zarr.core.sync")
-        try:
-            found: int = sync.sync(count())
-        except Exception as error:
-            path = self._of[0]
-            raise InputError(f"{path}: its chunks cannot be listed: {error or type(error).__name__}", path) from error
-        return found
-
     def __reduce__(self) -> tuple[Any, ...]:
-        return ZarrPlanes, self._of
+        return _planes, (self._of, self.shape, self.dtype.str, self.depth)
+
+
+def missing_chunks(array: Any, first: int, end: int) -> int:
+    """How many stored objects (shards, or chunks where there are none) of planes the store has not. Zarr reads them
+    as the fill value: programs leave out objects that hold nothing else, but an incomplete copy lacks others too.
+
+    ``array`` is planes of a file, or an array of Zarr as the user opened it.
+    """
+    before: tuple[int, ...] = ()
+    path = str(getattr(array, "store_path", array))
+    if isinstance(array, ZarrPlanes):
+        path, _, before = array._of
+        array = array._stored()
+    sizes = getattr(array, "shards", None) or array.chunks
+    places = [range(k % n // size, k % n // size + 1) for k, n, size in zip(before, array.shape, sizes, strict=False)]
+    depth, *plane = sizes[-3:]
+    places.append(range(first // depth, -(-end // depth)))
+    places += [range(-(-n // size)) for n, size in zip(array.shape[-2:], plane, strict=True)]
+    prefix = f"{array.path}/" if array.path else ""
+    keys = (prefix + array.metadata.encode_chunk_key(at) for at in itertools.product(*places))
+
+    async def count() -> int:
+        if array.store.supports_listing:
+            stored = {key async for key in array.store.list_prefix(prefix)}
+            return sum(key not in stored for key in keys)
+        return sum([not await array.store.exists(key) for key in keys])
+
+    sync: Any = importlib.import_module("zarr.core.sync")
+    try:
+        found: int = sync.sync(count())
+    except Exception as error:
+        raise InputError(f"{path}: its chunks cannot be listed: {error or type(error).__name__}", path) from error
+    return found
+
+
+def _planes(of: tuple[str, str, tuple[int, ...]], shape: tuple[int, ...], dtype: str, depth: int) -> ZarrPlanes:
+    # A worker of Dask that cannot unpack a task ends, and with it whoever waits: a missing file is told when it is read.
+    planes = ZarrPlanes.__new__(ZarrPlanes)
+    planes._of, planes.shape, planes.dtype, planes.depth = of, shape, np.dtype(dtype), depth
+    planes._array, planes._row = None, None
+    return planes
 
 
 def read_zarr(
@@ -119,16 +164,21 @@ def read_zarr(
     package zarr has to be installed.
     """
     name = os.fspath(path)
+    level, channel, time = whole(level, "level"), whole(channel, "channel"), whole(time, "time")
     opened = _open(name)
+    # Whoever unpacks it may stand in another folder.
+    place = name if "://" in name else os.path.abspath(name)
     image = _multiscales(opened)
     if image is None:
         if hasattr(opened, "keys"):
             raise InputError(f"{name}: a group without OME-Zarr's multiscales; name one of its arrays", name)
-        return Volume(ZarrPlanes(name, "", ()), spacing=spacing)
-    datasets = image.get("datasets") or []
+        return Volume(ZarrPlanes(place, "", ()), spacing=spacing)
+    datasets = _entries(name, image, "datasets")
+    if not all(isinstance(one.get("path"), str) for one in datasets):
+        raise InputError(f"{name}: a level of the image has no path", name)
     if not 0 <= level < len(datasets):
         raise InputError(f"{name}: level = {level} should be from 0 to {len(datasets) - 1}", name)
-    axes = [axis if isinstance(axis, Mapping) else {"name": axis} for axis in image.get("axes") or []]
+    axes = _entries(name, image, "axes")
     names = [str(axis.get("name")) for axis in axes]
     if names[-3:] != ["z", "y", "x"]:
         raise InputError(f"{name}: the axes {', '.join(names)}; the last should be z, y and x", name)
@@ -139,7 +189,15 @@ def read_zarr(
     before = tuple(chosen[axis] for axis in names[:-3])
     if spacing is None:
         spacing = _spacing(name, axes, [datasets[level], image])
-    return Volume(ZarrPlanes(name, str(datasets[level]["path"]), before), spacing=spacing)
+    return Volume(ZarrPlanes(place, datasets[level]["path"], before), spacing=spacing)
+
+
+def _entries(name: str, image: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+    """The entries of a list in the description of an image; axes may be names alone."""
+    given = image.get(key)
+    if not isinstance(given, list) or not given or not all(isinstance(one, (Mapping, str)) for one in given):
+        raise InputError(f"{name}: the image has no list of {key}", name)
+    return [one if isinstance(one, Mapping) else {"name": one} for one in given]
 
 
 def _open(path: str) -> Any:
@@ -168,20 +226,27 @@ def _multiscales(opened: Any) -> Mapping[str, Any] | None:
 
 def _spacing(name: str, axes: list[Mapping[str, Any]], sources: list[Mapping[str, Any]]) -> list[float]:
     """Distances along z, y, x: the scales of the level and of the whole image, in the units of the axes."""
-    scale = np.ones(len(axes))
+    scale, n_scales = np.ones(len(axes)), 0
     for source in sources:
-        for step in source.get("coordinateTransformations") or []:
+        if "coordinateTransformations" not in source:
+            continue
+        for step in _entries(name, source, "coordinateTransformations"):
             if step.get("type") == "scale":
-                given = np.asarray(step.get("scale"), dtype=np.float64)
+                given = floats(step.get("scale"), f"{name}: scale", (None,))
                 if given.shape != scale.shape:
                     raise InputError(f"{name}: a scale of {given.size} numbers for {len(axes)} axes", name)
+                if (given <= 0).any():
+                    raise InputError(f"{name}: a scale of {given.tolist()}; all should be above 0", name)
                 scale *= given
+                n_scales += 1
+    if n_scales == 0:
+        raise InputError(f"{name}: the level has no scale; give spacing=(z, y, x) in mm", name)
     out = []
     for k, axis in enumerate(axes[-3:]):
         unit = axis.get("unit")
         if unit is None:
             raise InputError(f"{name}: the axis {axis.get('name')} has no unit; give spacing=(z, y, x) in mm", name)
-        if unit not in UNITS_MM:
+        if not isinstance(unit, str) or unit not in UNITS_MM:
             raise InputError(f"{name}: the unit {unit}; give spacing=(z, y, x) in mm", name)
         out.append(float(scale[len(axes) - 3 + k]) * UNITS_MM[unit])
     return out

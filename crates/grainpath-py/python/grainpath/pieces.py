@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import _grainpath
+from ._checks import whole
 from .errors import JobError
 from .job import Job
 from .mesh import Mesh
@@ -39,9 +40,9 @@ def inspect(
     """
     if sample not in SAMPLES and sample not in SAMPLES.values():
         raise JobError(f"sample = {sample!r} should be one of {', '.join(SAMPLES)}")
-    if size is not None and (len(size) != 3 or min(size) < 1):
+    wanted = None if size is None else [whole(n, f"size[{k}]") for k, n in enumerate(size)]
+    if wanted is not None and (len(wanted) != 3 or min(wanted) < 1):
         raise JobError(f"size = {size!r} should be columns, rows and slices")
-    wanted = None if size is None else [int(n) for n in size]
     found: dict[str, Any] = json.loads(_grainpath.inspect(os.fspath(path), wanted, SAMPLES.get(sample, sample)))
     return found
 
@@ -90,9 +91,12 @@ def new(
         if os.path.exists(path) and not force:
             raise JobError(f"{path} is there already; force=True writes over it", path)
     for path, (_, content) in zip(paths, files, strict=True):
-        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-        with open(path, "wb") as file:
-            file.write(bytes(content))
+        try:
+            os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+            with open(path, "wb") as file:
+                file.write(bytes(content))
+        except OSError as error:
+            raise JobError(f"{path} cannot be written: {(error.strerror or str(error)).lower()}", path) from error
     return paths
 
 

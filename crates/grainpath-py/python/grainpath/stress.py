@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, floats, read_only
+from ._checks import FloatArray, floats, plain, read_only
 from .errors import InputError
 from .layers import table
 
@@ -30,7 +30,7 @@ class Stress:
 
     def __init__(self, points: npt.ArrayLike, tensors: npt.ArrayLike) -> None:
         self.points = read_only(floats(points, "points", (None, 3)))
-        given = np.asarray(tensors)
+        given = plain(tensors, "tensors")
         if given.ndim == 3:
             matrices = floats(given, "tensors", (len(self.points), 3, 3))
             if not np.allclose(matrices, np.swapaxes(matrices, 1, 2)):

@@ -21,6 +21,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, overload
 
+import numpy as np
+
 from . import _grainpath
 from .errors import GrainpathError, InputError, JobError
 from .job import Job
@@ -93,7 +95,7 @@ class Sweep(Sequence[Row]):
 
 def sweep(
     job: Job,
-    settings: Mapping[str, Sequence[Any]],
+    settings: Mapping[str, Iterable[Any]],
     *,
     executor: Any = None,
     cache: str | os.PathLike[str] | None = None,
@@ -122,14 +124,23 @@ def sweep(
     """
     if in_flight < 1:
         raise JobError(f"in_flight = {in_flight} should be at least 1")
-    names = [name.replace("__", ".") for name in settings]
-    for name, values in settings.items():
-        if isinstance(values, str) or not isinstance(values, Sequence) or len(values) == 0:
-            raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
-    points = [dict(zip(names, point, strict=True)) for point in itertools.product(*settings.values())]
+    if not isinstance(job, Job):
+        raise JobError(f"job is a {type(job).__name__}; a grainpath.Job is needed")
+    if not isinstance(settings, Mapping):
+        raise JobError(f"settings is a {type(settings).__name__}; a dict of lists is needed, by the names of settings")
+    lists: dict[str, list[Any]] = {}
+    for given, values in settings.items():
+        name = given.replace("__", ".")
+        if name in lists:
+            raise JobError(f"{name} is there twice: {given} is the same")
+        lists[name] = _values(given, values)
+    points = [dict(zip(lists, point, strict=True)) for point in itertools.product(*lists.values())]
     folder = None if cache is None else os.fspath(cache)
     if folder is not None:
-        os.makedirs(folder, exist_ok=True)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            raise JobError(f"cache {folder} cannot be made: {(error.strerror or str(error)).lower()}", folder) from error
     rows: list[Row | None] = [None] * len(points)
     contents = None if folder is None else _Contents(job)
     waiting: list[tuple[int, str | None]] = []
@@ -145,6 +156,16 @@ def sweep(
         if entry is not None and measured["error"] is None:
             _write(entry, {name: value for name, value in measured.items() if name != "error"})
     return Sweep([row for row in rows if row is not None])
+
+
+def _values(name: str, values: Any) -> list[Any]:
+    """The values of a setting. Numbers of numpy and pandas become Python's, which are what rows and entries hold."""
+    if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+        raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
+    found = [value.item() if isinstance(value, np.generic) else value for value in values]
+    if not found:
+        raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
+    return found
 
 
 def _measured(
@@ -177,7 +198,7 @@ def _measured(
 
 def _submit_of(executor: Any) -> Callable[..., Any]:
     """The function of an executor that begins a call and gives its future."""
-    if callable(getattr(executor, "submit", None)):
+    if callable(getattr(executor, "submit", None)) and not isinstance(executor, type):
         submit: Callable[..., Any] = executor.submit
         return submit
     if callable(getattr(executor, "remote", None)) and callable(getattr(executor, "put", None)):
@@ -278,7 +299,8 @@ def measure(job: Job, point: Mapping[str, Any], threads: int | None) -> Row:
     try:
         own = job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
         report = own.plan(threads=threads).report
-    except GrainpathError as error:
+    except Exception as error:
+        # An array of the user's may raise anything where it is read.
         return _failed(error, time.perf_counter() - start)
     row: Row = {}
     for name, path in COLUMNS.items():
@@ -398,16 +420,19 @@ def _read(path: str) -> Row | None:
             found = json.load(file)
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) else None
+    return found if isinstance(found, dict) and found.keys() >= {*COLUMNS, "warnings", "seconds"} else None
 
 
 def _write(path: str, row: Row) -> None:
     # Written beside its place and renamed, so that a sweep that dies leaves no half of an entry.
-    handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path), suffix=".part")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(row, file)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+        handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path), suffix=".part")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                json.dump(row, file)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise JobError(f"{path} cannot be written: {(error.strerror or str(error)).lower()}", path) from error

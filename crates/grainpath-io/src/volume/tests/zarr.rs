@@ -136,6 +136,11 @@ fn images_give_scale_and_units() {
     assert_eq!(unknown.info().spacing_mm, [Some(0.3), None, None]);
     says(open(&with(&image("meter", json!([1, 1])))), "scan", "3 numbers, one for each axis");
     says(open(&with(&image("meter", json!([1, -1e9, 1])))), "scan", "between 1e-7 and 1e4 mm");
+    let mut bare = image("micrometer", json!([250, 100, 0.3]));
+    bare["multiscales"][0]["coordinateTransformations"] =
+        json!([{ "type": "translation", "translation": [1, 1, 1] }]);
+    bare["multiscales"][0]["datasets"][0]["coordinateTransformations"] = json!([]);
+    assert_eq!(open(&with(&bare)).expect("an image").info().spacing_mm, [None; 3]);
     let mut about = image("meter", json!([1, 1, 1]));
     about["multiscales"][0]["axes"].as_array_mut().expect("axes").reverse();
     says(open(&with(&about)), "scan", "the last of them z, y and x");

@@ -178,13 +178,14 @@ fn axes(name: &str, about: &Value, n_axes: usize) -> Result<Vec<(String, Option<
 }
 
 /// Spacings along x, y and z, mm: the scale of the level times that of the whole image, converted from the units of the
-/// axes.
+/// axes. Without a scale nothing is known of them, whatever the units are.
 fn spacing_mm(
     name: &str,
     axes: &[(String, Option<String>)],
     image: &Image,
 ) -> Result<[Option<f64>; 3], VolumeError> {
     let mut scale = vec![1.0; axes.len()];
+    let mut is_scaled = false;
     for source in [&image.about["datasets"][image.level], &image.about] {
         for step in source["coordinateTransformations"].as_array().map_or(&[][..], Vec::as_slice) {
             if step["type"] != "scale" {
@@ -201,7 +202,11 @@ fn spacing_mm(
                 ));
             };
             scale.iter_mut().zip(given).for_each(|(all, one)| *all *= one);
+            is_scaled = true;
         }
+    }
+    if !is_scaled {
+        return Ok([None; 3]);
     }
     let mut out = [None; 3];
     for (k, out) in out.iter_mut().enumerate() {
