@@ -149,10 +149,13 @@ fn slice_plans_a_part_along_the_load_on_its_faces_as_the_job_does() {
         text.lines().filter(|line| !line.starts_with(';')).map(str::to_owned).collect::<Vec<_>>()
     };
     assert!(moves("bar.gcode").len() > 500 && moves("bar.gcode") == moves("job.gcode"));
-    // Half of a load, a force of two numbers, a face that is not there.
+    // Half of a load, a force of two numbers, a force that does nothing, a face that is not there.
+    let [on_held, no_force] = [format!("{}=0,-20,0", names[0]), format!("{}=0,0,0", names[1])];
     for (options, words) in [
         (vec!["--hold", names[0].as_str()], "--load"),
-        (vec!["--hold", &names[0], "--load", "f:12=1,2"], "--load f:9c1e=0,0,-50"),
+        (vec!["--hold", &names[0], "--load", "f:12=1,2"], "--load f:12=0,0,-50"),
+        (vec!["--hold", &names[0], "--load", &on_held], "this face is held"),
+        (vec!["--hold", &names[0], "--load", &no_force], "a force of 0 N"),
         (vec!["--hold", "f:ffffff", "--load", &load], "f:ffffff"),
         (vec!["--hold", "left", "--load", &load], "--hold left: a face has a name such as f:9c1e"),
     ] {
@@ -171,10 +174,14 @@ fn a_case_without_stress_is_told() {
     let names = names(&json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"])));
     for analysis in ["plane", "solid"] {
         let warned = |on: &str, force: &str| {
-            let load = format!("{on}={force}");
-            let set = format!("guide.analysis={analysis:?}");
-            let words = ["slice", "bar.stl", "--hold", &names[0], "--load", &load, "--set", &set, "--json"];
-            let told = json(&grainpath(&dir, &words));
+            let job = format!(
+                "[shape]\nmesh = \"bar.stl\"\n[guide]\nkind = \"stress\"\nanalysis = \"{analysis}\"\n\
+                 [[guide.fixture]]\non = {{ face = {:?} }}\nfix = \"xyz\"\n\
+                 [[guide.load]]\non = {{ face = {on:?} }}\nforce_n = [{force}]\n",
+                names[0]
+            );
+            std::fs::write(dir.join("job.toml"), job).expect("a job");
+            let told = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
             let warnings = told["warnings"].as_array().expect("warnings").clone();
             let is_told = warnings.iter().any(|w| w["id"] == "stress-none");
             assert!(!is_told || told["stress"]["reserve"].is_null(), "{told}");

@@ -56,6 +56,21 @@ fn the_grain_of_a_photograph_is_drawn_before_a_plan() {
 }
 
 #[test]
+fn a_size_that_does_not_fit_the_photograph_is_told() {
+    let folder = folder("woodgrain_stretched");
+    assert!(grainpath(&folder, &["new", "woodgrain", "."]).status.success());
+    // 900 x 300 pixels.
+    for (size, told) in [("[90,30]", false), ("[30,90]", true), ("[100,60]", true)] {
+        let size = format!("shape.photo.size_mm={size}");
+        let thin = "shape.photo.thickness_mm=0.8";
+        let sets = ["slice", "board.png", "--set", &size, "--set", thin, "-o", "board.gcode", "--json"];
+        let report = json(&grainpath(&folder, &sets));
+        let warnings = report["warnings"].as_array().expect("warnings");
+        assert_eq!(warnings.iter().any(|w| w["id"] == "photo-proportions"), told, "{size}: {report}");
+    }
+}
+
+#[test]
 fn edges_and_field_are_the_same_bytes_for_any_number_of_threads() {
     let folder = folder("woodgrain_threads");
     assert!(grainpath(&folder, &["new", "woodgrain", "."]).status.success());

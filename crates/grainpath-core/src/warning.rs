@@ -191,6 +191,9 @@ warning_ids! {
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
         "check the numbered corners in the picture of the photograph, or give corners_px";
+    PhotoProportions = "photo-proportions",
+        "A photographed board is wider or narrower for its height than its size_mm says; its grain was stretched.",
+        "give width and height of the board in this order, or say where it lies with shape.photo.corners";
     PhotoHoleOutside = "photo-hole-outside",
         "A hole of a photographed board lies outside the board and was not cut.",
         "give x and y in mm from the lower left corner of the board";

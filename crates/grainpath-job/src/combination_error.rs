@@ -30,7 +30,9 @@ pub enum Combination {
     LiftOfScan,
     #[error("shape.outline needs shape.thickness_mm")]
     OutlineThickness,
-    #[error("shape.photo needs size_mm = [width, height] and thickness_mm")]
+    #[error(
+        "a photograph needs the size of its board in mm: shape.photo.size_mm=[WIDTH,HEIGHT] and shape.photo.thickness_mm=N"
+    )]
     PhotoSize,
     // The guide.
     #[error("fill.pattern = {:?} needs a guide: [guide] kind = \"stress\", \"field\" or \"angle\"", .0.name())]

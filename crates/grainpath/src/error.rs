@@ -58,7 +58,7 @@ pub enum Error {
     Strength(#[from] StrengthError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
-    #[error("{source}; the part measures {:.2} x {:.2} x {:.2} mm", size_mm[0], size_mm[1], size_mm[2])]
+    #[error("{source}; the part measures {:.2} x {:.2} x {:.2} mm: turn it (shape.rotate_deg), move it (shape.position_mm), make it smaller (shape.scale, or its unit) or state the printer's printer.bed_mm", size_mm[0], size_mm[1], size_mm[2])]
     OutsideBed { size_mm: [f64; 3], source: GcodeError },
     #[error(
         "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g without fill and {high_g:.2} g when dense"

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use grainpath_core::faces::FaceName;
+use grainpath_io::image::{ImageError, sniff_other_image};
 
 use crate::args::Slice;
 use crate::claims::Claims;
@@ -27,8 +28,9 @@ fn is_picture(path: &Path) -> bool {
 }
 
 /// Endings of files that hold no shape, with the error that names the right command.
-const NO_SHAPES: [(&[&str], &str); 3] = [
+const NO_SHAPES: [(&[&str], &str); 4] = [
     (&["toml"], "not a mesh, but a job: `grainpath run` takes it"),
+    (&["zraw"], "voxels without their header: name the .mhd file beside it"),
     (
         &["gcode", "gco", "g"],
         "not a mesh, but a G-code program: `grainpath inspect`, `render` and `strength` take it",
@@ -56,12 +58,11 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
              [guide]\nkind = \"grain\"\n\n[fill]\npattern = \"stripes\"\ndensity = 1\n\n\
              [process]\ntop_layers = 0\nbottom_layers = 0\n"
         );
-        let assumed = "a photograph of a whole board: dense stripes along its grain, no skins over them";
+        let assumed = "a photograph that its board fills, unless shape.photo.corners is \"outline\" or \"markers\": dense stripes along its grain, no skins over them";
         return Ok((job, Some(assumed)));
     }
     if model != Path::new("-") && inspect_scan::is_scan(model)? {
-        let assumed =
-            "a scan: voxels above Otsu's threshold are the part, spacing and unit are those of its header";
+        let assumed = "a scan: voxels above Otsu's threshold are the part, spacing is that of its header where shape.ct.pixel_mm and slice_mm do not state it";
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
     }
     Ok((String::new(), None))
@@ -89,11 +90,22 @@ fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String
             (force_n.len() == 3 && force_n.iter().all(|n| n.is_finite())).then_some((name, force_n))
         });
         let (name, force_n) = force.ok_or_else(|| {
-            let words =
-                "is no face with its force; write --load f:9c1e=0,0,-50: N along x, y and z of the part";
-            Failure::usage(format!("--load {load} {words}"))
+            let face = load.split('=').next().unwrap_or_default();
+            Failure::usage(format!(
+                "--load {load} is no face with its force; write --load {face}=0,0,-50: N along x, y and z of the part, without a unit"
+            ))
         })?;
         let face = face("--load", name)?;
+        if holds.iter().any(|held| held.trim().parse().is_ok_and(|held: FaceName| held == face)) {
+            return Err(Failure::usage(format!(
+                "--load {load}: this face is held, where a force does nothing; load another face"
+            )));
+        }
+        if force_n.iter().all(|n| *n == 0.0) {
+            return Err(Failure::usage(format!(
+                "--load {load}: a force of 0 N gives the beads nothing to follow; state it along x, y or z"
+            )));
+        }
         writeln!(job, "\n[[guide.load]]\non = {{ face = \"{face}\" }}\nforce_n = {force_n:?}").expect("text");
     }
     Ok(job)
@@ -146,11 +158,17 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
         if let Some(what) = no_shape(&args.model) {
             return Err(Failure::input(format!("{name}: {what}")));
         }
+        // Whoever has a format that is not read should not have to measure the board first.
+        if has_ending(&args.model, &OTHER_PICTURES)
+            && let Some(format) = sniff_other_image(&files::read(&args.model)?)
+        {
+            return Err(Failure::input(format!("{name}: {}", ImageError::OtherFormat(format))));
+        }
         // A photograph has no size, and any default would be a guess.
         let says_size = args.common.sets.iter().any(|s| s.starts_with("shape.photo"));
         if has_ending(&args.model, &PICTURES) && !says_size {
             return Err(Failure::usage(
-                "a photograph needs --set shape.photo.size_mm=[WIDTH,HEIGHT] --set shape.photo.thickness_mm=N",
+                "a photograph needs the size of its board in mm: --set 'shape.photo.size_mm=[WIDTH,HEIGHT]' --set shape.photo.thickness_mm=N",
             ));
         }
     } else if is_picture(&args.model) {

@@ -167,7 +167,9 @@ pub enum FaceError {
     #[error(transparent)]
     InvalidName(#[from] InvalidName),
     /// Every face is too far from the name.
-    #[error("{name} is no face of the part; nearest are {candidates}")]
+    #[error(
+        "{name} is no face of the part; nearest are {candidates}; `grainpath inspect FILE --faces` lists all"
+    )]
     NotFound {
         /// The name.
         name: String,
@@ -176,7 +178,7 @@ pub enum FaceError {
     },
     /// Two or more faces are about equally near.
     #[error(
-        "{name} is doubtful, for several faces are alike: {candidates}; use a box, a plane or a cylinder instead"
+        "{name} is doubtful, for several faces are alike: {candidates}; name one of these, or in a job a box, a plane or a cylinder"
     )]
     Doubtful {
         /// The name.

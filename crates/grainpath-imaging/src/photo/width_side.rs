@@ -32,7 +32,7 @@ const FOCAL_RANGE: [f64; 2] = [0.3, 4.6];
 /// `the_ratio_of_a_board_comes_out_from_every_side` looks at boards of 2:1 to 4:1 from 108 camera positions tilted by
 /// up to 45 degrees. With the usual focal length ratios come out within 1.03; with twice that focal length they are off
 /// by up to 1.26, in views where one pair of sides is parallel in the picture and the focal length cannot be found.
-const RATIO_TOLERANCE: f64 = 1.35;
+pub const RATIO_TOLERANCE: f64 = 1.35;
 /// Below this ratio of the sides, it is uncertain which side is the longer one: the error of the
 /// ratio (see `RATIO_TOLERANCE`) would decide.
 const NEARLY_SQUARE: f64 = 1.15;
@@ -44,6 +44,22 @@ pub struct Oriented {
     pub corners: [DVec2; 4],
     /// Whether the rotation is a guess, because the board is nearly square.
     pub is_guess: bool,
+}
+
+/// How much wider or narrower for its height than `size_mm` a rectangle is whose corners appear at `corners` (clockwise as
+/// seen, rows downwards) in a picture of `size_px`: a factor of 1 or more.
+///
+/// ```
+/// use grainpath_core::DVec2;
+/// use grainpath_imaging::photo::width_side::stretched;
+///
+/// let corners = [(0.0, 0.0), (900.0, 0.0), (900.0, 300.0), (0.0, 300.0)].map(DVec2::from);
+/// let off = stretched(corners, DVec2::new(30.0, 100.0), DVec2::new(900.0, 300.0));
+/// assert!((off - 10.0).abs() < 1e-6);
+/// ```
+pub fn stretched(corners: [DVec2; 4], size_mm: DVec2, size_px: DVec2) -> f64 {
+    let factor = side_ratio(corners, size_px) / (size_mm.x / size_mm.y);
+    factor.max(factor.recip())
 }
 
 /// Ratio of width to height of the rectangle whose corners appear at `corners` (clockwise as seen, rows

@@ -12,7 +12,7 @@ pub enum ScanError {
     #[error(transparent)]
     Slices(#[from] SliceError),
     #[error(
-        "the part is {height_mm} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
+        "the part is {height_mm:.3} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
     )]
     TooFlat { height_mm: f64, first_layer_mm: f64 },
     #[error("{n} layers of {height_mm} mm; at most {limit} are possible")]

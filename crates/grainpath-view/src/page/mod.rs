@@ -390,6 +390,9 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
             all.push((format!("{:.2} %", 100.0 * q.overlap), "laid twice"));
         }
         all.push((format!("{:.2} %", 100.0 * q.spill), "outside the part"));
+        if let Some(mean) = q.alignment_mean_deg {
+            all.push((format!("{mean:.1} degrees"), "between the fill and its directions, in the mean"));
+        }
         let [low, middle, high] = q.bead_width_mm;
         all.push((format!("{low:.2} / {middle:.2} / {high:.2} mm"), "bead width at 1, 50, 99 %"));
         all.push((q.paths_per_layer_max.to_string(), "most paths in a layer"));

@@ -37,7 +37,7 @@ use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
 use grainpath_imaging::photo::edge_curves::{CurveSettings, along_grain, edge_curves};
 use grainpath_imaging::photo::markers::{Sheet, find_markers};
 use grainpath_imaging::photo::warp::{CornerError, Shrinking, check_corners, native_px_mm, rectify};
-use grainpath_imaging::photo::width_side::oriented;
+use grainpath_imaging::photo::width_side::{RATIO_TOLERANCE, oriented, stretched};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::{
     AxisVolume, ShownSlice, TextureReport, TextureSettings, read_texture,
@@ -206,6 +206,9 @@ const LEAST_SPREAD: f32 = 0.004;
 /// Largest angle between a curve and the grain, radians. Curves with a larger angle are left out: they are
 /// cracks, nails or saw marks.
 const STRAY_RAD: f64 = 0.6;
+/// Factor by which a whole photograph may be stretched without a warning. Source: derived. A picture stretched by f turns
+/// directions by up to asin((f - 1) / (f + 1)), which is 2.7 degrees.
+const MOST_STRETCHED: f64 = 1.1;
 /// Standard deviation of the Gaussian filter where none is given, mm.
 const BLUR_MM: f64 = 0.12;
 /// Largest number of pixels of the rectified picture when its pixel size is not given.
@@ -402,6 +405,18 @@ fn read_photo(
         }
     };
     check_corners(corners, w, h)?;
+    let off = stretched(corners, s.size_mm, DVec2::new(w as f64, h as f64));
+    let most = if matches!(s.corners, Corners::Image) { MOST_STRETCHED } else { RATIO_TOLERANCE };
+    if off > most {
+        diagnostics.warn(
+            WarningId::PhotoProportions,
+            format!(
+                "{}: for its height the board is {off:.2} times as wide or as narrow as its size of {} x {} mm; its \
+                 grain was stretched to fit",
+                photo.name, s.size_mm.x, s.size_mm.y
+            ),
+        );
+    }
     let native = native_px_mm(corners, s.size_mm);
     let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
     // Pixels smaller than half the standard deviation of the Gaussian filter add no detail.

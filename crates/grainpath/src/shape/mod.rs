@@ -49,7 +49,7 @@ pub enum ShapeError {
     #[error("the mesh has no triangles")]
     Empty,
     #[error(
-        "the part is {height_mm} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
+        "the part is {height_mm:.3} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
     )]
     TooFlat { height_mm: f64, first_layer_mm: f64 },
     #[error(

@@ -136,6 +136,7 @@ fn images_give_scale_and_units() {
     assert_eq!(unknown.info().spacing_mm, [Some(0.3), None, None]);
     says(open(&with(&image("meter", json!([1, 1])))), "scan", "3 numbers, one for each axis");
     says(open(&with(&image("meter", json!([1, -1e9, 1])))), "scan", "between 1e-7 and 1e4 mm");
+    says(open(&with(&image("micrometer", json!([250, -100, 0.3])))), "scan", "voxels are -0.1 mm apart");
     let mut bare = image("micrometer", json!([250, 100, 0.3]));
     bare["multiscales"][0]["coordinateTransformations"] =
         json!([{ "type": "translation", "translation": [1, 1, 1] }]);

@@ -219,7 +219,10 @@ fn spacing_mm(
             continue;
         };
         let mm = scale[axis] * mm;
-        *out = Some(spacing(mm).ok_or_else(|| error(name, VolumeProblem::Spacing { mm }))?);
+        // An axis of an image has no sense of its own here, so a negative scale cannot be followed; without its sign the
+        // part would be mirrored.
+        let positive = spacing(mm).filter(|_| mm > 0.0);
+        *out = Some(positive.ok_or_else(|| error(name, VolumeProblem::Spacing { mm }))?);
     }
     Ok(out)
 }

@@ -11,7 +11,7 @@
 //! in the first layer becomes part of that layer's section, but not of the bounding box.
 
 use grainpath_core::poly::{Contour, FillRule, Join};
-use grainpath_core::{Bounds2, DVec2, DVec3, Layer, LayerStack, Polygon, Region, Role, TriMesh};
+use grainpath_core::{Bounds2, DVec2, Layer, LayerStack, Polygon, Region, Role, TriMesh};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_fea::strength::laminate::MAX_BEAD_WIDTH_MM;
 use grainpath_gcode::{Bead, BeadLayer, Program};
@@ -168,6 +168,7 @@ impl PrintedPart {
 mod tests {
     use std::fmt::Write;
 
+    use grainpath_core::DVec3;
     use grainpath_gcode::{Limits, simulate};
 
     use super::*;
