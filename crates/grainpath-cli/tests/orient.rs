@@ -69,7 +69,7 @@ fn poses_are_drawn_and_replace_no_input() {
     assert_eq!(2 * number(16), 3 * number(20));
     let out = grainpath(&dir, &["orient", "bar.toml", "--image", "bar.stl"]);
     assert_eq!(out.status.code(), Some(2));
-    assert_eq!(fs::read(dir.join("bar.stl")).expect("the part"), box_stl([8.0, 8.0, 30.0]));
+    assert_eq!(fs::read_to_string(dir.join("bar.stl")).expect("the part"), box_stl([8.0, 8.0, 30.0]));
 }
 
 #[test]

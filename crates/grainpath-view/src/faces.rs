@@ -8,7 +8,7 @@ use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use crate::layer::{digits, encode_png as png};
-use crate::nearest::nearest;
+use crate::mesh_pixels::nearest;
 
 /// Colour behind the part. Source: that of all pictures of layers.
 const BACKGROUND: [u8; 3] = [28, 30, 34];

@@ -9,7 +9,7 @@ pub mod grain;
 pub mod guide;
 pub mod histogram;
 pub mod layer;
-mod nearest;
+mod mesh_pixels;
 pub mod page;
 pub mod poses;
 pub mod strength;

@@ -8,7 +8,7 @@ use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use crate::layer::{digits, encode_png};
-use crate::nearest::nearest;
+use crate::mesh_pixels::nearest;
 
 /// A part in a pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,12 +34,15 @@ const PLATE_BEYOND: f64 = 0.08;
 /// Radius of the ring, pixels. Source: chosen by eye.
 const RING_PX: f64 = 9.0;
 
-/// Colours of the ground of the picture, the plate, the part, supports and the ring. Source: chosen by eye; supports are
-/// green as in the pictures of the steps of support.
+/// The ground of the picture. Source: chosen by eye.
 const GROUND: [f64; 3] = [250.0, 250.0, 247.0];
+/// The plate. Source: chosen by eye.
 const PLATE: [f64; 3] = [226.0, 228.0, 232.0];
+/// The part. Source: chosen by eye; wood, which no other body of the picture is like.
 const PART: [f64; 3] = [232.0, 176.0, 104.0];
+/// Supports. Source: chosen by eye; green, as in the pictures of the steps of support.
 const SUPPORT: [f64; 3] = [112.0, 186.0, 122.0];
+/// The ring. Source: chosen by eye; it stands off from part, supports and plate.
 const RING: [f64; 3] = [200.0, 30.0, 30.0];
 
 /// A pose as it is seen: x to the right, y upwards and z towards the eye, mm.

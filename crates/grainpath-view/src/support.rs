@@ -6,7 +6,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 use tiny_skia::{Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use crate::layer::encode_png;
-use crate::nearest::nearest;
+use crate::mesh_pixels::nearest;
 use grainpath::support::Support;
 use grainpath::support::contact::Reason;
 use grainpath::support::tree::Kind;
