@@ -333,10 +333,11 @@ fn run_readme(path: &str) -> Result<usize, String> {
     }
 }
 
-/// The first command of grainpath in each row of a table.
+/// The commands of grainpath in the rows of tables.
 fn commands_of_tables(page: &str) -> Vec<String> {
     let rows = page.lines().filter(|l| l.starts_with('|'));
-    rows.filter_map(|row| row.split('`').skip(1).step_by(2).find(|code| code.starts_with("grainpath ")))
+    rows.flat_map(|row| row.split('`').skip(1).step_by(2))
+        .filter(|code| code.starts_with("grainpath "))
         .map(str::to_owned)
         .collect()
 }
