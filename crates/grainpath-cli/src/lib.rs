@@ -191,7 +191,7 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
 /// The message of an error of clap without the usage, and without the pointer to the help that ends it.
 fn one_line(text: &str) -> String {
     let is_last = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
-    // No command takes a file whose name begins with a dash as often as somebody tries an option of another slicer.
+    // An option of another slicer is tried more often than a file is named whose name begins with a dash.
     let misleads = |line: &&str| line.starts_with("tip: to pass '--");
     let lines = text.lines().map(str::trim).take_while(|line| !is_last(line));
     let lines = lines.filter(|line| !line.is_empty() && !misleads(line));

@@ -190,8 +190,8 @@ fn ranked(
         let (settings, file, name) = (settings.clone(), file.clone(), shape.display().to_string());
         // The part was solved as it stands in the job; its pose is moved so that it stands on the plate.
         let fails_at = reserve.as_ref().map(|r| {
-            let at = pose.rotation() * (DVec3::from_array(r.at_mm));
-            at - lowest(pose.rotation(), &placed.mesh)
+            let rotation = pose.rotation();
+            rotation * DVec3::from_array(r.at_mm) - lowest(rotation, &placed.mesh)
         });
         let rank = move || ranked_pose(settings, &pose, reserve, file, &name, pictured.then_some(fails_at));
         ranked.push(diagnostics.leave_at_stop(rank).map_err(grainpath::Error::from)??);
