@@ -64,9 +64,9 @@ const JOINT_SMOOTHING: usize = 3;
 /// A line ends on a border that it meets at an angle with a larger sine than this; it goes on beside a border that it meets at
 /// a smaller one. 0.6 is 37 degrees. Measured: row `fill.field.line_ends.ACROSS_SINE` of `cargo xtask bench constants`.
 pub(super) static ACROSS_SINE: Tuned<f64> = Tuned::new("fill.field.line_ends.ACROSS_SINE", 0.6);
-/// An end that lies nearer than this to where it may go is left there, in spacings. Source: derived; half of [`STEP`], so that
-/// no line ends in a piece that is far shorter than its bead is wide.
-const LEAST_EXTENSION: f64 = 0.5 * STEP;
+/// Ends that were extended before rest where they may go on by less than this, in spacings. Source: derived; half of
+/// [`STEP`], so that no line ends in a piece that is far shorter than its bead is wide.
+pub(super) const LEAST_EXTENSION: f64 = 0.5 * STEP;
 /// No step of an extension is shorter than this, mm. Source: chosen; far below what a printer can show, above rounding.
 const ROUNDING_MM: f64 = 1e-6;
 /// The border is looked for so far ahead of an end, in spacings. Source: derived. A line that meets the border at
@@ -104,6 +104,8 @@ pub(super) struct Room {
     pub begins: f64,
     /// Whether extensions keep to the middle of their room. Otherwise they keep to the field.
     pub middle: bool,
+    /// An end that may go on by less than this before a border rests where it is, in spacings.
+    pub rests: f64,
 }
 
 /// Lets lines begin and end where there is room for them.
@@ -387,8 +389,8 @@ impl End<'_> {
             let axis = (self.place.axis)(at);
             let along = if axis.dot(heading) < 0.0 { -axis } else { axis };
             let ahead_mm = self.place.free_ahead_mm(at, along);
-            let least_mm = if out.is_empty() { LEAST_EXTENSION * spacing_mm } else { ROUNDING_MM };
-            if ahead_mm.is_some_and(|mm| mm <= least_mm) {
+            let rests_mm = if out.is_empty() { self.room.rests * spacing_mm } else { 0.0 };
+            if ahead_mm.is_some_and(|mm| mm <= rests_mm.max(ROUNDING_MM)) {
                 return false;
             }
             let mut next = at + ahead_mm.map_or(step, |mm| mm.min(step)) * along;
@@ -409,8 +411,7 @@ impl End<'_> {
             }
             if let Some(border) = self.place.area.crossings(at, next).first() {
                 out.push(at.lerp(next, border.t));
-                // A bead that may be narrowed goes on beside the edge, into the tip between it and the next line.
-                return self.room.middle;
+                return false;
             }
             let [left_mm, right_mm] = self.sides(next, along);
             let room = (left_mm + right_mm) / spacing_mm;

@@ -28,4 +28,5 @@ const LEAST_ROOM: f64 = 0.75;
 /// overlaps others by as much as it fills.
 pub(super) const LEAST_GAP: f64 = 0.5;
 /// Where lines of beads of one width begin and end.
-pub(super) const ROOM: Room = Room { least: LEAST_ROOM, tip: LEAST_ROOM, begins: LEAST_ROOM, middle: false };
+pub(super) const ROOM: Room =
+    Room { least: LEAST_ROOM, tip: LEAST_ROOM, begins: LEAST_ROOM, middle: false, rests: 0.0 };

@@ -39,7 +39,7 @@ use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
-use super::line_ends::{ACROSS_SINE, Place, Room, fitted, trimmed};
+use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, smooth};
@@ -204,7 +204,7 @@ pub(crate) fn spaced(
         BeadWidths::Variable => {
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
-            let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true };
+            let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true, rests: 0.0 };
             let mut lines = fitted(lines, &place, room);
             centre(&mut lines, &border, spacing);
             // Moving lines may push points of them out of their area.
@@ -216,6 +216,7 @@ pub(crate) fn spaced(
             let (mut lines, mut widths, ended) = filling_their_space(lines, &border, spacing);
             if ended {
                 // Where lines were ended before others, the lines beside them have more room.
+                let room = Room { rests: LEAST_EXTENSION, ..room };
                 let again = trimmed(fitted(lines, &place, room), &place);
                 (lines, widths, _) = filling_their_space(again, &border, spacing);
             }
