@@ -789,8 +789,7 @@ pub(super) fn joined(
 pub(crate) const SIMPLIFY_MM: f64 = 0.005;
 /// How much the width at a dropped vertex may differ from the width interpolated between its neighbours, mm. Source: measured on
 /// ten fields with open ends: with 0.01 mm slits of that width between beads made up a tenth of the gap (radial disk 1.13
-/// and 1.02 %, spiral 1.17 and 1.02 %); G-code has 6 to 10 % more bytes. With 0.002 mm for vertices too the gap is 0.99 and
-/// 0.94 %, for 40 % more bytes.
+/// and 1.02 %); G-code has 6 to 10 % more bytes. With 0.002 mm for vertices too the gap is 0.99 %, for 40 % more bytes.
 const SIMPLIFY_WIDTH_MM: f64 = 0.004;
 
 /// Drops vertices that change neither the line nor its width noticeably.
