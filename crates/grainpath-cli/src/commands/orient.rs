@@ -189,11 +189,12 @@ fn ranked(
         let reserve = guide.as_ref().map(reserve).transpose().map_err(grainpath::Error::from)?.flatten();
         let (settings, file, name) = (settings.clone(), file.clone(), shape.display().to_string());
         // The part was solved as it stands in the job; its pose is moved so that it stands on the plate.
-        let fails_at = reserve.as_ref().map(|r| {
+        let fails_at = |r: &PoseReserve| {
             let rotation = pose.rotation();
             rotation * DVec3::from_array(r.at_mm) - lowest(rotation, &placed.mesh)
-        });
-        let rank = move || ranked_pose(settings, &pose, reserve, file, &name, pictured.then_some(fails_at));
+        };
+        let pictured = pictured.then(|| reserve.as_ref().map(fails_at));
+        let rank = move || ranked_pose(settings, &pose, reserve, file, &name, pictured);
         ranked.push(diagnostics.leave_at_stop(rank).map_err(grainpath::Error::from)??);
         diagnostics.advance(1);
     }

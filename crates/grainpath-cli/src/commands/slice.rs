@@ -80,9 +80,9 @@ fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String
             ))
         })
     };
-    for name in holds {
-        writeln!(job, "\n[[guide.fixture]]\non = {{ face = \"{}\" }}\nfix = \"xyz\"", face("--hold", name)?)
-            .expect("text");
+    let held = holds.iter().map(|name| face("--hold", name)).collect::<Result<Vec<_>, _>>()?;
+    for face in &held {
+        writeln!(job, "\n[[guide.fixture]]\non = {{ face = \"{face}\" }}\nfix = \"xyz\"").expect("text");
     }
     for load in loads {
         let force = load.split_once('=').and_then(|(name, force)| {
@@ -96,7 +96,7 @@ fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String
             ))
         })?;
         let face = face("--load", name)?;
-        if holds.iter().any(|held| held.trim().parse().is_ok_and(|held: FaceName| held == face)) {
+        if held.contains(&face) {
             return Err(Failure::usage(format!(
                 "--load {load}: this face is held, where a force does nothing; load another face"
             )));
