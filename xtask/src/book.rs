@@ -556,7 +556,7 @@ mod tests {
     #[test]
     fn commands_of_a_table_are_found_in_its_rows() {
         let page = "| a | type |\n|---|---|\n| b | `x`, `grainpath slice part.stl`, then `grainpath help` |\n| c | `ls` |\n\n`grainpath run a.toml`\n";
-        assert_eq!(commands_of_tables(page), ["grainpath slice part.stl"]);
+        assert_eq!(commands_of_tables(page), ["grainpath slice part.stl", "grainpath help"]);
     }
 
     #[test]
