@@ -79,6 +79,16 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
         let page = fs::read(entry.path()).map_err(|e| e.to_string())?;
         put(&at(&format!("usr/share/man/man1/{name}.gz")), &gzip(&page)?)?;
     }
+    // Messages name pages of the documentation.
+    let documents = crate::output(
+        Command::new("git")
+            .args(["ls-files", "README.md", "docs/*.md", "docs/gallery", "docs/pictures"])
+            .current_dir(crate::root()),
+    )?;
+    for name in documents.lines() {
+        let page = fs::read(crate::root().join(name)).map_err(|e| format!("{name}: {e}"))?;
+        put(&at(&format!("usr/share/doc/grainpath/{name}")), &page)?;
+    }
     // The texts of all licences, those of the libraries among them.
     put(&at("usr/share/doc/grainpath/copyright"), copyright()?.as_bytes())?;
     put(&at("usr/share/doc/grainpath/licences-of-libraries.gz"), &gzip(told(&["licences"])?.as_bytes())?)?;
@@ -171,7 +181,8 @@ fn try_in_bare_root(package: &Path) -> Result<(), String> {
                   grainpath doctor; grainpath new plate; grainpath run plate/job.toml; grainpath slice plate/plate.stl -o part.gcode; \
                   grainpath render part.gcode --layer 3 -o layer.png; grainpath licences | head -3; \
                   test -s plate/out/report.html; test -s part.gcode; test -s layer.png; \
-                  test -s /usr/share/bash-completion/completions/grainpath; dpkg -V grainpath; dpkg -r grainpath; \
+                  test -s /usr/share/bash-completion/completions/grainpath; : > empty.stl; \
+                  page=$(grainpath slice empty.stl 2>&1 | sed -n 's/.*(see \\(.*\\))$/\\1/p'); test -s \"$page\"; echo \"page of an error: $page\"; dpkg -V grainpath; dpkg -r grainpath; \
                   test ! -e /usr/bin/grainpath";
     let told = crate::output(Command::new("chroot").arg(&root).args(["/bin/sh", "-c", script]))?;
     println!("{told}installed, run and removed in a bare root");

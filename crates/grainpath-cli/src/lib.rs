@@ -179,12 +179,30 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
                 |arg: &&OsString| arg.to_str().is_some_and(|arg| command().find_subcommand(arg).is_some());
             let command =
                 args.get(1).filter(named).map(|name| format!(" {}", name.display())).unwrap_or_default();
-            let what = one_line(&text.to_string());
+            let mut what = one_line(&text.to_string());
+            if error.kind() == ErrorKind::InvalidSubcommand
+                && let Some(file) = args.get(1).map(Path::new).filter(|path| path.exists())
+            {
+                what = format!("{}: a file needs a command before it; {}", file.display(), takers(file));
+            }
             end(
                 Err(Failure::usage(format!("{what} (`grainpath{command} --help` shows what is right)"))),
                 json,
             )
         }
+    }
+}
+
+/// The commands that take a file, for someone who named the file alone.
+fn takers(file: &Path) -> String {
+    let name = file.display();
+    let ending = file.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    match &*ending {
+        "toml" => format!("`grainpath run {name}` plans a job"),
+        "gcode" | "gco" | "g" => {
+            format!("`grainpath inspect {name}` describes a program, `grainpath render {name}` draws it")
+        }
+        _ => format!("`grainpath slice {name}` plans a part, `grainpath inspect {name}` describes it"),
     }
 }
 
@@ -211,6 +229,15 @@ fn one_line(text: &str) -> String {
     all
 }
 
+/// A page of the documentation: its path where a package installed it with the program, else its name in the sources.
+fn installed(page: &str) -> String {
+    // `usr/bin/grainpath` has its pages in `usr/share/doc/grainpath/docs`.
+    let program = std::env::current_exe().ok();
+    let prefix = program.as_deref().and_then(Path::parent).and_then(Path::parent);
+    let path = prefix.map(|prefix| prefix.join("share/doc/grainpath").join(page));
+    path.filter(|path| path.is_file()).map_or_else(|| page.to_owned(), |path| path.display().to_string())
+}
+
 /// Prints the failure of a command. Returns the exit code.
 fn end(outcome: Result<(), Failure>, json: bool) -> u8 {
     // If standard output is redirected to a full disk, the error is found here: a command whose result
@@ -234,7 +261,7 @@ fn end(outcome: Result<(), Failure>, json: bool) -> u8 {
                 files::print(&format!("{report}\n"));
             }
             failure.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
-            let page = failure.page.map(|page| format!(" (see {page})")).unwrap_or_default();
+            let page = failure.page.map(|page| format!(" (see {})", installed(page))).unwrap_or_default();
             eprintln!("grainpath: {line}{page}");
             failure.code.number()
         }

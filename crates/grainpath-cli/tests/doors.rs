@@ -118,6 +118,43 @@ fn slice_takes_a_scan_and_says_so() {
 }
 
 #[test]
+fn slice_says_which_profiles_it_assumed() {
+    let dir = folder("doors-assumed");
+    scan(&dir);
+    let slice = |words: &[&str]| grainpath(&dir, &[&["slice", "block.nrrd"], words].concat());
+    let told = |out: &std::process::Output| String::from_utf8_lossy(&out.stdout).into_owned();
+    let text = told(&slice(&[]));
+    assert!(text.contains("assumed printer generic-0.4, material pla, process standard;"), "{text}");
+    let text = told(&slice(&["--set", "material.profile=petg"]));
+    assert!(text.contains("assumed printer generic-0.4, process standard;"), "{text}");
+    let all = ["printer.profile=voron-2.4", "material.profile=petg", "process.profile=fine"];
+    let text = told(&slice(&all.iter().flat_map(|set| ["--set", *set]).collect::<Vec<_>>()));
+    assert!(text.contains("taken for a scan") && !text.contains("assumed printer"), "{text}");
+    // The program alone stands on standard output.
+    let out = slice(&["-o", "/dev/stdout"]);
+    let file = std::fs::read(dir.join("block.gcode")).expect("written above");
+    assert!(!file.is_empty() && slice(&[]).status.success());
+    assert!(out.stdout == std::fs::read(dir.join("block.gcode")).expect("written"));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("assumed printer generic-0.4"));
+}
+
+#[test]
+fn a_file_without_a_command_is_answered_with_the_commands_that_take_it() {
+    let dir = folder("doors-no-command");
+    for (name, command) in
+        [("part.stl", "slice part.stl"), ("job.toml", "run job.toml"), ("p.gcode", "inspect p.gcode")]
+    {
+        std::fs::write(dir.join(name), "x").expect("a file");
+        let out = grainpath(&dir, &[name]);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2));
+        assert!(text.contains(&format!("`grainpath {command}`")) && text.lines().count() == 1, "{text}");
+    }
+    let out = grainpath(&dir, &["slcie", "part.stl"]);
+    assert!(String::from_utf8_lossy(&out.stderr).contains("'slice'"), "a mistyped command is no file");
+}
+
+#[test]
 fn new_asks_nothing_in_a_pipe_and_takes_printer_and_material() {
     let dir = folder("doors-new");
     let out = grainpath(&dir, &["new", "plate", "own"]);

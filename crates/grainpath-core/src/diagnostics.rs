@@ -284,7 +284,9 @@ mod tests {
         d.push(thin());
         d.warn(WarningId::UnitAssumed, "the unit is taken for mm");
         d.push(thin());
+        d.warn(WarningId::GuideFar, "a guide that is missed");
         let ids: Vec<&str> = d.warnings().iter().map(|w| w.id.name()).collect();
-        assert_eq!(ids, ["unit-assumed", "path-neck"]);
+        // What was assumed about the input stands before what may follow from it.
+        assert_eq!(ids, ["unit-assumed", "guide-far", "path-neck"]);
     }
 }

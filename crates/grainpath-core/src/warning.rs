@@ -431,14 +431,16 @@ impl Warning {
         self.place.get_or_insert_default()
     }
 
-    /// The order of warnings in a list: first those about the whole run, then layer by layer, then
-    /// by text. It is a total order, so the list does not depend on which thread finishes first.
+    /// The order of warnings in a list: first those about the whole run, then layer by layer. Within each the order is that
+    /// of [`WarningId`], which begins with what was assumed about the input, since later warnings may follow from it. It
+    /// is a total order, so the list does not depend on which thread finishes first.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let layer = |w: &Self| w.place.as_ref().and_then(|p| p.layer);
         let point = |w: &Self| w.place.as_ref().map_or_else(Vec::new, |p| p.point_mm.clone());
         let file = |w: &Self| w.place.as_ref().map(|p| (p.file.clone(), p.line));
         layer(self)
             .cmp(&layer(other))
+            .then_with(|| self.id.cmp(&other.id))
             .then_with(|| self.text.cmp(&other.text))
             .then_with(|| file(self).cmp(&file(other)))
             .then_with(|| {
@@ -446,7 +448,7 @@ impl Warning {
                 let each = a.iter().zip(&b).map(|(a, b)| a.total_cmp(b));
                 each.fold(a.len().cmp(&b.len()), Ordering::then)
             })
-            .then_with(|| (self.id, &self.remedy).cmp(&(other.id, &other.remedy)))
+            .then_with(|| self.remedy.cmp(&other.remedy))
     }
 }
 

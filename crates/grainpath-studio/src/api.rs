@@ -5,7 +5,7 @@
 
 use std::convert::Infallible;
 use std::path::{Path as FilePath, PathBuf};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Json;
@@ -764,12 +764,7 @@ async fn keep(
     draft: Result<Json<drafts::Draft>, JsonRejection>,
 ) -> Answer<StatusCode> {
     let Json(draft) = draft?;
-    let kept = move || {
-        // The lock protects the file alone, which is whole whatever happened to the thread that held it.
-        let _held = studio.drafts.lock().unwrap_or_else(PoisonError::into_inner);
-        drafts::keep(&studio.roots, draft)
-    };
-    tokio::task::spawn_blocking(kept).await.map_err(fault)??;
+    tokio::task::spawn_blocking(move || drafts::keep(&studio.roots, draft)).await.map_err(fault)??;
     Ok(StatusCode::NO_CONTENT)
 }
 

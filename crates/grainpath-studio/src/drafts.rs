@@ -1,9 +1,10 @@
 //! Changes of jobs that were not saved, in `drafts.json` of the working folder.
 //!
 //! The page sends each change; a closed tab, another browser and a studio on another port find it again. The file is
-//! written anew under a temporary name and renamed, so that it is always whole. Where two pages change one job, the last
-//! change stays.
+//! written anew under a temporary name and renamed, so that it is always whole. A lock file keeps the studios of one folder
+//! from writing at the same time. Where two pages change one job, the last change stays.
 
+use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -16,6 +17,8 @@ use crate::roots::Roots;
 
 /// Name of the file.
 const FILE: &str = "drafts.json";
+/// Name of the file that is locked while the drafts are read and written anew. It is empty and stays.
+const LOCK: &str = ".drafts.lock";
 /// The greatest number of drafts that are kept, the newest ones. Source: chosen; a page lists no more.
 const MOST: usize = 20;
 /// The greatest number of bytes of all their texts. Source: chosen; jobs have some kilobytes.
@@ -40,6 +43,19 @@ fn wrong(path: &Path, what: &str) -> Refusal {
     Refusal::usage(format!("changes that are not saved are kept in {}: {what}", path.display()))
 }
 
+/// Waits until no other thread or studio writes the drafts. The lock ends with the file.
+fn lock(roots: &Roots) -> Result<File, Refusal> {
+    let path = roots.writable(&roots.work().join(LOCK))?;
+    let failed = |e: std::io::Error| wrong(&path, &plain(&e));
+    let file = OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
+    match file.lock() {
+        Ok(()) => Ok(file),
+        // Some network drives have no locks. One studio in such a folder loses nothing.
+        Err(e) if e.kind() == std::io::ErrorKind::Unsupported => Ok(file),
+        Err(e) => Err(failed(e)),
+    }
+}
+
 /// All drafts, the newest first.
 pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
     let path = roots.work().join(FILE);
@@ -53,8 +69,8 @@ pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
 }
 
 /// Keeps a draft in place of an earlier one of its file. A text that is that of the file is no change and is forgotten.
-/// Calls must not overlap.
 pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
+    let _held = lock(roots)?;
     let mut all = told(roots)?;
     all.retain(|d| d.path != draft.path);
     // Undoing all changes brings the text of the file back, which needs no draft.

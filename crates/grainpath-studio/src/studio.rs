@@ -1,7 +1,7 @@
 //! The state of a running studio, shared by all requests.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use tokio::sync::Semaphore;
 
@@ -49,8 +49,6 @@ pub struct Studio {
     pub base: String,
     /// One permit for each stream of events.
     pub streams: Arc<Semaphore>,
-    /// Held while the file of drafts is read and written anew.
-    pub drafts: Mutex<()>,
 }
 
 impl Studio {
@@ -89,7 +87,6 @@ impl Studio {
             opened,
             base: base.to_owned(),
             streams: Arc::new(Semaphore::new(MOST_STREAMS)),
-            drafts: Mutex::default(),
         })
     }
 }

@@ -371,9 +371,11 @@ fn changes_outlive_the_studio_and_the_last_one_of_a_file_stays() {
     // A text that is that of the file again is no change.
     assert_eq!(keep(&later, "/a.toml", "", ""), StatusCode::NO_CONTENT);
     assert_eq!(kept(&bench), both[1..]);
-    // No temporary file is left beside the one that was renamed.
+    // No temporary file is left beside the one that was renamed and the one that is locked.
     let names = fs::read_dir(&work).expect("the folder").flatten();
-    assert_eq!(names.map(|n| n.file_name()).collect::<Vec<_>>(), ["drafts.json"]);
+    let mut names: Vec<_> = names.map(|n| n.file_name()).collect();
+    names.sort();
+    assert_eq!(names, [".drafts.lock", "drafts.json"]);
 }
 
 #[test]
@@ -412,15 +414,17 @@ fn a_damaged_file_of_changes_is_named_and_left() {
     assert_eq!(other.status, StatusCode::UNPROCESSABLE_ENTITY);
 }
 
-/// Several pages write at once: the file has each of their changes, whole.
+/// Several pages of two studios in one folder write at once: the file has each of their changes, whole.
 #[test]
-fn changes_of_many_pages_at_once_are_all_kept() {
+fn changes_of_many_pages_and_of_two_studios_at_once_are_all_kept() {
     let bench = Bench::new();
     let studio = bench.path("files/studio");
+    let other = Bench::with(|o| o.work = studio.clone());
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(4).enable_all().build();
     runtime.expect("threads").block_on(async {
         let all = (0..16).map(|k| {
             let draft = json!({ "path": format!("/{k}.toml"), "kind": "job", "text": "# new\n", "from": "" });
+            let bench = if k % 2 == 0 { &bench } else { &other };
             let request = bench.request("PUT", "/v1/drafts").header("content-type", "application/json");
             let request = request.body(Body::from(draft.to_string())).expect("a request");
             tokio::spawn(tower::ServiceExt::oneshot(bench.router.clone(), request))

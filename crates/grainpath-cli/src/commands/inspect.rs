@@ -554,6 +554,9 @@ fn shown(value: &Value) -> String {
         Value::Array(a) if a.iter().all(Value::is_string) => {
             a.iter().filter_map(Value::as_str).map(|s| format!("\n  {s}")).collect()
         }
+        // A scan may state the distance of its pixels without that of its slices.
+        Value::Null => "not stated".to_owned(),
+        Value::Array(a) if a.iter().all(Value::is_null) => "not stated".to_owned(),
         Value::Array(a) => a.iter().map(shown).collect::<Vec<_>>().join("  "),
         Value::Object(o) => o
             .iter()

@@ -31,7 +31,7 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let (mesh, faces, unit) = of_file(file, &name)?;
     let unit = format!("{} ({by})", unit.name());
     let shown = faces.len().min(LISTED);
-    let mut rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
+    let rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
     if let Some(path) = &args.image {
         let png = faces_png(&mesh, &faces, IMAGE_PX);
         files::write_atomically(path, |out| out.write_all(&png).map_err(|e| Failure::usage(e.to_string())))?;
@@ -45,15 +45,18 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
         return Ok(());
     }
     let mut text = format!("{name}: {} faces, lengths in mm, unit of the file {unit}\n", faces.len());
-    for row in &mut rows {
+    for row in &rows {
         text.push_str(&line(row));
     }
     if faces.len() > shown {
         let _ = writeln!(text, "and {} smaller faces", faces.len() - shown);
     }
-    if shown > 0 {
+    // A name that two faces share selects neither.
+    if let Some(first) = rows.iter().find(|row| row["doubtful"] == json!(false)) {
+        let (face, line) = (word(first, "name"), word(first, "line"));
         let _ =
-            writeln!(text, "to plan along a load, N: grainpath slice {name} --hold FACE --load FACE=X,Y,Z");
+            writeln!(text, "to plan along a load, N: grainpath slice {name} --hold {face} --load FACE=X,Y,Z");
+        let _ = writeln!(text, "in a job: {line}");
     }
     files::print(&text);
     Ok(())
@@ -118,9 +121,13 @@ pub(crate) fn face_json(faces: &Faces, i: usize) -> Value {
     row
 }
 
+/// A text of a face's row.
+fn word<'a>(row: &'a Value, key: &str) -> &'a str {
+    row[key].as_str().unwrap_or_default()
+}
+
 /// A face as text for the terminal.
 fn line(row: &Value) -> String {
-    let word = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
     let mut measures = String::new();
     // For a round face, a point of its axis is more useful than the centre of its area.
     let centre = if row["point_mm"].is_null() { "centre_mm" } else { "point_mm" };
@@ -136,14 +143,17 @@ fn line(row: &Value) -> String {
         }
     }
     let hollow = if row["hollow"] == json!(true) { " (hollow)" } else { "" };
-    let doubtful =
-        if row["doubtful"] == json!(true) { "  # another face is alike: select it by its shape" } else { "" };
+    let doubtful = if row["doubtful"] == json!(true) {
+        "; another face is alike, so select it by its shape"
+    } else {
+        ""
+    };
     format!(
-        "{:>4}  {:<9}{hollow} {} mm2{measures}\n      {}{doubtful}\n",
+        "{:>4}  {:<8} {}{hollow} {} mm2{measures}{doubtful}\n",
         row["number"],
-        word("kind"),
+        word(row, "name"),
+        word(row, "kind"),
         measure(&row["area_mm2"]),
-        word("line")
     )
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use grainpath_core::faces::FaceName;
 use grainpath_io::image::{ImageError, sniff_other_image};
+use grainpath_job::default_profile;
 
 use crate::args::Slice;
 use crate::claims::Claims;
@@ -151,6 +152,24 @@ pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     )))
 }
 
+/// The profiles that a job without a choice of its own is planned with, for the user to check; `None` where all are
+/// chosen in `sets`.
+fn assumed_profiles(sets: &[String]) -> Option<String> {
+    let is_chosen =
+        |kind: &str| sets.iter().any(|set| set.trim_start().starts_with(&format!("{kind}.profile")));
+    let assumed: Vec<String> = ["printer", "material", "process"]
+        .into_iter()
+        .filter(|kind| !is_chosen(kind))
+        .filter_map(|kind| default_profile(kind).map(|profile| format!("{kind} {}", profile.name)))
+        .collect();
+    (!assumed.is_empty()).then(|| {
+        format!(
+            "assumed {}; --set printer.profile=NAME and so on choose others, which `grainpath profiles` lists",
+            assumed.join(", ")
+        )
+    })
+}
+
 /// `grainpath slice`
 pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     let name = args.model.display();
@@ -219,10 +238,21 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     let here = Path::new("");
     let paths = outputs::Paths::new(&settings, &args.model, here)?.with_gcode(output);
     execute(&settings, &args.model, here, &paths, None, Claims::default(), &args.common)?;
-    if let Some(assumed) = assumed
-        && !args.common.json
-    {
-        files::print(&format!("taken for {assumed} (--set changes it)\n"));
+    if args.common.json {
+        return Ok(());
+    }
+    let mut told: Vec<String> =
+        assumed.iter().map(|words| format!("taken for {words} (--set changes it)")).collect();
+    told.extend(assumed_profiles(&args.common.sets));
+    if settings.output.report.is_empty() {
+        told.push("--set output.report=report.html adds a page with the layers".to_owned());
+    }
+    let text: String = told.iter().map(|line| format!("{line}\n")).collect();
+    // A program that goes to standard output must stand there alone.
+    if paths.is_standard_output() {
+        eprint!("{text}");
+    } else {
+        files::print(&text);
     }
     Ok(())
 }

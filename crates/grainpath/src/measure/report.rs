@@ -544,6 +544,12 @@ impl Report {
         );
         lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
+        if self.strength.is_some() && self.reserve.as_ref().is_some_and(|r| r.least.is_some()) {
+            lines.push(
+                "damage begins at the first failure; the load at which it breaks is the most that the part carries"
+                    .to_owned(),
+            );
+        }
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
             lines.push(match d.mean_error_percent {

@@ -523,7 +523,8 @@ fn plan_stack(
     let config = config::writing(settings);
     let plate_from_part_mm = plate_from_part(&config.machine, settings.shape.position_mm, part);
     // Checked before any costly stage.
-    check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
+    let step_settings = config::steps(settings);
+    check_bed(&config.machine, &stack, part, plate_from_part_mm, &step_settings.adhesion)?;
     let fibre = config::fibre(settings, stack.layers().len());
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let standing = config::standing(settings, lowered_mm);
@@ -585,7 +586,7 @@ fn plan_stack(
     // The mesh is among the largest objects and is kept only where a picture shows the supports on
     // it.
     let supported_mesh = (support.is_some() && drawn).then_some(mesh);
-    let (step_settings, order) = (config::steps(settings), config::order(settings));
+    let order = config::order(settings);
     let steps = Steps::new(&step_settings, &stack)
         .with_support(support.as_ref())
         .with_guide(guide.as_ref(), grain.as_ref())

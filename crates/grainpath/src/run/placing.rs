@@ -7,6 +7,7 @@ use grainpath_io::{MeshFile, PaintedSupports};
 
 use crate::error::Error;
 use crate::shape::{self, Placement, Repair, SliceSettings};
+use crate::wall::adhesion::AdhesionSettings;
 
 /// A shape in layers, standing on the bed.
 #[derive(Debug, Default)]
@@ -177,22 +178,36 @@ pub(super) fn plate_from_part(machine: &Machine, position_mm: Option<[f64; 2]>, 
     DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
 }
 
-/// Refuses a part that does not fit the bed, before any time is spent on it.
+/// Refuses a part that does not fit the bed, before any time is spent on it. `adhesion` is laid around its first layer.
 pub(super) fn check_bed(
     machine: &Machine,
     stack: &LayerStack,
     part: Bounds2,
     shift: DVec3,
+    adhesion: &AdhesionSettings,
 ) -> Result<(), Error> {
     let (low, high) = machine.bed_bounds_mm();
     let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
-    let reach = [
+    let mut reach = vec![
         ('X', part.min.x + shift.x, low[0], high[0]),
         ('X', part.max.x + shift.x, low[0], high[0]),
         ('Y', part.min.y + shift.y, low[1], high[1]),
         ('Y', part.max.y + shift.y, low[1], high[1]),
         ('Z', top, 0.0, machine.bed_mm[2]),
     ];
+    // The number of loops is rounded, so one bead less than brim and skirt are wide is certain to be laid. What lies
+    // between that and the bed's edge is found when the plan is complete.
+    let certain_mm = adhesion.reach_mm() - adhesion.bead_width_mm;
+    let first = stack.layers().first().and_then(|l| l.region().bounds());
+    if let Some(first) = first.filter(|_| certain_mm > 0.0) {
+        let (from, to) = (first.min + shift.truncate(), first.max + shift.truncate());
+        reach.extend([
+            ('X', from.x - certain_mm, low[0], high[0]),
+            ('X', to.x + certain_mm, low[0], high[0]),
+            ('Y', from.y - certain_mm, low[1], high[1]),
+            ('Y', to.y + certain_mm, low[1], high[1]),
+        ]);
+    }
     let outside = |&&(_, at_mm, low_mm, high_mm): &&(char, f64, f64, f64)| {
         at_mm < low_mm - BED_TOLERANCE_MM || at_mm > high_mm + BED_TOLERANCE_MM
     };
@@ -223,8 +238,29 @@ pub(super) fn outside_bed(source: GcodeError, stack: &LayerStack, part: Bounds2)
 
 #[cfg(test)]
 mod tests {
+    use grainpath_core::Region;
+
     use super::*;
     use crate::Settings;
+
+    #[test]
+    fn a_skirt_beside_the_bed_is_refused_before_the_part_is_planned() {
+        let square = Region::rectangle(DVec2::ZERO, DVec2::splat(20.0));
+        let stack =
+            Layer::new(0.2, 0.2, square).and_then(|layer| LayerStack::new(vec![layer])).expect("a layer");
+        let part = part_bounds(&stack);
+        let settings = super::super::config::steps(&Settings::default());
+        let machine = super::super::config::writing(&Settings::default()).machine;
+        let fits = |gap_mm: f64, skirt_loops: usize| {
+            let low = machine.bed_bounds_mm().0;
+            let shift = DVec3::new(low[0] + gap_mm, low[1] + 50.0, 0.0);
+            let adhesion = AdhesionSettings { skirt_loops, ..settings.adhesion };
+            check_bed(&machine, &stack, part, shift, &adhesion)
+        };
+        assert!(fits(1.0, 0).is_ok() && fits(4.0, 1).is_ok());
+        let refused = fits(1.0, 1).expect_err("the skirt lies 3 mm from the part").to_string();
+        assert!(refused.contains("20.00 x 20.00"), "{refused}");
+    }
 
     #[test]
     fn a_unit_is_assumed_by_the_size_and_told() {
