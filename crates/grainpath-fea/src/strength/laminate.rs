@@ -483,8 +483,17 @@ fn joined_mm(
     let least = |filled: &[f32], share: &Share| {
         let cell = share.slot as usize / n_fans;
         let angle_rad = 0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1]));
-        let places = BESIDE_WIDTHS.into_iter().flat_map(|w| sides_mm(grid, cell, angle_rad, width_mm, w));
-        places.map(|at| held_at(grid, filled, at)).fold(f64::from(filled[cell]), f64::min)
+        // The places furthest away come first, as they lie in gaps most often. Below the fill of a gap no value counts.
+        let places =
+            BESIDE_WIDTHS.into_iter().rev().flat_map(|w| sides_mm(grid, cell, angle_rad, width_mm, w));
+        let mut least = f64::from(filled[cell]);
+        for at in places {
+            if least <= GAP_FILL {
+                break;
+            }
+            least = least.min(held_at(grid, filled, at));
+        }
+        least
     };
     let mut most: Vec<f64> = layers[at]
         .iter()

@@ -18,12 +18,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use grainpath_core::isolines::isolines;
 use grainpath_core::mask::{Mask, MaskGrid};
-use grainpath_core::poly::FillRule;
+use grainpath_core::poly::{FillRule, Join};
 use grainpath_core::{Bounds2, DMat3, DVec2, DVec3, Diagnostics, LayerStack, Region, WarningId, math};
 use grainpath_fea::principal::plane_principal;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_io::directions::DensitySamples;
 use grainpath_job::choices::DensityBy;
+use rayon::prelude::*;
 
 use super::Guide;
 use super::given_field::{FieldSettings, to_file};
@@ -49,6 +50,9 @@ const UNCOVERED_REACH: f64 = 0.05;
 /// Share of the part that may lie further beyond the samples without a warning. Source: chosen; a rim of 1 % changes the
 /// mass by less than the error of a graded density.
 const UNCOVERED_SHARE: f64 = 0.01;
+/// Distance from the part, in cells of the nodes, up to which stress is evaluated. Source: derived: a point of the part lies
+/// within the diagonal of a cell, 1.41, of the nodes that it is interpolated from.
+const CELL_DIAGONAL: f64 = 1.5;
 /// Reach of the mean that smooths the stress, in nodes. Source: derived: about two beads to either
 /// side, with nodes of 1 mm.
 const SMOOTHED: usize = 1;
@@ -241,7 +245,7 @@ impl GradedDensity {
                 lay(&mut samples, to_file, shift, [grid.low, grid.high])?;
                 samples.warnings().iter().for_each(|w| diagnostics.push(w.clone()));
                 let map = grid.map(flat, &|p| samples.at(to_file * (p + shift)));
-                let inside = inside(&map, stack);
+                let inside = inside(&map, stack, 0.0);
                 let nodes = (0..inside.len()).filter(|&i| inside[i]).map(|i| to_file * (map.node(i) + shift));
                 warn_of_uncovered(&samples, nodes, (grid.high - grid.low).max_element(), diagnostics);
                 (map, inside)
@@ -288,8 +292,13 @@ impl GradedDensity {
         }
         // The mean grows with the scale. At the lower end of the bisection all nodes have the least density,
         // at the upper end the greatest.
-        let least = self.wanted.values.iter().fold(f32::INFINITY, |a, b| a.min(*b));
-        let most = self.wanted.values.iter().fold(0.0f32, |a, b| a.max(*b));
+        let within = || self.wanted.values.iter().zip(&self.inside).filter(|v| *v.1).map(|v| *v.0);
+        let least = within().fold(f32::INFINITY, f32::min);
+        let most = within().fold(0.0, f32::max);
+        if most <= 0.0 {
+            // No node lies in a part that is thinner than a cell.
+            return Arc::new(self.scaled(1.0));
+        }
         let (mut low, mut high) =
             (0.5 * self.range[0] / f64::from(most), 2.0 * self.range[1] / f64::from(least).max(1e-4));
         let mut map = self.scaled((low * high).sqrt());
@@ -371,11 +380,20 @@ fn share_taken(
     guide: &Guide,
     card: Option<&StrengthCard>,
 ) -> Result<(DensityMap, Vec<bool>), DensityError> {
-    let mut map = nodes.map(guide.is_plate, &|p| taken(guide, card, p));
-    let inside = inside(&map, nodes.stack);
-    smooth(&mut map, &inside);
+    let mut map = nodes.map(guide.is_plate, &|_| 0.0);
+    let in_part = inside(&map, nodes.stack, 0.0);
+    // The search for the element nearest to a point takes long for points far outside of a plate, whose stress counts
+    // nowhere: no point of the part lies further from its nodes than the diagonal of a cell.
+    let counted = if map.is_upright() {
+        inside(&map, nodes.stack, CELL_DIAGONAL * nodes.cell_mm)
+    } else {
+        vec![true; map.values.len()]
+    };
+    let value = |i: usize| if counted[i] { taken(guide, card, map.node(i)) as f32 } else { 0.0 };
+    map.values = (0..map.values.len()).into_par_iter().map(value).collect();
+    smooth(&mut map, &in_part);
     let grips = guide.grips(nodes.cell_mm);
-    let counts = |i: usize| inside[i] && !grips.iter().any(|on| on.contains(map.node(i)));
+    let counts = |i: usize| in_part[i] && !grips.iter().any(|on| on.contains(map.node(i)));
     let mut all: Vec<f32> = (0..map.values.len()).filter(|&i| counts(i)).map(|i| map.values[i]).collect();
     if all.is_empty() {
         all = map.values.clone();
@@ -386,7 +404,7 @@ fn share_taken(
         return Err(DensityError::NoStress);
     }
     map.values.iter_mut().for_each(|v| *v = (f64::from(*v) / full) as f32);
-    Ok((map, inside))
+    Ok((map, in_part))
 }
 
 /// Fits the samples of a file to the part, or returns an error if they lie elsewhere.
@@ -457,8 +475,9 @@ fn taken(guide: &Guide, card: Option<&StrengthCard>, p: DVec3) -> f64 {
     all.filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 
-/// For each node whether it lies in the part. Maps with a single layer of nodes are tested at half height.
-fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
+/// For each node whether it lies in the part, grown by `margin_mm` in the plan. Maps with a single layer of nodes are tested
+/// at half height.
+fn inside(map: &DensityMap, stack: &LayerStack, margin_mm: f64) -> Vec<bool> {
     let layers = stack.layers();
     let [nx, ny, nz] = map.n;
     let mut out = vec![false; map.values.len()];
@@ -470,6 +489,8 @@ fn inside(map: &DensityMap, stack: &LayerStack) -> Vec<bool> {
         };
         let above = layers.partition_point(|l| l.z_top_mm() < z - 1e-9).min(layers.len().saturating_sub(1));
         let Some(region) = layers.get(above).map(|l| l.region()) else { continue };
+        let grown = (margin_mm > 0.0).then(|| region.offset(margin_mm, Join::Round));
+        let region = grown.as_ref().unwrap_or(region);
         let Some(bounds) = region.bounds() else { continue };
         let mask = Mask::from_region(MaskGrid::over(bounds, 0.25 * map.cell_mm.x.min(map.cell_mm.y)), region);
         for i in 0..nx * ny {
