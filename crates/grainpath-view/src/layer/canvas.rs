@@ -76,11 +76,25 @@ impl Canvas {
         (mm * self.scale) as f32
     }
 
+    /// Columns and rows of the picture, pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.pixels.width() as usize, self.pixels.height() as usize)
+    }
+
+    /// Pixels for each mm.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The place of a point in mm on the picture: pixels from the left and from the top.
+    pub fn pixel_of(&self, p: DVec2) -> DVec2 {
+        DVec2::new(p.x - self.window.min.x, self.window.max.y - p.y) * self.scale
+    }
+
     /// Draws a line through points in mm; its width is in pixels.
     pub fn line(&mut self, points: &[DVec2], width_px: f32, colour: Rgb, alpha: u8) {
-        let (window, scale) = (self.window, self.scale);
-        let at = |p: &DVec2| (((p.x - window.min.x) * scale) as f32, ((window.max.y - p.y) * scale) as f32);
-        let points: Vec<(f32, f32)> = points.iter().map(at).collect();
+        let at = |p: &DVec2| self.pixel_of(*p).as_vec2();
+        let points: Vec<(f32, f32)> = points.iter().map(|p| at(p).into()).collect();
         if points.len() > 1 {
             draw_line(&mut self.pixels, &points, width_px, colour, alpha);
         }
