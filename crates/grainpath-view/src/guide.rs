@@ -136,7 +136,7 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
     let painted: Vec<_> = canvas.pixels().zip(&shown).map(colour).collect();
     canvas.paint(painted.into_iter());
     for [i, j] in drawn_edges(&surface, axes[2]) {
-        canvas.line(&[i, j].map(|k| flat(at_rest(k))), 1.2, [150, 154, 160], 130);
+        canvas.line(&[i, j].map(|k| flat(at_rest(k))), 1.6, [170, 174, 180], 170);
         canvas.line(&[i, j].map(|k| flat(at(k))), 1.2, [14, 15, 17], 255);
     }
     let view = ['x', 'y', 'z'][view];
