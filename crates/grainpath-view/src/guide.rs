@@ -120,8 +120,10 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
     let at = |i: u32| at_rest(i) + magnified * shift(i);
     let on_picture = |p: DVec3| canvas.pixel_of(flat(p)).extend(p.dot(axes[2]) * canvas.scale());
     let (width, height) = canvas.size();
-    let corners = surface.triangles.iter().map(|t| t.map(|i| on_picture(at(i))));
-    let shown = nearest(corners, width, height);
+    let seen = |place: &dyn Fn(u32) -> DVec3| {
+        nearest(surface.triangles.iter().map(|t| t.map(|i| on_picture(place(i)))), width, height)
+    };
+    let (shown_at_rest, shown) = (seen(&at_rest), seen(&at));
     let ramp = Ramp { low: 0.0, high: max_mm };
     let colour = |(pixel, shown): (DVec2, &Option<usize>)| {
         let corners = surface.triangles[(*shown)?];
@@ -135,9 +137,12 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
     };
     let painted: Vec<_> = canvas.pixels().zip(&shown).map(colour).collect();
     canvas.paint(painted.into_iter());
-    for [i, j] in drawn_edges(&surface, axes[2]) {
-        canvas.line(&[i, j].map(|k| flat(at_rest(k))), 1.6, [170, 174, 180], 170);
-        canvas.line(&[i, j].map(|k| flat(at(k))), 1.2, [14, 15, 17], 255);
+    let edges = bent_edges(&surface);
+    for line in visible(&edges, &|k| flat(at_rest(k)), &shown_at_rest, &canvas) {
+        canvas.line(&line, 1.6, [170, 174, 180], 170);
+    }
+    for line in visible(&edges, &|k| flat(at(k)), &shown, &canvas) {
+        canvas.line(&line, 1.2, [14, 15, 17], 255);
     }
     let view = ['x', 'y', 'z'][view];
     Some(DeformedPicture { png: canvas.png(), case: result.name.clone(), max_mm, magnified, view })
@@ -148,23 +153,66 @@ fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The edges between faces of a surface that meet at an angle, where one of them is turned towards the eye.
-fn drawn_edges(surface: &ResultSurface, towards: DVec3) -> Vec<[u32; 2]> {
-    let mut sides: Vec<([u32; 2], DVec3)> = Vec::with_capacity(3 * surface.triangles.len());
-    for corners in &surface.triangles {
-        let normal = normal(corners.map(|i| surface.points[i as usize]));
+/// An edge of a surface: its two points, and the triangles on its sides.
+struct Edge {
+    points: [u32; 2],
+    triangles: Vec<usize>,
+}
+
+/// The edges at which a surface bends or ends.
+fn bent_edges(surface: &ResultSurface) -> Vec<Edge> {
+    let mut sides: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * surface.triangles.len());
+    for (t, corners) in surface.triangles.iter().enumerate() {
         for k in 0..3 {
             let (i, j) = (corners[k], corners[(k + 1) % 3]);
-            sides.push(([i.min(j), i.max(j)], normal));
+            sides.push(([i.min(j), i.max(j)], t));
         }
     }
-    sides.sort_by_key(|side| side.0);
+    sides.sort_unstable();
+    let of = |t: usize| normal(surface.triangles[t].map(|i| surface.points[i as usize]));
     let of_edge = sides.chunk_by(|a, b| a.0 == b.0);
-    let is_drawn = |same: &&[([u32; 2], DVec3)]| {
-        let bends = same.len() != 2 || same[0].1.dot(same[1].1) < EDGE_COSINE;
-        bends && same.iter().any(|side| side.1.dot(towards) > 0.0)
+    let bends = |same: &&[([u32; 2], usize)]| !matches!(same, [one, other] if of(one.1).dot(of(other.1)) >= EDGE_COSINE);
+    let edge = |same: &[([u32; 2], usize)]| Edge {
+        points: same[0].0,
+        triangles: same.iter().map(|side| side.1).collect(),
     };
-    of_edge.filter(is_drawn).map(|same| same[0].0).collect()
+    of_edge.filter(bends).map(edge).collect()
+}
+
+/// Distance between the places at which an edge is tested for being hidden, pixels. Source: chosen by eye.
+const HIDDEN_STEP_PX: f64 = 4.0;
+
+/// The pieces of edges that no face hides. `shown` is the triangle of each pixel; an edge is seen where a pixel beside it
+/// shows one of its triangles.
+fn visible(
+    edges: &[Edge],
+    place: &dyn Fn(u32) -> DVec2,
+    shown: &[Option<usize>],
+    canvas: &Canvas,
+) -> Vec<[DVec2; 2]> {
+    let (width, height) = canvas.size();
+    let is_seen = |edge: &Edge, p: DVec2| {
+        let at = canvas.pixel_of(p);
+        let around = |v: f64, n: usize| {
+            let v = v.max(0.0) as usize;
+            v.saturating_sub(1)..(v + 2).min(n)
+        };
+        around(at.y, height).any(|y| {
+            around(at.x, width).any(|x| shown[y * width + x].is_some_and(|t| edge.triangles.contains(&t)))
+        })
+    };
+    let mut out = Vec::new();
+    for edge in edges {
+        let [a, b] = edge.points.map(place);
+        let n = (a.distance(b) * canvas.scale() / HIDDEN_STEP_PX).ceil().max(1.0);
+        for k in 0..n as usize {
+            let [from, middle, to] = [0.0, 0.5, 1.0].map(|part| a.lerp(b, (k as f64 + part) / n));
+            if is_seen(edge, middle) {
+                out.push([from, to]);
+            }
+        }
+    }
+    out
 }
 
 /// Length of the arrow of the largest force, as a share of the part's longest side. The arrow is
