@@ -83,7 +83,7 @@ impl FillContext<'_> {
 
     /// The volume that beads along a field should have in an area for centrelines, mm3: the share of the area to be
     /// filled, which reaches `border_mm` further, that the density asks for.
-    fn wanted_mm3(&self, infill_region: &Polygon) -> f64 {
+    pub(crate) fn wanted_mm3(&self, infill_region: &Polygon) -> f64 {
         let filled = Region::from(infill_region.clone()).offset(self.border_mm, Join::Miter(2.0));
         self.density.fraction() * filled.area_mm2() * self.height_mm
     }

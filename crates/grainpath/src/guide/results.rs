@@ -174,6 +174,7 @@ impl Guide {
             separation_mm: &same,
             end_share: 0.5,
             shortest_mm: 2.0 * separation,
+            shortest_across_mm: 2.0 * separation,
             seed_share: FOUND_SHARE,
             whole: false,
         };

@@ -323,7 +323,11 @@ impl Steps<'_> {
             let continuous = &self.settings.infill.continuous;
             match asked.graded {
                 Some(map) => graded_infill::one_path(continuous, context, map, regions, out, &mut notes),
-                None => continuous.lay_island(context, regions, out, &mut notes),
+                None => {
+                    let first = out.len();
+                    continuous.lay_island(context, regions, out, &mut notes);
+                    self.count(i, context, regions, &out[first..]);
+                }
             }
             self.note(i, context.role, notes);
             return;
@@ -339,12 +343,22 @@ impl Steps<'_> {
                 (Some(grain), None) => self.along_grain(grain, context, region, out),
                 (None, None) => asked.pattern.fill(context, region, out),
             }
+            if asked.graded.is_none() {
+                self.count(i, context, &[region], &out[first..]);
+            }
             // Rings are joined across one fixed distance; with graded density the distances differ.
             if self.settings.infill.spiral && asked.graded.is_none() {
                 let mut rings = out.split_off(first);
                 join_rings(&mut rings, context.spacing_mm() / context.density.fraction());
                 out.append(&mut rings);
             }
+        }
+    }
+
+    /// Counts the material of infill regions. Fibre tells its gaps apart.
+    fn count(&self, i: usize, context: &FillContext<'_>, regions: &[&Polygon], laid: &[Toolpath]) {
+        if self.fibre.is_none() {
+            self.short_fill.add(i, context, regions, laid);
         }
     }
 

@@ -44,6 +44,7 @@ use crate::guide::graded_density::{DensityMap, GradedDensity};
 use crate::guide::grain::{GrainGuide, Mode};
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::region::RegionAreas;
+use crate::run::short_fill::ShortFill;
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
 use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
@@ -245,6 +246,8 @@ pub struct Steps<'a> {
     regions: Vec<Steps<'a>>,
     /// Reasons why islands could not be laid as one path, by layer and role.
     notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
+    /// Material of infill regions beside what their density asks for.
+    pub(super) short_fill: ShortFill,
 }
 
 /// The paths of a window of layers.
@@ -300,6 +303,7 @@ impl<'a> Steps<'a> {
             areas: None,
             regions: Vec::new(),
             notes: Mutex::default(),
+            short_fill: ShortFill::default(),
         }
     }
 
@@ -1091,6 +1095,7 @@ impl<'a> Steps<'a> {
     /// Discards the notes that were kept while trial densities were laid.
     pub(super) fn discard_notes(&self) {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
+        self.short_fill.clear();
         self.regions.iter().for_each(Self::discard_notes);
     }
 
@@ -1121,6 +1126,9 @@ impl<'a> Steps<'a> {
             let warning = note.warning().in_layer(layer_idx, z_mm);
             diagnostics.push(Warning { text: format!("{}{more}", warning.text), ..warning });
         }
+        std::iter::once(self)
+            .chain(&self.regions)
+            .for_each(|steps| steps.short_fill.report(self.stack, diagnostics));
     }
 
     /// The beads of the support in a layer.

@@ -176,6 +176,7 @@ impl FreeArea<'_> {
             separation_mm: &|_| beads * self.step,
             end_share,
             shortest_mm: SHORTEST.value() * self.step,
+            shortest_across_mm: SHORTEST.value() * self.step,
             seed_share: FOUND_SHARE,
             whole,
         };

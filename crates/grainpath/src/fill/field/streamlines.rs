@@ -28,7 +28,9 @@ use grainpath_core::tuned::Tuned;
 /// A line ends where another line is nearer than this share of the wanted distance.
 /// Measured: row `fill.field.streamlines.END_SHARE` of `cargo xtask bench constants`.
 static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.55);
-/// Lines shorter than this multiple of the separation are left out.
+/// Lines that end beside another are left out where they are shorter than this multiple of the separation. Lines from border
+/// to border are held by walls at both ends and stay from a bead's width on: without them a rib narrower than the separation
+/// had no infill at all.
 /// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
 /// A line of the layer below goes on if no other line is nearer than this share of the wanted distance. Source: measured on
@@ -77,6 +79,7 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
         separation_mm: &own,
         end_share: END_SHARE.value(),
         shortest_mm: SHORTEST_SHARE.value() * separation,
+        shortest_across_mm: context.bead_width_mm,
         seed_share: SEED_SHARE,
         whole: false,
     };
