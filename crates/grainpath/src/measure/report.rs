@@ -594,7 +594,11 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         Some(region)
     };
     // The cost is linear in the number of measured layers, so at most twelve are measured.
-    let mut report = QualityReport::from(quality(program, section, 12));
+    let mut measured = quality(program, section, 12);
+    // Layers without a bead are not in the program: all of their section is open.
+    let empty = planned.empty_mm3() / planned.stack.volume_mm3().max(f64::MIN_POSITIVE);
+    measured.gap += (1.0 - measured.gap) * empty;
+    let mut report = QualityReport::from(measured);
     if let Some(off) = direction_error(planned) {
         let (mean, p95) = alignment(&*off, program, shift);
         // The angles are rounded to 0.01 degrees, the width of a bin in the histogram.

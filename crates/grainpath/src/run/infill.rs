@@ -355,9 +355,14 @@ impl Steps<'_> {
         }
     }
 
-    /// Counts the material of infill regions. Fibre tells its gaps apart.
+    /// Counts the material of infill regions. Fibre tells its gaps apart, and lines along the grain and in fields that ask
+    /// for distances do not keep to the density of the job.
     fn count(&self, i: usize, context: &FillContext<'_>, regions: &[&Polygon], laid: &[Toolpath]) {
-        if self.fibre.is_none() {
+        let at = regions.first().and_then(|region| region.outer.first());
+        let asks = at
+            .zip(context.field)
+            .is_some_and(|(p, field)| field.spacing_mm(p.extend(context.z_mid_mm)).is_some());
+        if self.fibre.is_none() && self.grain.is_none() && !asks {
             self.short_fill.add(i, context, regions, laid);
         }
     }

@@ -655,19 +655,6 @@ fn plan_stack(
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
     }
     steps.report_notes(diagnostics);
-    let laid_any = |layer: &LayerPaths| {
-        layer.islands.iter().any(|island| !island.walls.is_empty() || !island.fills.is_empty())
-    };
-    let of_part = |path: &grainpath_core::PlannedPath| {
-        !matches!(path.path.role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
-    };
-    // Layers that were wanted early are in order already.
-    let any_early = plan.layers.iter().any(|layer| layer.paths.iter().any(of_part));
-    if !any_early && !filled.layers.iter().any(laid_any) {
-        let text =
-            "no bead of the part was laid: it is narrower than a bead, or has neither walls nor infill";
-        diagnostics.warn(WarningId::FillMissing, text);
-    }
     clock.stop(Stage::Fill);
     // Layers that were wanted early are in order already; their time counts as that of the infill.
     if plan.layers.is_empty() {
@@ -701,6 +688,7 @@ fn plan_stack(
         uneven,
         scan,
     };
+    planned.empty_warning().into_iter().for_each(|warning| diagnostics.push(warning));
     warn_if_far(&planned, settings.fill.pattern, diagnostics);
     Ok(planned)
 }
