@@ -65,7 +65,7 @@ impl Resultant {
 /// let load = Resultant::new("load 1", 40.0, tip, [(tip, DVec3::new(0.0, 0.0, -10.0))].into_iter());
 /// // A lever of 1 mm at the root holds the part against the moment of 600 N mm.
 /// let up = |x: f64, z: f64| (DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 0.0, z));
-/// let held = [up(0.0, 610.0), up(1.0, -600.0)];
+/// let held = [up(0.0, -590.0), up(1.0, 600.0)];
 /// let root = Resultant::new("fixture 1", 40.0, DVec3::ZERO, held.into_iter());
 /// let balance = CaseBalance { case: "bend".into(), loads: vec![load], reactions: vec![root] };
 /// assert!(balance.imbalance() < 1e-12);
