@@ -365,7 +365,8 @@ fn places_smaller_than_the_elements_are_told() {
     let told = caught(&rod, pressure(sphere(top + DVec3::Z * 9.0, 0.02)), 4.0);
     assert!(matches!(told, Err(SolidError::CatchesNothing(_))), "{told:?}");
     // Whole sides of elements in small boxes on top, and all of the top.
-    let small = [0.5, 0.7, 1.0].map(|half| {
+    let halves = (4..16).map(|k| 0.15 * f64::from(k));
+    let small = halves.map(|half| {
         let on = Selection::Box { low: top - half, high: top + half };
         let (found, differs) = caught(&rod, pressure(on), 2.0).ok()?;
         let (area, place) = differs?;
@@ -373,6 +374,7 @@ fn places_smaller_than_the_elements_are_told() {
         assert!((area / place - 1.0).abs() > 0.1);
         Some(area)
     });
+    let small: Vec<_> = small.collect();
     println!("areas of small places: {small:?}");
     assert!(small.iter().any(Option::is_some), "{small:?}");
     let (found, differs) = caught(&rod, pressure(plane(20.0)), 1.6).expect("sides");
