@@ -109,6 +109,26 @@ impl SurfacePatch {
     }
 }
 
+/// What of a triangle lies on the side of a plane to which its normal points: at most two triangles.
+fn side_of(triangle: &[DVec3; 3], point: DVec3, normal: DVec3) -> Vec<[DVec3; 3]> {
+    let above = triangle.map(|p| (p - point).dot(normal));
+    // The corners of what is kept, in the order of the triangle: three or four where the plane crosses it.
+    let mut corners: Vec<DVec3> = Vec::with_capacity(4);
+    for k in 0..3 {
+        let next = (k + 1) % 3;
+        if above[k] >= 0.0 {
+            corners.push(triangle[k]);
+        }
+        if (above[k] > 0.0 && above[next] < 0.0) || (above[k] < 0.0 && above[next] > 0.0) {
+            let share = above[k] / (above[k] - above[next]);
+            corners.push(triangle[k].lerp(triangle[next], share));
+        }
+    }
+    // A triangle that only touches the plane leaves a point or an edge, which has no area.
+    let pieces = (2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]);
+    pieces.filter(|piece| area_mm2(piece) > 0.0).collect()
+}
+
 /// Area of a triangle, mm2.
 fn area_mm2([a, b, c]: &[DVec3; 3]) -> f64 {
     0.5 * (*b - *a).cross(*c - *a).length()
@@ -140,28 +160,7 @@ impl Facets {
     #[must_use]
     pub fn on_side(&self, point: DVec3, normal: DVec3) -> Self {
         let mut kept = Vec::with_capacity(self.triangles.len());
-        for triangle in self.triangles.iter() {
-            let above = triangle.map(|p| (p - point).dot(normal));
-            // The corners of what is kept, in the order of the triangle: three or four where the plane crosses it.
-            let mut corners: Vec<DVec3> = Vec::with_capacity(4);
-            for k in 0..3 {
-                let next = (k + 1) % 3;
-                if above[k] >= 0.0 {
-                    corners.push(triangle[k]);
-                }
-                if (above[k] > 0.0 && above[next] < 0.0) || (above[k] < 0.0 && above[next] > 0.0) {
-                    let share = above[k] / (above[k] - above[next]);
-                    corners.push(triangle[k].lerp(triangle[next], share));
-                }
-            }
-            // A triangle that only touches the plane leaves a point or an edge, which has no area.
-            for k in 2..corners.len() {
-                let piece = [corners[0], corners[k - 1], corners[k]];
-                if area_mm2(&piece) > 0.0 {
-                    kept.push(piece);
-                }
-            }
-        }
+        self.triangles.iter().for_each(|t| kept.extend(side_of(t, point, normal)));
         Self::new(kept)
     }
 
@@ -231,6 +230,56 @@ impl Selection {
             Self::Patch(patch) => patch.at(p, Some(normal)).is_some(),
             _ => self.contains(p),
         }
+    }
+
+    /// Area of a mesh's surface in the selection, mm2, for boxes, planes and listed facets: facets are cut where a side of
+    /// the selection crosses them. `None` for the other shapes.
+    pub fn area_on(&self, surface: &TriMesh) -> Option<f64> {
+        let slabs = |point: DVec3, axes: DMat3, half: DVec3| -> Vec<(DVec3, DVec3)> {
+            let slab = |k: usize| {
+                let reach = (half[k] + ROUNDED_MM) * axes.col(k);
+                [(point - reach, axes.col(k)), (point + reach, -axes.col(k))]
+            };
+            (0..3).flat_map(slab).collect()
+        };
+        let sides = match self {
+            Self::Box { low, high } => slabs(0.5 * (*low + *high), DMat3::IDENTITY, 0.5 * (*high - *low)),
+            Self::TurnedBox { centre, half, axes } => slabs(*centre, *axes, *half),
+            Self::Plane { point, normal, tolerance_mm } => {
+                let reach = (tolerance_mm + ROUNDED_MM) * *normal;
+                vec![(*point - reach, *normal), (*point + reach, -*normal)]
+            }
+            Self::Triangles(all) => return Some(all.area_mm2()),
+            Self::Cylinder { .. }
+            | Self::Sphere { .. }
+            | Self::Near { .. }
+            | Self::Patch(_)
+            | Self::Points(_) => return None,
+        };
+        let within = |t: &[u32; 3]| {
+            let mut pieces = vec![t.map(|i| surface.vertices[i as usize])];
+            for &(point, normal) in &sides {
+                pieces = pieces.iter().flat_map(|piece| side_of(piece, point, normal)).collect();
+            }
+            pieces.iter().map(area_mm2).sum::<f64>()
+        };
+        Some(surface.triangles.iter().map(within).sum())
+    }
+
+    /// Whether a mesh's surface reaches into the selection; for shapes without an area ([`Self::area_on`]), whether the point
+    /// of the surface nearest to their middle, or a corner, lies in it.
+    pub fn touches(&self, surface: &TriMesh) -> bool {
+        if let Some(area) = self.area_on(surface) {
+            return area > 0.0;
+        }
+        let middle = match self {
+            Self::Cylinder { point, .. } => Some(*point),
+            Self::Sphere { centre, .. } => Some(*centre),
+            _ => None,
+        };
+        let nearest = middle.and_then(|p| Bvh::new(surface).closest_point(p, f64::INFINITY));
+        nearest.is_some_and(|found| self.contains(found.point))
+            || surface.vertices.iter().any(|p| self.contains(*p))
     }
 
     /// The same selection and everything within `by_mm` of it.
@@ -320,6 +369,35 @@ impl Selection {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn areas_within_shapes_are_cut_at_their_sides() {
+        let cube = TriMesh::cuboid(DVec3::ZERO, DVec3::splat(10.0));
+        let area = |on: &Selection| on.area_on(&cube).expect("a shape with sides");
+        let inner = Selection::Box { low: DVec3::new(2.0, 3.0, 9.0), high: DVec3::new(4.0, 6.0, 11.0) };
+        let edge = Selection::Box { low: DVec3::new(-1.0, 3.0, 9.0), high: DVec3::new(4.0, 6.0, 11.0) };
+        let side = Selection::Plane { point: DVec3::ZERO, normal: DVec3::Z, tolerance_mm: 0.0 };
+        for (on, wanted) in [(&inner, 6.0), (&edge, 12.0 + 3.0), (&side, 100.0)] {
+            // Shapes are taken larger by a micrometre.
+            assert!((area(on) - wanted).abs() < 0.05, "{} for {wanted}", area(on));
+            assert!(on.touches(&cube));
+        }
+        let turn = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
+        let moved = Selection::area_on(
+            &edge.moved(2.0, turn, DVec3::X),
+            &TriMesh {
+                vertices: cube.vertices.iter().map(|p| turn * (2.0 * *p) + DVec3::X).collect(),
+                ..cube.clone()
+            },
+        );
+        assert!((moved.expect("a turned box") - 60.0).abs() < 0.1, "{moved:?}");
+        let within = Selection::Box { low: DVec3::splat(3.0), high: DVec3::splat(4.0) };
+        assert!(area(&within) == 0.0 && !within.touches(&cube));
+        let ball = |z: f64| Selection::Sphere { centre: DVec3::new(5.0, 5.0, z), radius_mm: 0.5 };
+        assert!(
+            ball(10.4).area_on(&cube).is_none() && ball(10.4).touches(&cube) && !ball(10.6).touches(&cube)
+        );
+    }
 
     #[test]
     fn shapes_hold_what_they_should() {

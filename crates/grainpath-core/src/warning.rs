@@ -279,7 +279,7 @@ warning_ids! {
         "The peak stress is more than twice the strength of the material.",
         "check the loads and their units; at a sharp inner corner the peak grows with every finer mesh";
     StressMeshError = "stress-mesh-error",
-        "The estimated error due to the size of the elements is more than a tenth of the stress.",
+        "The elements are too large: the estimated error is more than a tenth of the stress, or a pressure catches clearly more or less area than lies in its place.",
         "lower guide.element_mm";
     StressUnbalanced = "stress-unbalanced",
         "The loads of a solved case are not in equilibrium with its reactions.",

@@ -22,6 +22,10 @@ pub struct Resultant {
     pub force_n: DVec3,
     /// Sum of their moments about the centroid, N mm.
     pub moment_nmm: DVec3,
+    /// Sum of the lengths of the single forces, N; the resultant may be zero though they are not.
+    pub amount_n: f64,
+    /// Sum of the lengths of their single moments about the centroid, N mm.
+    pub moment_amount_nmm: f64,
 }
 
 impl Resultant {
@@ -33,11 +37,16 @@ impl Resultant {
         forces: impl Iterator<Item = (DVec3, DVec3)>,
     ) -> Self {
         let (mut force_n, mut moment_nmm) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut amount_n, mut moment_amount_nmm) = (0.0, 0.0);
         for (place, force) in forces {
+            let moment = (place - centroid_mm).cross(force);
             force_n += force;
-            moment_nmm += (place - centroid_mm).cross(force);
+            moment_nmm += moment;
+            amount_n += force.length();
+            moment_amount_nmm += moment.length();
         }
-        Self { name: name.to_owned(), area_mm2, centroid_mm, force_n, moment_nmm }
+        let name = name.to_owned();
+        Self { name, area_mm2, centroid_mm, force_n, moment_nmm, amount_n, moment_amount_nmm }
     }
 
     /// The moment about another point, N mm.
@@ -54,13 +63,10 @@ impl Resultant {
 ///
 /// let tip = DVec3::new(60.0, 0.0, 0.0);
 /// let load = Resultant::new("load 1", 40.0, tip, [(tip, DVec3::new(0.0, 0.0, -10.0))].into_iter());
-/// let root = Resultant {
-///     name: "fixture 1".into(),
-///     area_mm2: 40.0,
-///     centroid_mm: DVec3::ZERO,
-///     force_n: DVec3::new(0.0, 0.0, 10.0),
-///     moment_nmm: DVec3::new(0.0, -600.0, 0.0),
-/// };
+/// // A lever of 1 mm at the root holds the part against the moment of 600 N mm.
+/// let up = |x: f64, z: f64| (DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 0.0, z));
+/// let held = [up(0.0, -590.0), up(1.0, 600.0)];
+/// let root = Resultant::new("fixture 1", 40.0, DVec3::ZERO, held.into_iter());
 /// let balance = CaseBalance { case: "bend".into(), loads: vec![load], reactions: vec![root] };
 /// assert!(balance.imbalance() < 1e-12);
 /// ```
@@ -75,26 +81,24 @@ pub struct CaseBalance {
 }
 
 impl CaseBalance {
-    /// Relative imbalance of loads and reactions: the larger of the unbalanced force over the sum
-    /// of all forces, and the unbalanced moment over the sum of all moments about the same point. 0
-    /// where no load acts.
+    /// Relative imbalance of loads and reactions: the larger of the unbalanced force over the sum of the
+    /// lengths of all forces at nodes, and the unbalanced moment over the like sum of moments about the
+    /// same point. 0 where no load acts.
     pub fn imbalance(&self) -> f64 {
         let all = || self.loads.iter().chain(&self.reactions);
         let Some(first) = all().next() else { return 0.0 };
         let point = first.centroid_mm;
-        let share = |vectors: &dyn Fn(&Resultant) -> DVec3| {
-            let (sum, size) = all()
-                .fold((DVec3::ZERO, 0.0), |(sum, size), r| (sum + vectors(r), size + vectors(r).length()));
-            if size > 0.0 { sum.length() / size } else { 0.0 }
-        };
-        // Moments are also compared with the sum of forces times lever arms, because all moments
-        // about this point may be near zero.
-        let arm = all().map(|r| r.centroid_mm.distance(point)).fold(0.0, f64::max);
-        let (moment, size) = all().fold((DVec3::ZERO, 0.0), |(sum, size), r| {
-            let about = r.moment_about_nmm(point);
-            (sum + about, size + about.length() + arm * r.force_n.length())
-        });
-        let moments = if size > 0.0 { moment.length() / size } else { 0.0 };
-        share(&|r| r.force_n).max(moments)
+        // Resultants are no measure: those of a moment, and of a pressure on a closed surface, are zero
+        // but for rounding errors.
+        let (mut force, mut forces) = (DVec3::ZERO, 0.0);
+        let (mut moment, mut moments) = (DVec3::ZERO, 0.0);
+        for r in all() {
+            force += r.force_n;
+            forces += r.amount_n;
+            moment += r.moment_about_nmm(point);
+            moments += r.moment_amount_nmm + r.centroid_mm.distance(point) * r.amount_n;
+        }
+        let share = |sum: DVec3, size: f64| if size > 0.0 { sum.length() / size } else { 0.0 };
+        share(force, forces).max(share(moment, moments))
     }
 }

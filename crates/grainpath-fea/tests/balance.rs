@@ -65,6 +65,14 @@ fn loads_and_reactions_of_solids_cancel() {
             load(3, Action::Pressure { on: top, mpa: 0.5 }),
             load(4, Action::Acceleration { mm_s2: gravity }),
         ];
+        // The resultant force of each of these alone is zero.
+        let whole = Selection::Box { low: DVec3::splat(-1e3), high: DVec3::splat(1e3) };
+        let alone = [
+            load(1, Action::Moment { on: facets(&surface, [10, 11]), total_nmm: moment }),
+            load(1, Action::Pressure { on: whole, mpa: 0.5 }),
+        ];
+        let case = |loads| LoadCase { name: "case".into(), weight: 1.0, loads };
+        let cases = [loads].into_iter().chain(alone.map(|load| vec![load])).map(case).collect();
         let fixture = Fixture {
             name: "fixture 1".into(),
             on: root,
@@ -72,24 +80,28 @@ fn loads_and_reactions_of_solids_cancel() {
             displacement_mm: DVec3::ZERO,
         };
         let (low, high) = surface.bounds().expect("eight corners");
-        let conditions = BoundaryConditions {
-            fixtures: vec![fixture],
-            cases: vec![LoadCase { name: "all".into(), weight: 1.0, loads }],
-            density_t_mm3: DENSITY_T_MM3,
-            low,
-            high,
-        };
+        let conditions =
+            BoundaryConditions { fixtures: vec![fixture], cases, density_t_mm3: DENSITY_T_MM3, low, high };
         let settings = MeshSettings { size_mm: Some(3.0 * scale), ..MeshSettings::default() };
         let meshed = mesh(&surface, &settings).expect("a block");
         let loaded = LoadedSolid::new(&meshed.mesh, &surface, &conditions);
-        let mut forces = vec![DVec3::ZERO; meshed.mesh.nodes.len()];
-        let case = &conditions.cases[0];
-        case.loads.iter().for_each(|l| loaded.add_load(&mut forces, l).expect("caught"));
+        let of_case = |case: &LoadCase| {
+            let mut forces = vec![DVec3::ZERO; meshed.mesh.nodes.len()];
+            case.loads.iter().for_each(|l| loaded.add_load(&mut forces, l).expect("caught"));
+            forces
+        };
+        let forces: Vec<_> = conditions.cases.iter().map(of_case).collect();
         let model = Model::uniform(&meshed.mesh, isotropic(2000.0, 0.3));
         let supports = loaded.supports().expect("caught");
-        let (solutions, _) = solve(&model, &supports, &[forces], &SolveSettings::default()).expect("held");
-        let loads: Vec<_> = case.loads.iter().map(|l| loaded.resultant(l).expect("caught")).collect();
-        let reactions = loaded.reactions(&solutions[0].reaction).expect("caught");
+        let (solutions, _) = solve(&model, &supports, &forces, &SolveSettings::default()).expect("held");
+        let resultant = |l| loaded.resultant(l).expect("caught");
+        let balances = conditions.cases.iter().zip(&solutions).map(|(case, solution)| CaseBalance {
+            case: case.name.clone(),
+            loads: case.loads.iter().map(resultant).collect(),
+            reactions: loaded.reactions(&solution.reaction).expect("caught"),
+        });
+        let balances: Vec<_> = balances.collect();
+        let loads = &balances[0].loads;
         println!("{name}: {:.3} mm2 for {:.3}", loads[0].area_mm2, 60.0 * scale * scale);
         assert!((loads[0].force_n - force).length() < 1e-6 * force.length());
         assert!((loads[1].moment_nmm - moment).length() < 1e-6 * moment.length());
@@ -97,9 +109,15 @@ fn loads_and_reactions_of_solids_cancel() {
         let weight = meshed.volume_mm3 * DENSITY_T_MM3 * gravity;
         assert!((loads[3].force_n - weight).length() < 1e-6 * weight.length());
         assert!((loads[0].area_mm2 / (60.0 * scale * scale) - 1.0).abs() < 0.06, "{name}");
-        let balance = CaseBalance { case: case.name.clone(), loads, reactions };
-        println!("{name}: loads and reactions cancel to {:.1e}", balance.imbalance());
-        assert!(balance.imbalance() < 1e-6, "{name}: {}", balance.imbalance());
+        for (k, balance) in balances.iter().enumerate() {
+            println!("{name}, case {k}: loads and reactions cancel to {:.1e}", balance.imbalance());
+            assert!(balance.imbalance() < 1e-6, "{name}, case {k}: {}", balance.imbalance());
+        }
+        // Reactions of another load do not cancel.
+        let mixed = CaseBalance { reactions: balances[0].reactions.clone(), ..balances[1].clone() };
+        assert!(mixed.imbalance() > 0.01, "{name}: {}", mixed.imbalance());
+        let half = CaseBalance { reactions: Vec::new(), ..balances[1].clone() };
+        assert!(half.imbalance() > 0.1, "{name}: {}", half.imbalance());
     }
 }
 

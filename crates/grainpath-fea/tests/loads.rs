@@ -9,7 +9,9 @@ use grainpath_core::selection::{Facets, Selection};
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Fixture, Held, Load, LoadCase};
 use grainpath_fea::resultant::Resultant;
-use grainpath_fea::solid::{LoadedSolid, MeshSettings, Model, SolveSettings, mesh, recover, solve};
+use grainpath_fea::solid::{
+    LoadedSolid, MeshSettings, Model, SolidError, SolveSettings, mesh, recover, solve,
+};
 use support::isotropic;
 
 const E_MPA: f64 = 2000.0;
@@ -283,4 +285,98 @@ fn a_bearing_load_presses_one_half_of_a_hole_by_the_cosine() {
     // Nothing pulls at the other half.
     let back = forces.iter().zip(&meshed.mesh.nodes).filter(|(_, p)| p.dot(along) < -1.0);
     assert!(back.map(|(f, _)| f.length()).sum::<f64>() < 0.01 * force);
+}
+
+/// The resultant of a load on a part, and the area that it catches with that of its place where they differ by a tenth.
+fn caught(
+    surface: &TriMesh,
+    action: Action,
+    size_mm: f64,
+) -> Result<(Resultant, Option<(f64, f64)>), SolidError> {
+    let (low, high) = surface.bounds().expect("a part");
+    let conditions = BoundaryConditions {
+        fixtures: Vec::new(),
+        cases: Vec::new(),
+        density_t_mm3: DENSITY_T_MM3,
+        low,
+        high,
+    };
+    let meshed = mesh(surface, &MeshSettings { size_mm: Some(size_mm), ..MeshSettings::default() })?;
+    let loaded = LoadedSolid::new(&meshed.mesh, surface, &conditions);
+    let load = Load { name: "load 1".into(), action };
+    Ok((loaded.resultant(&load)?, loaded.badly_caught(&load, 0.1)?))
+}
+
+#[test]
+fn a_bearing_load_needs_a_wall_that_faces_it() {
+    let eye = tube(5.0, 10.0, 12.0, 96);
+    let hole = Selection::Cylinder { point: DVec3::ZERO, axis: DVec3::Z, radius_mm: 5.05, length_mm: None };
+    // A force that leans by 27 degrees out of the plane across the hole is carried, its part along the hole as shear.
+    let leaning = DVec3::new(30.0, 40.0, 25.0);
+    let (found, _) =
+        caught(&eye, Action::Bearing { on: hole.clone(), total_n: leaning }, 1.6).expect("a wall");
+    assert!((found.force_n - leaning).length() < 1e-6 * leaning.length(), "{found:?}");
+    // Along the hole and nearly so, along a flat side, and away from it.
+    let flat = plane(12.0);
+    // A wider place holds rings around the ends of the hole too.
+    let wide = Selection::Cylinder { point: DVec3::ZERO, axis: DVec3::Z, radius_mm: 5.25, length_mm: None };
+    for (on, total_n) in [
+        (wide, DVec3::Z * 25.0),
+        (hole.clone(), DVec3::Z * 25.0),
+        (hole, DVec3::new(1.0, 0.0, 25.0)),
+        (flat.clone(), DVec3::X * 10.0),
+        (flat.clone(), DVec3::new(10.0, 0.0, -1e-3)),
+        (flat, DVec3::Z * 10.0),
+    ] {
+        for size_mm in [1.6, 2.5] {
+            let told = caught(&eye, Action::Bearing { on: on.clone(), total_n }, size_mm);
+            assert!(matches!(told, Err(SolidError::NoBearing { .. })), "{total_n}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn loads_on_the_volume_and_at_points_lie_where_they_act() {
+    let ring = tube(6.0, 9.0, 10.0, 64);
+    // A turning ring has no resultant to speak of; its load lies at its centre.
+    let action = Action::Centrifugal { point: DVec3::ZERO, axis: DVec3::Z, rad_s: 600.0 };
+    let (found, _) = caught(&ring, action, 1.6).expect("a load");
+    assert!(found.centroid_mm.distance(DVec3::Z * 5.0) < 0.2, "{found:?}");
+    let action = Action::Acceleration { mm_s2: DVec3::new(0.0, 3e3, -9810.0) };
+    let (found, _) = caught(&ring, action, 1.6).expect("a load");
+    assert!(found.centroid_mm.distance(DVec3::Z * 5.0) < 0.05, "{found:?}");
+    assert!(found.moment_nmm.length() < 1e-6 * found.force_n.length(), "{found:?}");
+    let at = DVec3::new(0.0, 9.0, 10.0);
+    let on = Selection::Points(Facets::new(vec![[at; 3]]));
+    let action = Action::Points { on, forces: vec![(at, DVec3::X * 3.0)].into() };
+    let (found, _) = caught(&ring, action, 1.6).expect("a load");
+    assert_eq!(found.centroid_mm, at);
+    assert!(found.moment_nmm.length() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn places_smaller_than_the_elements_are_told() {
+    let rod = tube(0.0, 8.0, 20.0, 64);
+    let top = DVec3::new(3.1, 1.3, 20.0);
+    let sphere = |centre, radius_mm| Selection::Sphere { centre, radius_mm };
+    let pressure = |on| Action::Pressure { on, mpa: 1.0 };
+    let told = caught(&rod, pressure(sphere(top, 0.02)), 4.0);
+    assert!(matches!(told, Err(SolidError::PlaceTooSmall { .. })), "{told:?}");
+    let told = caught(&rod, pressure(sphere(top + DVec3::Z * 9.0, 0.02)), 4.0);
+    assert!(matches!(told, Err(SolidError::CatchesNothing(_))), "{told:?}");
+    // Whole sides of elements in small boxes on top, and all of the top.
+    let halves = (4..16).map(|k| 0.15 * f64::from(k));
+    let small = halves.map(|half| {
+        let on = Selection::Box { low: top - half, high: top + half };
+        let (found, differs) = caught(&rod, pressure(on), 2.0).ok()?;
+        let (area, place) = differs?;
+        assert!((place - 4.0 * half * half).abs() < 0.02 && area == found.area_mm2, "{area} for {place}");
+        assert!((area / place - 1.0).abs() > 0.1);
+        Some(area)
+    });
+    let small: Vec<_> = small.collect();
+    println!("areas of small places: {small:?}");
+    assert!(small.iter().any(Option::is_some), "{small:?}");
+    let (found, differs) = caught(&rod, pressure(plane(20.0)), 1.6).expect("sides");
+    assert_eq!(differs, None, "{found:?}");
 }

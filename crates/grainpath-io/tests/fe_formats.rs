@@ -6,8 +6,8 @@ use std::path::Path;
 use grainpath_core::DVec3;
 use grainpath_core::units::LengthUnit;
 use grainpath_io::fe::{
-    Element, Encoding, FeOptions, On, Order, StressField, StressUnit, VtuMesh, parse_fe, stress_point_data,
-    von_mises, write_vtu,
+    DeckLoad, Element, Encoding, FeOptions, On, Order, StressField, StressUnit, VtuMesh, parse_fe,
+    stress_point_data, von_mises, write_vtu,
 };
 
 fn bytes(file: &str) -> Vec<u8> {
@@ -354,4 +354,106 @@ fn corners_alone_are_enough() {
         parse_fe(text.as_bytes(), None).expect("a triangle").result(&FeOptions::default()).expect("a stress");
     let xx: Vec<f64> = result.stress.iter().map(|s| s[0]).collect();
     assert_eq!(xx, [1.0, 3.0, 5.0, 2.0, 4.0, 3.0]);
+}
+
+/// A deck of one tetrahedron under what `rest` says.
+fn deck(rest: &str) -> Result<grainpath_io::fe::DeckConditions, grainpath_io::fe::FeError> {
+    let mesh = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=ALL\n1,1,2,3,4\n\
+                *SURFACE,NAME=TOP\n1,S2\n";
+    let text = format!("{mesh}{rest}");
+    parse_fe(text.as_bytes(), Some("a.inp"))?.deck_conditions(&FeOptions::default())
+}
+
+#[test]
+fn loads_of_a_deck_are_taken_at_the_size_of_their_amplitude() {
+    let held = "*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n";
+    // The force of each step along y or z. CalculiX gives the same factors at the end of the steps.
+    let forces = |rest: &str| -> Vec<f64> {
+        let found = deck(rest).unwrap_or_else(|e| panic!("{rest}: {e}"));
+        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        let of = |load: &DeckLoad| match load {
+            DeckLoad::Traction { force_n, .. } => 2.0 * force_n.y,
+            DeckLoad::Forces(all) => all.iter().map(|f| f.1.z).sum(),
+            DeckLoad::Acceleration(a) => a.z,
+            DeckLoad::Centrifugal { rad_s, .. } => rad_s * rad_s,
+        };
+        found.steps.iter().map(|s| s.loads.iter().map(of).sum()).collect()
+    };
+    let table = |rest: &str| format!("*AMPLITUDE, NAME=Ramp{rest}\n");
+    let step = |time: &str, load: &str| format!("*STEP\n*STATIC\n{time}{held}{load}*END STEP\n");
+    let half = table("\n0.,0.,1.,0.5,2.,1.,,");
+    for (load, full) in [
+        ("*CLOAD, AMPLITUDE=RAMP\n4,3,8\n", 8.0),
+        ("*DLOAD, AMPLITUDE=RAMP\n1,P2,8\n", 8.0),
+        ("*DSLOAD, AMPLITUDE=RAMP\nTOP,P,8\n", 8.0),
+        ("*DLOAD, AMPLITUDE=RAMP\nALL,GRAV,8,0,0,1\n", 8.0),
+        ("*DLOAD, AMPLITUDE=RAMP\nALL,CENTRIF,8,0,0,0,0,0,1\n", 8.0),
+    ] {
+        let found = forces(&format!("{half}{}", step("", load)));
+        assert!((found[0] - 0.5 * full).abs() < 1e-9, "{load}: {found:?}");
+    }
+    let load = "*CLOAD, AMPLITUDE=RAMP\n4,3,8\n";
+    for (table, time, wanted) in [
+        (&half, "0.1,0.5\n", 2.0),
+        (&half, "0.1,9.\n", 8.0),
+        (&table("\n2.,0.7,5.,0.9"), "", 5.6),
+        // Of two factors at one time the later one counts.
+        (&table(", TIME=STEP TIME\n0.,0.,1.,0.3\n1.,0.9,2.,0.9"), "", 7.2),
+    ] {
+        let found = forces(&format!("{table}{}", step(time, load)));
+        assert!((found[0] - wanted).abs() < 1e-9, "{table}{time}: {found:?} for {wanted}");
+    }
+    let delayed = step("", "*CLOAD, AMPLITUDE=RAMP, TIME DELAY=0.5\n4,3,8\n");
+    assert!((forces(&format!("{half}{delayed}"))[0] - 2.0).abs() < 1e-9);
+    // Kept in a second step of another length: step time stays where it was, total time goes on.
+    let two = |load: &str| format!("{}*STEP\n*STATIC\n0.1,2.\n*END STEP\n", step("", load));
+    let total = table(", TIME=TOTAL TIME\n0.,0.,1.,0.5,2.,1.,3.,4.");
+    for (table, wanted) in [(&half, [4.0, 4.0]), (&total, [4.0, 32.0])] {
+        let found = forces(&format!("{table}{}", two(load)));
+        assert!(found.iter().zip(wanted).all(|(f, w)| (f - w).abs() < 1e-9), "{table}: {found:?}");
+    }
+    // Supports move by what their amplitude says.
+    let moved = format!("{half}{}", step("", "*BOUNDARY, AMPLITUDE=RAMP\n4,3,3,-0.2\n"));
+    let found = deck(&moved).expect("a deck");
+    assert!(found.supports.iter().any(|s| (s.displacement_mm.z + 0.1).abs() < 1e-12), "{found:?}");
+}
+
+#[test]
+fn amplitudes_and_initial_stresses_that_are_not_read_are_refused_by_name() {
+    let held = "*BOUNDARY\n1,1,3\n2,1,3\n3,1,3\n";
+    let load = "*CLOAD, AMPLITUDE=A\n4,3,8\n";
+    let step = |head: &str| format!("*STEP{head}\n*STATIC\n{held}{load}*END STEP\n");
+    for (rest, wanted) in [
+        (step(""), "*CLOAD, AMPLITUDE=A: is given and is not read"),
+        (format!("*AMPLITUDE, NAME=A, USER\n{}", step("")), "*CLOAD, AMPLITUDE=A"),
+        (
+            format!("*AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n1,6.28,0,0\n0,1\n{}", step("")),
+            "*CLOAD, AMPLITUDE=A",
+        ),
+        (format!("*AMPLITUDE, NAME=A, VALUE=ABSOLUTE\n0,0,1,5\n{}", step("")), "*CLOAD, AMPLITUDE=A"),
+        (format!("*AMPLITUDE, NAME=A\n1,0,0,5\n{}", step("")), "*CLOAD, AMPLITUDE=A"),
+        (format!("*AMPLITUDE, NAME=A\n0,0,1\n{}", step("")), "*CLOAD, AMPLITUDE=A"),
+        (format!("*AMPLITUDE, NAME=A\n0,0,1,1\n{}", step(", PERTURBATION")), "*CLOAD, AMPLITUDE=A"),
+        (
+            format!("*AMPLITUDE, NAME=A, TIME=TOTAL TIME\n0,0,1,1\n{}", step(""))
+                .replace("TIC\n", "TIC, TIME RESET\n"),
+            "*CLOAD, AMPLITUDE=A",
+        ),
+        (
+            format!(
+                "*INITIAL CONDITIONS, TYPE=STRESS\nALL,5,5,5,0,0,0\n{}",
+                step("").replace(", AMPLITUDE=A", "")
+            ),
+            "*INITIALCONDITIONS, TYPE=STRESS: changes the stress under the loads",
+        ),
+    ] {
+        let told = deck(&rest).err().unwrap_or_else(|| panic!("{rest}")).to_string();
+        assert!(told.contains(wanted) && !told.contains('\n'), "{told:?} for {rest}");
+    }
+    // An amplitude that no load uses, and initial values that no static step uses, change nothing.
+    let rest = format!(
+        "*AMPLITUDE, NAME=A, USER\n*INITIAL CONDITIONS, TYPE=TEMPERATURE\n1,20\n{}",
+        step("").replace(", AMPLITUDE=A", "")
+    );
+    assert_eq!(deck(&rest).expect("a deck").steps[0].loads.len(), 1);
 }

@@ -219,12 +219,16 @@ fn visible(
 /// visible beside the part and not longer than it.
 /// Source: derived: a margin of 1.3 arrows leaves half of the picture to the part.
 const ARROW: f64 = 0.22;
+/// An arrow below this share of the largest, or of all forces of a load at nodes, is not drawn. Source: derived: it is too short to
+/// see, 2 px of a picture of 1000.
+const LEAST_ARROW: f64 = 0.01;
 /// Colours of loads, reactions and moments. Source: derived: they differ in brightness, for readers who see red like green.
 const ARROW_COLOURS: [[u8; 3]; 3] = [[255, 90, 80], [90, 220, 120], [255, 200, 70]];
 
 /// The loads and reactions of the first load case as arrows over the edges of the mesh, seen from the front and above.
 /// The arrow of a force ends where the force acts, and its length is proportional to the force. Loads are red, reactions
-/// of fixtures green. A moment is a yellow arrow with two heads along its axis. `None` where nothing was solved.
+/// of fixtures green. A moment is a yellow arrow with two heads along its axis. A
+/// load whose forces cancel, such as that of a part that turns about its middle, has none. `None` where nothing was solved.
 pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
     let (result, balance) = (guide.results.first()?, guide.summary.balance.first()?);
     let towards = DVec3::new(0.5, -0.75, 0.43).normalize();
@@ -250,14 +254,23 @@ pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
     let all = || balance.loads.iter().map(|r| (r, 0)).chain(balance.reactions.iter().map(|r| (r, 1)));
     let largest = |size: fn(&Resultant) -> f64| all().map(|(r, _)| size(r)).fold(0.0, f64::max);
     let (force, moment) = (largest(|r| r.force_n.length()), largest(|r| r.moment_nmm.length()));
+    // Forces of a load that cancel one another leave rounding errors and errors of the mesh, which are no force.
+    let of_loads = |amount: fn(&Resultant) -> f64| balance.loads.iter().map(amount).fold(0.0, f64::max);
+    let least_force = LEAST_ARROW * force.max(of_loads(|r| r.amount_n));
+    let mut least_moment = LEAST_ARROW * moment.max(of_loads(|r| r.moment_amount_nmm));
+    // Where neither is left of a load, its reactions are errors of the mesh, with levers of the size of the part.
+    let cancels = |r: &&Resultant| {
+        r.force_n.length() <= least_force && r.moment_nmm.length() <= LEAST_ARROW * r.moment_amount_nmm
+    };
+    for r in balance.loads.iter().filter(cancels) {
+        least_moment = least_moment.max(LEAST_ARROW * r.amount_n * bounds.size().max_element());
+    }
     for (r, kind) in all() {
         let at = flat(r.centroid_mm);
-        // An arrow below a hundredth of the largest is too short to see.
-        if force > 0.0 && r.force_n.length() > 0.01 * force {
+        if r.force_n.length() > least_force {
             arrow(&mut canvas, at, flat(r.force_n) * (reach / force), reach, 1, ARROW_COLOURS[kind]);
-        }
-        // A load or reaction with a force may also have a moment about its centroid; only the report states it.
-        if moment > 0.0 && r.moment_nmm.length() > 0.01 * moment && r.force_n.length() <= 1e-6 * force {
+        } else if r.moment_nmm.length() > least_moment {
+            // A load or reaction with a force may also have a moment about its centroid; only the report states it.
             arrow(&mut canvas, at, flat(r.moment_nmm) * (reach / moment), reach, 2, ARROW_COLOURS[2]);
         }
     }

@@ -1,6 +1,7 @@
 //! Triangle meshes as read from a file: vertices, triangles, and their defects.
 
 mod examined;
+mod repeats;
 mod stray;
 mod topology;
 mod weld;
@@ -8,6 +9,7 @@ mod weld;
 use glam::DVec3;
 
 pub use examined::Examined;
+pub use repeats::{Repeats, find_repeats};
 pub use stray::{Strays, find_strays};
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose, examine};
 pub use weld::{VertexWelder, weld_targets, weld_within};

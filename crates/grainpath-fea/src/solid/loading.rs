@@ -12,7 +12,7 @@ use super::model::constraints::Supports;
 use super::model::error::SolidError;
 use super::model::nodal_forces;
 use super::model::tet_mesh::TetMesh;
-use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Held, Load};
+use crate::load_case::{Action, BoundaryConditions, Held, Load};
 use crate::resultant::Resultant;
 use grainpath_core::selection::Selection;
 
@@ -103,8 +103,9 @@ impl<'a> LoadedSolid<'a> {
     /// Adds a load to the forces at the nodes, N, `(n_nodes)`.
     ///
     /// # Errors
-    /// [`CatchesNothing`] for a load without a face.
-    pub fn add_load(&self, forces_n: &mut [DVec3], load: &Load) -> Result<(), CatchesNothing> {
+    /// [`SolidError::CatchesNothing`] or [`SolidError::PlaceTooSmall`] for a load without a face, [`SolidError::NoBearing`] for a
+    /// bearing load along or away from its wall.
+    pub fn add_load(&self, forces_n: &mut [DVec3], load: &Load) -> Result<(), SolidError> {
         let caught = |on: &Selection| self.caught(&load.name, on);
         match &load.action {
             Action::Acceleration { mm_s2 } => {
@@ -119,7 +120,12 @@ impl<'a> LoadedSolid<'a> {
                 });
             }
             Action::Bearing { on, total_n } => {
-                nodal_forces::add_bearing(forces_n, self.mesh, &caught(on)?, *total_n);
+                let faces = caught(on)?;
+                let normals = faces.iter().map(|&f| self.area_and_facet_normal(f));
+                if !nodal_forces::faces_force(normals, *total_n) {
+                    return Err(SolidError::NoBearing { name: load.name.clone() });
+                }
+                nodal_forces::add_bearing(forces_n, self.mesh, &faces, *total_n);
             }
             Action::Torque { on, point, axis, total_nmm } => {
                 let faces = caught(on)?;
@@ -145,7 +151,7 @@ impl<'a> LoadedSolid<'a> {
                 let wanted = (traction.force_n, traction.moment_nmm);
                 let at = |p, normal| traction.at(p, normal);
                 if nodal_forces::add_carried(forces_n, self.mesh, at, wanted) == 0.0 {
-                    return Err(self.conditions.catches_nothing(&load.name, on, SEARCHED));
+                    return Err(self.conditions.catches_nothing(&load.name, on, SEARCHED).into());
                 }
             }
             Action::Points { forces, .. } => nodal_forces::add_points(forces_n, self.mesh, forces),
@@ -165,16 +171,18 @@ impl<'a> LoadedSolid<'a> {
     /// Force, moment, area and centroid of a load.
     ///
     /// # Errors
-    /// [`CatchesNothing`] for a load without a face.
-    pub fn resultant(&self, load: &Load) -> Result<Resultant, CatchesNothing> {
+    /// As [`Self::add_load`].
+    pub fn resultant(&self, load: &Load) -> Result<Resultant, SolidError> {
         let mut forces_n = vec![DVec3::ZERO; self.mesh.nodes.len()];
         self.add_load(&mut forces_n, load)?;
-        let (area_mm2, centroid) = match load.action.on() {
-            Some(on) => {
+        let (area_mm2, centroid) = match (&load.action, load.action.on()) {
+            // The points catch no faces; the load lies where they do.
+            (Action::Points { forces, .. }, _) => (0.0, centre_of_forces(forces.iter().copied())),
+            (_, Some(on)) => {
                 let faces = self.caught(&load.name, on)?;
                 (nodal_forces::area_mm2(self.mesh, &faces), nodal_forces::centroid_mm(self.mesh, &faces))
             }
-            None => (0.0, parallel_centre(&self.mesh.nodes, &forces_n)),
+            (_, None) => (0.0, centre_of_forces(pairs(&self.mesh.nodes, &forces_n))),
         };
         Ok(Resultant::new(&load.name, area_mm2, centroid, pairs(&self.mesh.nodes, &forces_n)))
     }
@@ -183,21 +191,37 @@ impl<'a> LoadedSolid<'a> {
     /// several fixtures hold counts for the first of them.
     ///
     /// # Errors
-    /// [`CatchesNothing`] for a fixture without a face.
-    pub fn reactions(&self, reactions_n: &[DVec3]) -> Result<Vec<Resultant>, CatchesNothing> {
+    /// [`SolidError::CatchesNothing`] or [`SolidError::PlaceTooSmall`] for a fixture without a face.
+    pub fn reactions(&self, reactions_n: &[DVec3]) -> Result<Vec<Resultant>, SolidError> {
         // Each node's reaction is taken out of `rest` once it has been counted, so that it is counted once.
         let mut rest = reactions_n.to_vec();
         let mut all = Vec::with_capacity(self.conditions.fixtures.len());
         for fixture in &self.conditions.fixtures {
             let faces = self.caught(&fixture.name, &fixture.on)?;
             let area_mm2 = nodal_forces::area_mm2(self.mesh, &faces);
-            let centroid = nodal_forces::centroid_mm(self.mesh, &faces);
             let nodes = self.held_nodes(&fixture.on, &faces);
+            let centroid = match &fixture.on {
+                Selection::Points(points) => mean(points.triangles().iter().map(|t| t[0])),
+                _ => nodal_forces::centroid_mm(self.mesh, &faces),
+            };
             let own =
                 nodes.iter().map(|&i| (self.mesh.nodes[i as usize], std::mem::take(&mut rest[i as usize])));
             all.push(Resultant::new(&fixture.name, area_mm2, centroid, own));
         }
         Ok(all)
+    }
+
+    /// For a pressure, the area that it catches and the area of the part's surface in its place, mm2, if they differ by more
+    /// than `share` of the latter: its force is off by as much. `None` for other loads, whose resultants are given, and for places
+    /// whose area on the surface has no closed form: cylinders, spheres and patches.
+    ///
+    /// # Errors
+    /// As [`Self::add_load`].
+    pub fn badly_caught(&self, load: &Load, share: f64) -> Result<Option<(f64, f64)>, SolidError> {
+        let Action::Pressure { on, .. } = &load.action else { return Ok(None) };
+        let caught_mm2 = nodal_forces::area_mm2(self.mesh, &self.caught(&load.name, on)?);
+        let place_mm2 = on.area_on(self.surface).filter(|a| (caught_mm2 - a).abs() > share * a);
+        Ok(place_mm2.map(|a| (caught_mm2, a)))
     }
 
     /// The nodes of the boundary faces in a selection, ascending.
@@ -223,13 +247,25 @@ impl<'a> LoadedSolid<'a> {
         self.surface.normal(self.surface.triangles[facet as usize])
     }
 
+    /// Area of a boundary face, mm2, and the outward normal of the facet of the part below it.
+    fn area_and_facet_normal(&self, face: usize) -> (f64, DVec3) {
+        (nodal_forces::area_mm2(self.mesh, &[face]), self.facet_normal(self.mesh.faces[face].facet))
+    }
+
     /// The boundary faces in a selection; an error where there are none, except for single points.
-    fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
+    fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, SolidError> {
         let faces = self.faces_in(on);
-        match faces.is_empty() && !matches!(on, Selection::Points(_)) {
-            true => Err(self.conditions.catches_nothing(name, on, SEARCHED)),
-            false => Ok(faces),
+        if !faces.is_empty() || matches!(on, Selection::Points(_)) {
+            return Ok(faces);
         }
+        Err(match on.touches(self.surface) {
+            true => SolidError::PlaceTooSmall {
+                name: name.to_owned(),
+                shape: on.name(),
+                element_mm: self.mesh.mean_cell_mm(),
+            },
+            false => self.conditions.catches_nothing(name, on, SEARCHED).into(),
+        })
     }
 
     /// Nodes of the faces that lie along the part's surface, each with the sum of the face normals
@@ -251,14 +287,28 @@ impl<'a> LoadedSolid<'a> {
 }
 
 /// Each node's position with the force on it.
-fn pairs<'a>(nodes: &'a [DVec3], forces: &'a [DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
+fn pairs<'a>(nodes: &'a [DVec3], forces: &'a [DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + Clone + 'a {
     nodes.iter().copied().zip(forces.iter().copied())
 }
 
-/// The point about which parallel forces have no moment; the origin where the forces cancel.
-fn parallel_centre(nodes: &[DVec3], forces: &[DVec3]) -> DVec3 {
-    let along = forces.iter().sum::<DVec3>().normalize_or_zero();
-    let (sum, size) = pairs(nodes, forces)
-        .fold((DVec3::ZERO, 0.0), |(sum, size), (p, f)| (sum + p * f.dot(along), size + f.dot(along)));
+/// The mean of points; the origin for none.
+fn mean(points: impl ExactSizeIterator<Item = DVec3>) -> DVec3 {
+    let n = points.len().max(1) as f64;
+    points.sum::<DVec3>() / n
+}
+
+/// The point about which parallel forces have no moment; for other forces, the mean of their places, weighted by their sizes.
+/// There a resultant that nearly cancels would set the first point anywhere. The origin without forces.
+fn centre_of_forces(forces: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> DVec3 {
+    /// Forces are parallel if their components across the resultant are at most this share of them. Source: derived: rounding
+    /// errors are 1e-15 of a force, and forces of a turning part lie across each other.
+    const PARALLEL: f64 = 1e-9;
+    let along = forces.clone().map(|f| f.1).sum::<DVec3>().normalize_or_zero();
+    let amount = |(_, f): (DVec3, DVec3)| f.length();
+    let across: f64 = forces.clone().map(|(_, f)| (f - along * f.dot(along)).length()).sum();
+    let is_parallel = across <= PARALLEL * forces.clone().map(amount).sum::<f64>();
+    let weight = |pair: (DVec3, DVec3)| if is_parallel { pair.1.dot(along) } else { amount(pair) };
+    let (sum, size) = forces
+        .fold((DVec3::ZERO, 0.0), |(sum, size), pair| (sum + pair.0 * weight(pair), size + weight(pair)));
     if size > 0.0 { sum / size } else { DVec3::ZERO }
 }

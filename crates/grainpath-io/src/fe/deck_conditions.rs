@@ -24,9 +24,9 @@ use super::nodal_forces::face_of;
 use super::problem::FeProblem;
 use super::result::{FeOptions, StressUnit};
 
-/// Prefixes of the keywords that change loads or supports and are not read. A deck with one of them is refused. All other
+/// Prefixes of the keywords that change loads, supports or the stress without load, and are not read. A deck with one of them is refused. All other
 /// unread keywords concern materials, output and the solver, which are not taken from a deck.
-const LOADS_AND_SUPPORTS: [&str; 22] = [
+const LOADS_AND_SUPPORTS: [&str; 23] = [
     "CLOAD",
     "DLOAD",
     "DSLOAD",
@@ -49,7 +49,11 @@ const LOADS_AND_SUPPORTS: [&str; 22] = [
     "CYCLICSYMMETRYMODEL",
     "BASEMOTION",
     "CHANGE",
+    INITIAL_STRESS,
 ];
+
+/// A stress that the part has without loads.
+const INITIAL_STRESS: &str = "INITIALCONDITIONS, TYPE=STRESS";
 
 /// Limit on the different displacements that supports may prescribe along an axis. Source: chosen; supports that move as a
 /// whole have a few, those that turn have one for every node, and would need to be interpolated.
@@ -218,7 +222,12 @@ impl FeFile {
         let deck = self.deck.as_deref().ok_or(FeError::NoDeck { format: self.format.name() })?;
         let changes = |k: &&String| LOADS_AND_SUPPORTS.iter().any(|l| k.starts_with(l));
         if let Some(keyword) = deck.ignored.iter().find(changes) {
-            return Err(invalid(format!("*{keyword}"), FeProblem::ChangesLoads));
+            let problem = match keyword {
+                k if k.starts_with(INITIAL_STRESS) => FeProblem::InitialStress,
+                k if k.contains("AMPLITUDE") => FeProblem::Amplitude,
+                _ => FeProblem::ChangesLoads,
+            };
+            return Err(invalid(format!("*{keyword}"), problem));
         }
         let surface = DeckSurface::new(self, deck, options)?;
         let mut warnings = self.warnings.clone();

@@ -5,8 +5,11 @@
 //!
 //! Keywords that do not change a linear analysis ([`HARMLESS`]) are skipped. Every other keyword that is not read is named in
 //! a warning, since the result of the deck would differ. Units: a deck has none; the job states them.
+//!
+//! A load with an amplitude is read with the factor that its table has at the end of the step. A table in step time stays at
+//! the end of the step that gave the load, and one in total time goes on, as in both manuals.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::bytes::Numbers;
 use super::deck::{
@@ -146,10 +149,66 @@ fn retain_carried<T>(all: &mut Vec<T>, n: usize, is_replaced: impl Fn(&T) -> boo
     n - (before - all.len())
 }
 
+/// A tabular amplitude: factors over time.
+struct Amplitude {
+    in_total_time: bool,
+    /// Times, ascending, with their factors.
+    points: Vec<(f64, f64)>,
+}
+
+impl Amplitude {
+    /// The factor at a time: linear between points, that of the nearest point before the first and behind the last, and the
+    /// later one where two points have the same time.
+    fn at(&self, time: f64) -> f64 {
+        let after = self.points.partition_point(|p| p.0 <= time);
+        match (self.points[..after].last(), self.points.get(after)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((time - a.0) / (b.0 - a.0)),
+            (Some(end), None) | (None, Some(end)) => end.1,
+            (None, None) => 1.0,
+        }
+    }
+}
+
+/// An amplitude as a load refers to it.
+struct Ramp {
+    /// Index into the amplitudes.
+    amplitude: usize,
+    /// Time by which the table is shifted.
+    delay: f64,
+    /// The step that gave the load.
+    step: usize,
+    /// Name for a warning: "CLOAD, AMPLITUDE=A".
+    name: String,
+}
+
+/// A load or support with the index of its ramp; `None` for one at full size.
+type Ramped<T> = (T, Option<u32>);
+
+/// A step whose loads have not been multiplied by their amplitudes yet.
+#[derive(Default)]
+struct OpenStep {
+    /// The step without its lists.
+    step: Step,
+    /// Its duration.
+    period: f64,
+    is_perturbation: bool,
+    fixed: Vec<Ramped<Fixed>>,
+    points: Vec<Ramped<PointLoad>>,
+    faces: Vec<Ramped<FaceLoad>>,
+    bodies: Vec<Ramped<BodyLoad>>,
+}
+
 /// State of the reader.
 struct Inp {
     file: FeFile,
     deck: Deck,
+    steps: Vec<OpenStep>,
+    /// Index of each amplitude by its name; `None` for one that cannot be evaluated.
+    amplitude_names: BTreeMap<String, Option<usize>>,
+    amplitudes: Vec<Amplitude>,
+    ramps: Vec<Ramp>,
+    /// Whether the total time is known in all steps.
+    has_clock: bool,
     nodes: Numbers,
     elements: Numbers,
     /// Number of entries that sets and loads may still add.
@@ -166,6 +225,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     let mut inp = Inp {
         file: FeFile::empty(FeFormat::Inp),
         deck: Deck::default(),
+        steps: Vec::new(),
+        amplitude_names: BTreeMap::new(),
+        amplitudes: Vec::new(),
+        ramps: Vec::new(),
+        has_clock: true,
         nodes: Numbers::default(),
         elements: Numbers::default(),
         capacity: array_capacity(bytes.len()),
@@ -276,10 +340,13 @@ impl Inp {
             | "HEATTRANSFER"
             | "VISCO"
             | "COUPLEDTEMPERATURE-DISPLACEMENT" => {
-                // The procedure is stored because only a linear static step can be compared.
-                if let Some(step) = self.deck.steps.last_mut() {
-                    step.procedure = b.keyword.clone();
-                }
+                self.procedure(b)?;
+            }
+            "AMPLITUDE" => self.amplitude(b)?,
+            // A stress that is there before any load; values of other kinds say nothing to a static step.
+            "INITIALCONDITIONS" => {
+                let kind = b.name("TYPE").unwrap_or_default();
+                self.ignore(&format!("INITIALCONDITIONS, TYPE={kind}"));
             }
             "BOUNDARY" => self.boundary(b)?,
             "CLOAD" => self.cload(b)?,
@@ -310,26 +377,105 @@ impl Inp {
     /// Opens a step. Loads stay from step to step until another value replaces them or `OP=NEW` removes them; a perturbation
     /// step has only its own loads.
     fn begin_step(&mut self, b: &Block<'_>) -> Result<(), FeError> {
-        let mut step = Step { nlgeom: b.has("NLGEOM"), ..Step::default() };
-        if let Some(before) = self.deck.steps.last().filter(|_| !b.has("PERTURBATION")) {
-            step.point_loads.clone_from(&before.point_loads);
-            step.face_loads.clone_from(&before.face_loads);
-            step.body_loads.clone_from(&before.body_loads);
+        let mut open = OpenStep {
+            step: Step { nlgeom: b.has("NLGEOM"), ..Step::default() },
+            is_perturbation: b.has("PERTURBATION"),
+            // Source: the default of both manuals.
+            period: 1.0,
+            ..OpenStep::default()
+        };
+        if let Some(before) = self.steps.last().filter(|_| !open.is_perturbation) {
+            open.points.clone_from(&before.points);
+            open.faces.clone_from(&before.faces);
+            open.bodies.clone_from(&before.bodies);
         }
-        let [points, faces, bodies] = [step.point_loads.len(), step.face_loads.len(), step.body_loads.len()];
+        let [points, faces, bodies] = [open.points.len(), open.faces.len(), open.bodies.len()];
         self.take_capacity(points + faces + bodies, b.line)?;
         self.carried = CarriedLoads { points, faces, bodies };
-        self.deck.steps.push(step);
+        self.steps.push(open);
         self.in_step = true;
         Ok(())
+    }
+
+    /// The procedure of a step. It is stored because only a linear static step can be compared; its second number is the
+    /// duration, which amplitudes need.
+    fn procedure(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let period = match (b.keyword.as_str(), b.data.first()) {
+            // These find eigenvalues or the like; no time passes.
+            ("FREQUENCY" | "BUCKLE" | "STEADYSTATEDYNAMICS", _) => 0.0,
+            (_, Some((n, line))) => match fields(line).nth(1) {
+                Some(field) => Some(value(*n, field)?).filter(|t| *t > 0.0).unwrap_or(1.0),
+                None => 1.0,
+            },
+            (_, None) => 1.0,
+        };
+        // These set the total time anew, or measure the step by another length.
+        if ["TIMERESET", "TOTALTIMEATSTART", "RIKS"].iter().any(|p| b.has(p)) {
+            self.has_clock = false;
+        }
+        if let Some(open) = self.steps.last_mut() {
+            open.step.procedure = b.keyword.clone();
+            open.period = period;
+        }
+        Ok(())
+    }
+
+    /// A tabular amplitude. One that is not a plain table of factors is kept by its name alone, so that loads that use it are
+    /// named as not read.
+    fn amplitude(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let word =
+            |v: &str| v.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+        let mut in_total_time = false;
+        let mut is_table = true;
+        for (name, v) in &b.parameters {
+            match (name.as_str(), word(v).as_str()) {
+                ("NAME", _) | ("TIME", "STEPTIME") | ("DEFINITION", "TABULAR") | ("VALUE", "RELATIVE") => {}
+                ("TIME", "TOTALTIME") => in_total_time = true,
+                _ => is_table = false,
+            }
+        }
+        let mut points = Vec::new();
+        let lines = if is_table { b.data.as_slice() } else { &[] };
+        for &(n, line) in lines {
+            let all: Vec<&[u8]> = fields(line).collect();
+            // A line holds up to four pairs; blanks end it.
+            for pair in all.chunks(2).take_while(|pair| pair.iter().any(|f| !f.is_empty())) {
+                is_table &= pair.len() == 2;
+                points.push((value(n, pair[0])?, value(n, pair.get(1).copied().unwrap_or_default())?));
+            }
+        }
+        is_table &= !points.is_empty() && points.is_sorted_by(|a, b| a.0 <= b.0);
+        let index = is_table.then_some(self.amplitudes.len());
+        if is_table {
+            self.amplitudes.push(Amplitude { in_total_time, points });
+        }
+        self.amplitude_names.insert(b.name("NAME").unwrap_or_default(), index);
+        Ok(())
+    }
+
+    /// The ramp of a block of loads or supports; `None` without an amplitude. An amplitude that cannot be evaluated is named
+    /// as not read.
+    fn ramp(&mut self, b: &Block<'_>) -> Option<u32> {
+        let amplitude = b.name("AMPLITUDE")?;
+        let name = format!("{}, AMPLITUDE={amplitude}", b.keyword);
+        let delay = b.parameter("TIMEDELAY").map_or(Some(0.0), |t| value(b.line, t.trim().as_bytes()).ok());
+        let index = self.amplitude_names.get(&amplitude).copied().flatten();
+        // No time passes in a perturbation, nor before the first step.
+        let step =
+            self.steps.len().checked_sub(1).filter(|&i| self.in_step && !self.steps[i].is_perturbation);
+        let (Some(amplitude), Some(delay), Some(step)) = (index, delay, step) else {
+            self.ignore(&name);
+            return None;
+        };
+        self.ramps.push(Ramp { amplitude, delay, step, name });
+        Some((self.ramps.len() - 1) as u32)
     }
 
     /// Lists, for a warning, the unread parameters of a load or a support that change its meaning.
     fn ignore_parameters(&mut self, b: &Block<'_>) {
         for (name, value) in &b.parameters {
             let is_read = match name.as_str() {
-                // The keyword that defines an amplitude already raises the warning; loads with an amplitude are taken in
-                // full.
+                // [`Self::ramp`] reads the latter two.
                 "OP" | "AMPLITUDE" | "TIMEDELAY" => true,
                 "TYPE" => b.keyword == "BOUNDARY" && value.trim().eq_ignore_ascii_case("DISPLACEMENT"),
                 _ => false,
@@ -603,6 +749,7 @@ impl Inp {
 
     fn boundary(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         self.ignore_parameters(b);
+        let ramp = self.ramp(b);
         let mut fixed = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -633,27 +780,28 @@ impl Inp {
             );
         }
         // Supports before the first step hold in all steps.
-        match self.deck.steps.last_mut() {
-            Some(step) if self.in_step => {
+        match self.steps.last_mut() {
+            Some(open) if self.in_step => {
                 // Only the first such block of a step removes what was before.
-                if is_new(b) && step.fixed.is_empty() {
-                    step.releases = true;
+                if is_new(b) && open.fixed.is_empty() {
+                    open.step.releases = true;
                 }
-                step.fixed.extend(fixed);
+                open.fixed.extend(fixed.into_iter().map(|f| (f, ramp)));
             }
             _ => self.deck.fixed.extend(fixed),
         }
         Ok(())
     }
 
-    fn step(&mut self, b: &Block<'_>) -> Result<&mut Step, FeError> {
+    fn step(&mut self, b: &Block<'_>) -> Result<&mut OpenStep, FeError> {
         let line = b.line;
         let keyword = &b.keyword;
-        self.deck.steps.last_mut().ok_or_else(|| invalid(place(line), FeProblem::BeforeStep(keyword.clone())))
+        self.steps.last_mut().ok_or_else(|| invalid(place(line), FeProblem::BeforeStep(keyword.clone())))
     }
 
     fn cload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         self.ignore_parameters(b);
+        let ramp = self.ramp(b);
         let mut loads = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -664,12 +812,13 @@ impl Inp {
                 continue;
             }
             let value = value(n, all.get(2).copied().unwrap_or_default())?;
-            loads.extend(nodes.into_iter().map(|node| PointLoad { node, axis: (axis - 1) as u8, value }));
+            let load = |node| (PointLoad { node, axis: (axis - 1) as u8, value }, ramp);
+            loads.extend(nodes.into_iter().map(load));
         }
         let mut carried = self.carried.points;
-        let all = &mut self.step(b)?.point_loads;
-        let given: BTreeSet<(u32, u8)> = loads.iter().map(|l: &PointLoad| (l.node, l.axis)).collect();
-        carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&(l.node, l.axis)));
+        let all = &mut self.step(b)?.points;
+        let given: BTreeSet<(u32, u8)> = loads.iter().map(|(l, _)| (l.node, l.axis)).collect();
+        carried = retain_carried(all, carried, |(l, _)| is_new(b) || given.contains(&(l.node, l.axis)));
         all.extend(loads);
         self.carried.points = carried;
         Ok(())
@@ -677,6 +826,7 @@ impl Inp {
 
     fn dload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         self.ignore_parameters(b);
+        let ramp = self.ramp(b);
         let (mut faces, mut bodies) = (Vec::new(), Vec::new());
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -690,7 +840,7 @@ impl Inp {
                     let direction = [number_at(3)?, number_at(4)?, number_at(5)?];
                     let acceleration = direction.map(|c| c * g);
                     let force = BodyForce::Gravity(acceleration);
-                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, force }));
+                    bodies.extend(elements.into_iter().map(|element| (BodyLoad { element, force }, ramp)));
                 }
                 // CENTRIF: the square of the speed, a point of the axis, its direction.
                 b"CENTRIF" => {
@@ -700,14 +850,14 @@ impl Inp {
                     }
                     let [speed_squared, point @ .., a, b, c] = at;
                     let force = BodyForce::Centrifugal { speed_squared, point, axis: [a, b, c] };
-                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, force }));
+                    bodies.extend(elements.into_iter().map(|element| (BodyLoad { element, force }, ramp)));
                 }
                 // `P` and the number of a face. `PFILM` and the like are no pressures.
                 [b'P', rest @ ..] if !rest.is_empty() && rest.iter().all(u8::is_ascii_digit) => {
                     let pressure = number_at(2)?;
                     for element in elements {
                         let face = self.face(n, element, &label)?;
-                        faces.push(FaceLoad { element, face, pressure });
+                        faces.push((FaceLoad { element, face, pressure }, ramp));
                     }
                 }
                 other => self.ignore(&format!("DLOAD {}", shown(other))),
@@ -715,8 +865,8 @@ impl Inp {
         }
         self.add_face_loads(b, faces)?;
         let mut carried = self.carried.bodies;
-        let all = &mut self.step(b)?.body_loads;
-        let kind = |l: &BodyLoad| (l.element, matches!(l.force, BodyForce::Gravity(_)));
+        let all = &mut self.step(b)?.bodies;
+        let kind = |(l, _): &Ramped<BodyLoad>| (l.element, matches!(l.force, BodyForce::Gravity(_)));
         let given: BTreeSet<(u32, bool)> = bodies.iter().map(kind).collect();
         carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&kind(l)));
         all.extend(bodies);
@@ -725,11 +875,11 @@ impl Inp {
     }
 
     /// Pressures of a DLOAD or DSLOAD. They replace those of earlier steps on the same faces.
-    fn add_face_loads(&mut self, b: &Block<'_>, faces: Vec<FaceLoad>) -> Result<(), FeError> {
+    fn add_face_loads(&mut self, b: &Block<'_>, faces: Vec<Ramped<FaceLoad>>) -> Result<(), FeError> {
         let mut carried = self.carried.faces;
-        let all = &mut self.step(b)?.face_loads;
-        let given: BTreeSet<(u32, u8)> = faces.iter().map(|l| (l.element, l.face)).collect();
-        carried = retain_carried(all, carried, |l| is_new(b) || given.contains(&(l.element, l.face)));
+        let all = &mut self.step(b)?.faces;
+        let given: BTreeSet<(u32, u8)> = faces.iter().map(|(l, _)| (l.element, l.face)).collect();
+        carried = retain_carried(all, carried, |(l, _)| is_new(b) || given.contains(&(l.element, l.face)));
         all.extend(faces);
         self.carried.faces = carried;
         Ok(())
@@ -737,6 +887,7 @@ impl Inp {
 
     fn dsload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         self.ignore_parameters(b);
+        let ramp = self.ramp(b);
         let mut loads = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).collect();
@@ -751,12 +902,55 @@ impl Inp {
                 continue;
             }
             let pressure = value(n, all.get(2).copied().unwrap_or_default())?;
-            loads.extend(faces.into_iter().map(|(element, face)| FaceLoad { element, face, pressure }));
+            let load = |(element, face)| (FaceLoad { element, face, pressure }, ramp);
+            loads.extend(faces.into_iter().map(load));
         }
         self.add_face_loads(b, loads)
     }
 
+    /// The steps with their loads multiplied by their amplitudes at the end of the step.
+    fn close_steps(&mut self) {
+        let steps = std::mem::take(&mut self.steps);
+        let periods: Vec<f64> = steps.iter().map(|open| open.period).collect();
+        let mut total_time = 0.0;
+        for open in steps {
+            total_time += open.period;
+            let factor = |ramp: Option<u32>| {
+                let Some(ramp) = ramp.map(|i| &self.ramps[i as usize]) else { return 1.0 };
+                let amplitude = &self.amplitudes[ramp.amplitude];
+                let time = if amplitude.in_total_time { total_time } else { periods[ramp.step] };
+                amplitude.at(time - ramp.delay)
+            };
+            let mut step = open.step;
+            step.fixed =
+                open.fixed.iter().map(|(f, r)| Fixed { value: f.value * factor(*r), ..*f }).collect();
+            let scaled = |(l, r): &Ramped<PointLoad>| PointLoad { value: l.value * factor(*r), ..*l };
+            step.point_loads = open.points.iter().map(scaled).collect();
+            let scaled = |(l, r): &Ramped<FaceLoad>| FaceLoad { pressure: l.pressure * factor(*r), ..*l };
+            step.face_loads = open.faces.iter().map(scaled).collect();
+            let scaled = |(l, r): &Ramped<BodyLoad>| {
+                let by = factor(*r);
+                let force = match l.force {
+                    BodyForce::Gravity(a) => BodyForce::Gravity(a.map(|c| c * by)),
+                    BodyForce::Centrifugal { speed_squared, point, axis } => {
+                        BodyForce::Centrifugal { speed_squared: speed_squared * by, point, axis }
+                    }
+                };
+                BodyLoad { element: l.element, force }
+            };
+            step.body_loads = open.bodies.iter().map(scaled).collect();
+            self.deck.steps.push(step);
+        }
+        if !self.has_clock {
+            let in_total_time = |ramp: &Ramp| self.amplitudes[ramp.amplitude].in_total_time;
+            let unknown: Vec<String> =
+                self.ramps.iter().filter(|r| in_total_time(r)).map(|r| r.name.clone()).collect();
+            unknown.iter().for_each(|name| self.ignore(name));
+        }
+    }
+
     fn finish(mut self) -> FeFile {
+        self.close_steps();
         // Supports in a job may name these sets.
         for (name, nodes) in &self.deck.node_sets {
             self.file.groups.push(Group { name: name.clone(), nodes: nodes.clone() });

@@ -70,6 +70,14 @@ pub enum FeProblem {
         "changes loads or supports and is not read; put forces, pressures and supports on nodes and faces of the part itself (*CLOAD, *DLOAD, *DSLOAD, *BOUNDARY)"
     )]
     ChangesLoads,
+    #[error(
+        "is given and is not read; take the amplitude from the load, or state it as a table of factors (*AMPLITUDE)"
+    )]
+    Amplitude,
+    #[error(
+        "changes the stress under the loads and is not read; take it out of the deck, or import the solved stress (guide.import)"
+    )]
+    InitialStress,
     #[error("has no solid elements (C3D4, C3D10, C3D8, ...)")]
     NoSolids,
     #[error(

@@ -134,7 +134,11 @@ impl GuideError {
             self,
             Self::Missing(_)
                 | Self::CatchesNothing(_)
-                | Self::Solid(SolidError::CatchesNothing(_))
+                | Self::Solid(
+                    SolidError::CatchesNothing(_)
+                        | SolidError::PlaceTooSmall { .. }
+                        | SolidError::NoBearing { .. }
+                )
                 | Self::NoFacet { .. }
                 | Self::Face { .. }
                 | Self::FixtureAslant { .. }
@@ -687,7 +691,7 @@ fn solved_or_imported(
         None => solve(settings, part, conditions, diagnostics)?,
     };
     solved.summary.strength_mpa = settings.strength_mpa;
-    trust::warn(settings, part.mesh, &solved.summary, &solved.results, diagnostics);
+    trust::warn(settings, part, &solved.summary, &solved.results, diagnostics);
     diagnostics.check()?;
     Ok(solved)
 }

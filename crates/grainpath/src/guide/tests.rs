@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use grainpath_core::math::{atan2, direction};
-use grainpath_core::{DVec2, DVec3, Diagnostics, Polygon, Region};
+use grainpath_core::{DMat3, DVec2, DVec3, Diagnostics, Polygon, Region, TriMesh};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::plane::{
     Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, mesh_region, traction_n,
@@ -269,4 +269,17 @@ fn many_cases_are_all_judged() {
     let mut cases = cases.to_vec();
     cases.extend([pull(10.0, 20.0), pull(100.0, 20.0)]);
     assert_eq!(mix_of(&cases, &stiff), [5, 6]);
+}
+
+#[test]
+fn the_longest_side_of_a_part_does_not_depend_on_its_turn() {
+    let bar = TriMesh::cuboid(DVec3::ZERO, DVec3::new(50.0, 8.0, 6.0));
+    for turn in [
+        DMat3::IDENTITY,
+        DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
+        crate::shape::Standing::new(1.0, [0.3, -0.7, 0.6], 0.0).rotation,
+    ] {
+        let turned = TriMesh { vertices: bar.vertices.iter().map(|p| turn * *p).collect(), ..bar.clone() };
+        assert!((super::trust::longest_side_mm(&turned, turn) - 50.0).abs() < 1e-9);
+    }
 }

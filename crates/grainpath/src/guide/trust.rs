@@ -4,15 +4,15 @@
 //! to a wrong load or unit. A large mesh error hides the peak. Loads and reactions that do not cancel mean a broken model.
 //! A large displacement breaks the assumption of small strains.
 
-use super::{ResultMesh, StressSettings, StressSummary};
+use super::{GuidedPart, ResultMesh, StressSettings, StressSummary};
 use grainpath_core::tensor::von_mises;
-use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
+use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh, Warning, WarningId};
 
 /// A peak above this multiple of the strength along the beads points to a mistake in the loads or
 /// in a unit, or to a singular corner. Source: chosen; a requirement of the project.
 const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
 /// A warning is given if the mesh misses more than this estimated share of the stress. Source: chosen; a requirement of the project.
-const MAX_MESH_ERROR: f64 = 0.1;
+pub(super) const MAX_MESH_ERROR: f64 = 0.1;
 /// A warning is given if the relative imbalance of loads and reactions is above this. Source: chosen; a requirement of the project.
 const MAX_IMBALANCE: f64 = 1e-3;
 /// The report states no reserve if the peak stress is above this multiple of the strength. Source: chosen; a requirement of the
@@ -28,7 +28,7 @@ const MAX_DISPLACEMENT_SHARE: f64 = 0.05;
 /// Adds a warning for each limit that a result exceeds.
 pub(super) fn warn(
     settings: &StressSettings,
-    part: &TriMesh,
+    part: &GuidedPart<'_>,
     summary: &StressSummary,
     results: &[ResultMesh],
     diagnostics: &Diagnostics,
@@ -70,8 +70,7 @@ pub(super) fn warn(
             diagnostics.warn(WarningId::StressUnbalanced, text);
         }
     }
-    let (low, high) = part.bounds().unwrap_or_default();
-    let size_mm = (high - low).max_element();
+    let size_mm = longest_side_mm(part.mesh, part.standing.rotation);
     if summary.max_displacement_mm > MAX_DISPLACEMENT_SHARE * size_mm {
         let text = format!(
             "the part moves by {:.2} mm, {:.0} % of its longest side; linear elasticity holds for small displacements",
@@ -80,6 +79,16 @@ pub(super) fn warn(
         );
         diagnostics.warn(WarningId::StressLargeDisplacement, text);
     }
+}
+
+/// The longest side of a part's box before it was turned by `rotation`, mm. That of the turned part would depend on the turn.
+pub(super) fn longest_side_mm(mesh: &TriMesh, rotation: DMat3) -> f64 {
+    let back = rotation.transpose();
+    let (low, high) = mesh.vertices.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+        let p = back * *p;
+        (low.min(p), high.max(p))
+    });
+    (high - low).max_element().max(0.0)
 }
 
 /// Whether any component of a case's stress differs from zero. Without force on nodes that can move, the solution is exactly zero.

@@ -3,18 +3,19 @@
 //! The steps, each counted in a warning:
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
-//! 2. shells without volume beside a body are left out ([`find_strays`]);
-//! 3. facets are turned so that neighbours agree, beginning at the first facet of each shell;
-//! 4. shells are turned by nesting ([`turn_outward`]): an outermost shell of negative volume is turned
+//! 2. facets that repeat others are left out ([`find_repeats`]);
+//! 3. shells without volume beside a body are left out ([`find_strays`]);
+//! 4. facets are turned so that neighbours agree, beginning at the first facet of each shell;
+//! 5. shells are turned by nesting ([`turn_outward`]): an outermost shell of negative volume is turned
 //!    with all shells inside it, so that outer shells face outward and cavities inward;
-//! 5. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
+//! 6. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
 //!
 //! No triangle is added: closing holes in sections needs no surface, and a wrong cap would be cut
 //! like a true surface. A mesh most of whose edges are open has no volume and is refused.
 //! [`Repair::Strict`] refuses every defect. Lengths are in any unit. Cost: linear in the triangles, and
 //! what nesting takes.
 
-use grainpath_core::mesh::{EdgeUses, Examined, MeshHealth, find_strays};
+use grainpath_core::mesh::{EdgeUses, Examined, MeshHealth, find_repeats, find_strays};
 use grainpath_core::nesting::turn_outward;
 use grainpath_core::{Diagnostics, TriMesh, WarningId};
 
@@ -22,7 +23,7 @@ use super::ShapeError;
 pub use grainpath_job::choices::Repair;
 
 /// Joins bodies into one mesh that is wound outward as far as possible. Near vertices are merged
-/// where edges are open. Shells without volume beside a body are left out. Shells with inconsistent
+/// where edges are open. Facets that repeat others, and shells without volume beside a body, are left out. Shells with inconsistent
 /// winding are turned face by face, and outermost shells that are inside out are turned whole, with
 /// the shells inside them. Holes that remain are closed in the sections. Every change is counted in a
 /// warning.
@@ -58,6 +59,19 @@ pub fn mend_counting(
         examined.extend(Examined::new(body, diagnostics)?);
     }
     found.welded = examined.iter().map(|body| body.n_welded).sum();
+    let repeats = find_repeats(&examined);
+    found.repeated = repeats.n_facets;
+    if repair == Repair::Strict && repeats.n_facets > 0 {
+        let defects = format!("{} facets that repeat others", repeats.n_facets);
+        return Err(ShapeError::Defects { defects });
+    }
+    if repeats.n_facets > 0 {
+        let mut left = Vec::with_capacity(examined.len());
+        for (body, is_repeated) in examined.into_iter().zip(repeats.facets) {
+            left.extend(body.without(&is_repeated, diagnostics)?);
+        }
+        examined = left;
+    }
     // All bodies are looked at together, because the pieces of one surface may be bodies of their own in the file.
     let strays = find_strays(&examined);
     found.stray = strays.n_shells;
@@ -86,6 +100,7 @@ pub fn mend_counting(
 #[derive(Default)]
 struct Found {
     welded: usize,
+    repeated: usize,
     stray: usize,
     open: usize,
     nonmanifold: usize,
@@ -101,6 +116,7 @@ impl Found {
             }
         };
         warn(WarningId::MeshRepaired, self.welded, "open edges closed by merging near vertices");
+        warn(WarningId::MeshRepaired, self.repeated, "facets that repeat others left out");
         warn(WarningId::MeshStray, self.stray, "shells without volume beside the part left out");
         warn(WarningId::MeshOpen, self.open, "open edges; the sections were closed where they are cut");
         warn(

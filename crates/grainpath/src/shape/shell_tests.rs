@@ -125,3 +125,46 @@ fn nested_shells_face_alternately_whichever_way_they_were_written() {
         assert!((volume(&[a, b]) - (17.0 * 9.0 + 1.0)).abs() < 1e-9);
     }
 }
+
+#[test]
+fn facets_that_repeat_others_go() {
+    let body = box_at([0.0; 3], [20.0, 10.0, 5.0]);
+    let with = |more: Vec<[u32; 3]>| {
+        let mut mesh = body.clone();
+        mesh.triangles.extend(more);
+        mesh
+    };
+    let all = body.triangles.clone();
+    let (back, some) = (turned(&body).triangles, vec![all[1], all[4], all[5], all[9]]);
+    let apart = joined(&[body.clone(), body.clone()]);
+    for (bodies, n) in [
+        (vec![with(all.clone())], 12),
+        (vec![with([all.clone(), all.clone()].concat())], 24),
+        (vec![with(back)], 12),
+        (vec![with(some.clone())], 4),
+        (vec![with([some.clone(), some].concat())], 8),
+        // Copies that share no vertices with what they repeat, in the same body and in another one.
+        (vec![apart], 12),
+        (vec![body.clone(), body.clone()], 12),
+    ] {
+        let diagnostics = Diagnostics::default();
+        let mesh = mend(bodies.clone(), Repair::Auto, &diagnostics).expect("a part");
+        assert_eq!(mesh.triangles.len(), 12);
+        assert!((mesh.signed_volume() - 1000.0).abs() < 1e-9, "{}", mesh.signed_volume());
+        let told: Vec<_> = diagnostics.warnings().into_iter().map(|w| (w.id, w.text)).collect();
+        let wanted = format!("mesh: {n} facets that repeat others left out");
+        assert_eq!(told, [(WarningId::MeshRepaired, wanted)]);
+        let strict = mend(bodies, Repair::Strict, &Diagnostics::default());
+        assert!(matches!(strict, Err(ShapeError::Defects { defects }) if defects.contains(&n.to_string())));
+    }
+    // Bodies that touch with a whole side, and bodies with a side in common, would be open without it.
+    let touching = box_at([20.0, 0.0, 0.0], [5.0, 10.0, 5.0]);
+    let longer = box_at([0.0; 3], [30.0, 10.0, 5.0]);
+    for other in [touching, longer] {
+        for bodies in [vec![joined(&[body.clone(), other.clone()])], vec![body.clone(), other]] {
+            let diagnostics = Diagnostics::default();
+            assert_eq!(mend(bodies, Repair::Auto, &diagnostics).expect("a part").triangles.len(), 24);
+            assert!(diagnostics.warnings().is_empty());
+        }
+    }
+}

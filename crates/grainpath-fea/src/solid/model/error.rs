@@ -56,6 +56,28 @@ pub enum SolidError {
     /// A fixture or load without a face.
     #[error(transparent)]
     CatchesNothing(#[from] CatchesNothing),
+    /// A fixture or load whose place lies on the part, between the middles of the elements' sides.
+    #[error(
+        "{name} ({shape}) is smaller than the elements of about {element_mm:.2} mm and holds the middle of none of their sides; \
+         lower guide.element_mm, or take a larger place"
+    )]
+    PlaceTooSmall {
+        /// "fixture 1", "load 2".
+        name: String,
+        /// The kind of selection: "sphere".
+        shape: &'static str,
+        /// Size of the elements, mm.
+        element_mm: f64,
+    },
+    /// A bearing load that its wall does not face.
+    #[error(
+        "{name}: bearing_n presses on a wall that faces the force, and no wall of its place does so; take the wall of a hole across \
+         the force, or force_n for a force along or away from a wall"
+    )]
+    NoBearing {
+        /// "load 1".
+        name: String,
+    },
     /// The part is not held.
     #[error("piece {piece} of {pieces} (around {around}) is not held: it is free to {free}")]
     Free {

@@ -154,6 +154,8 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
 /// between the wall's normal and the force, over the half of the wall that the pin pushes on. The part of
 /// the force that a pressure on this wall cannot carry, such as a force along the hole, is spread evenly.
 ///
+/// The wall has to face the force ([`faces_force`]).
+///
 /// Source: the peak of the pressure is `2 F / (pi r L)`, the usual bearing load of a pin without play
 /// (`shigley2015`).
 pub(crate) fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n: DVec3) {
@@ -164,13 +166,34 @@ pub(crate) fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize],
     add_traction(&mut shape, mesh, faces, unit);
     let carried: DVec3 = shape.iter().sum();
     let size = force_n.length() / carried.dot(along);
+    // Without a wall that faces the force there is nothing to press on.
     if !size.is_finite() || size <= 0.0 {
-        add_force(forces, mesh, faces, force_n);
         return;
     }
     forces.iter_mut().zip(&shape).for_each(|(f, s)| *f += *s * size);
     // The mesh of the wall is not quite symmetric about the force, so a small part of it is still missing.
     add_force(forces, mesh, faces, force_n - carried * size);
+}
+
+/// Whether a pin can press on faces with this force: whether enough of their area faces the force, and whether the resultant
+/// of the pressure leans by at most 60 degrees from it. Each face is given by its area and the outward normal of the part below
+/// it; faces that round off an edge would face directions that the part does not.
+pub(crate) fn faces_force(faces: impl Iterator<Item = (f64, DVec3)>, force_n: DVec3) -> bool {
+    /// Least area that faces the force, weighted by the squared cosine, as a share of all area.
+    /// Source: derived: the wall of a round hole has 1/4, and 1/16 if the force leans by 60 degrees. A place a little wider than the
+    /// hole also holds rings around its ends, which have 1/50 for a force along it.
+    const LEAST_SHARE: f64 = 0.05;
+    /// Least cosine between the force and the resultant of the pressure. Source: derived: at 60 degrees, the wall takes half of
+    /// the force; what is along the hole is friction, of which a pin bears less than that.
+    const LEAST_COS: f64 = 0.5;
+    let Some(along) = force_n.try_normalize() else { return true };
+    let (mut all, mut pressed) = (0.0, DVec3::ZERO);
+    for (area, normal) in faces {
+        all += area;
+        pressed -= normal * ((-normal.dot(along)).max(0.0) * area);
+    }
+    let taken = pressed.dot(along);
+    taken >= LEAST_SHARE * all && taken >= LEAST_COS * pressed.length() && taken > 0.0
 }
 
 /// Adds tractions in MPa where `traction` returns one. Their sum may fall short of a force in N and of a moment about the
