@@ -118,6 +118,48 @@ fn slice_takes_a_scan_and_says_so() {
 }
 
 #[test]
+fn slice_takes_raw_voxels_whose_size_is_set() {
+    let dir = folder("doors-raw");
+    scan(&dir);
+    let all = std::fs::read(dir.join("block.nrrd")).expect("written");
+    std::fs::write(dir.join("block.raw"), &all[all.len() - 30 * 24 * 20..]).expect("written");
+    let refused = grainpath(&dir, &["slice", "block.raw"]);
+    let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(text.contains("voxels without their header") && text.contains("shape.ct.size_px"), "{text}");
+    let sets = ["shape.ct.size_px=[30,24,20]", "shape.ct.pixel_mm=0.5", "shape.ct.slice_mm=0.5"];
+    let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", *set]).collect();
+    let words = [&["slice", "block.raw", "--json", "-o", "raw.gcode"], &sets[..]].concat();
+    let value = json(&grainpath(&dir, &words));
+    assert!((value["z_max_mm"].as_f64().expect("a height") - 7.0).abs() <= 0.2, "{value}");
+}
+
+#[test]
+fn inspect_tells_what_slice_refuses_a_scan_for() {
+    let dir = folder("doors-implausible");
+    let write = |name: &str, sample: &str, voxels: &dyn Fn(usize) -> Vec<u8>| {
+        let head = format!("NRRD0005\ntype: {sample}\nsizes: 30 24 20\nspacings: 1 1 1\nendian: little\n");
+        let mut bytes = format!("{head}encoding: raw\n\n").into_bytes();
+        bytes.extend((0..30 * 24 * 20).flat_map(voxels));
+        std::fs::write(dir.join(name), bytes).expect("written");
+        json(&grainpath(&dir, &["inspect", name, "--json"]))
+    };
+    let told = |value: &serde_json::Value| {
+        value["warnings"].as_array().is_some_and(|all| all.iter().any(|w| w["id"] == "scan-implausible"))
+    };
+    let nan = write("nan.nrrd", "float", &|_| f32::NAN.to_le_bytes().to_vec());
+    assert!(told(&nan) && nan["otsu"].is_null() && nan["grey"].is_null(), "{nan}");
+    // A smooth hill; its bytes are in the order that the header does not state.
+    let hill = |i: usize| {
+        let (x, y) = ((i % 30) as f64 - 15.0, (i / 30 % 24) as f64 - 12.0);
+        (20_000.0 / (1.0 + (x * x + y * y) / 40.0)) as u16
+    };
+    let swapped = write("swapped.nrrd", "ushort", &|i| hill(i).to_be_bytes().to_vec());
+    assert!(told(&swapped) && swapped["warnings"].to_string().contains("wrong order"), "{swapped}");
+    let right = write("right.nrrd", "ushort", &|i| hill(i).to_le_bytes().to_vec());
+    assert!(!told(&right) && right["otsu"].is_number(), "{right}");
+}
+
+#[test]
 fn slice_says_which_profiles_it_assumed() {
     let dir = folder("doors-assumed");
     scan(&dir);

@@ -73,6 +73,9 @@ pub struct VolumeInfo {
     pub z_mm: Vec<f64>,
     /// Position of the voxels in the file's world, if the file states one.
     pub world: Option<WorldFrame>,
+    /// Whether the file names grey values that stand for no measurement (padding around a round field of view). Its
+    /// voxels count as those that are not finite: [`SliceSource::n_not_finite`].
+    pub padded: bool,
     /// How the file stores the voxels, for people: pairs of a property and its value.
     pub stored: Vec<(&'static str, String)>,
     /// Irregularities of the file that were found while it was read, for example uneven spacing.
@@ -108,6 +111,7 @@ impl VolumeInfo {
             spacing_mm: [None; 3],
             z_mm: Vec::new(),
             world: None,
+            padded: false,
             stored: Vec::new(),
             warnings: Vec::new(),
         }
@@ -214,7 +218,7 @@ pub trait SliceSource: Send {
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
 
-    /// Number of voxels since the last restart that are NaN or infinite in the file. Slices
+    /// Number of voxels since the last restart that are NaN, infinite or padding in the file. Slices
     /// contain only finite values: such voxels get the least grey value of their slice, which is
     /// air.
     fn n_not_finite(&self) -> u64 {

@@ -141,8 +141,11 @@ warning_ids! {
         "The slices of a scan are not stored along the height of the part; the file is read several times.",
         "store the slices along the height of the part to save time";
     ScanNotFinite = "scan-not-finite",
-        "Voxels of a scan are NaN or infinite; they were taken for air.",
+        "Voxels of a scan are NaN, infinite or padding; they were taken for air.",
         "if these voxels should be material, check the program that wrote the scan";
+    ScanImplausible = "scan-implausible",
+        "The grey values of a file cannot be those of a scan: all are NaN, infinite or padding, their bytes are in the wrong order, or neighbouring voxels are unrelated. Planning refuses such a scan.",
+        "correct the header of the file, or size, sample type and byte order of raw data";
     ScanChunksMissing = "scan-chunks-missing",
         "Chunks of a scan in Zarr are not stored; they were read as the fill value, as Zarr defines.",
         "compare the folder with the original: programs leave out chunks that hold only the fill value, but an incomplete copy lacks other chunks too";

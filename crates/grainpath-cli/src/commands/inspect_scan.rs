@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use grainpath_core::DVec3;
 use grainpath_core::slices::SampleType;
-use grainpath_imaging::scan::{ContactSheet, Histogram};
+use grainpath_core::{DVec3, Warning, WarningId};
+use grainpath_imaging::scan::{
+    ContactSheet, Histogram, Implausible, Plausibility, Replaced, SAMPLED, ScanError, is_sampled,
+};
 use grainpath_io::volume::RawHeader;
 use grainpath_view::histogram::{Mark, histogram_png};
 use serde_json::{Value, json};
@@ -24,7 +26,9 @@ pub(super) fn is_scan(path: &Path) -> Result<bool, Failure> {
         return Ok(true);
     }
     let name = path.display().to_string().to_ascii_lowercase();
-    let named = [".nrrd", ".nhdr", ".mhd", ".mha", ".nii", ".nii.gz", ".tif", ".tiff", ".dcm", ".zip"];
+    let named = [
+        ".nrrd", ".nhdr", ".mhd", ".mha", ".nii", ".nii.gz", ".hdr", ".img", ".tif", ".tiff", ".dcm", ".zip",
+    ];
     Ok(named.iter().any(|e| name.ends_with(e)))
 }
 
@@ -46,18 +50,33 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
     // Histogram and contact sheet are collected slice by slice, so that a scan larger than the memory can
     // be inspected.
     let mut histogram = Histogram::default();
+    let mut plausibility = Plausibility::new(info.sample);
     let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));
     let mut slice = Vec::new();
-    let mut k = 0;
+    let (mut k, mut n_replaced) = (0, 0);
     while source.next_slice(&mut slice).map_err(grainpath::Error::from)? {
-        histogram.add(&slice, info.size[0]);
+        let before = std::mem::replace(&mut n_replaced, source.n_not_finite());
+        histogram.add(&slice, info.size[0], Replaced::in_slice(&slice, n_replaced.saturating_sub(before)));
+        if is_sampled(k, info.size[2], SAMPLED) {
+            plausibility.add(&slice, info.size[0]);
+        }
         if let Some(sheet) = &mut sheet {
             sheet.add(k, &slice);
         }
         k += 1;
     }
     let absent = Some(source.n_absent()).filter(|n| *n > 0);
-    let not_finite = Some(source.n_not_finite()).filter(|n| *n > 0);
+    let replaced = |is_counted: bool| Some(n_replaced).filter(|n| is_counted && *n > 0);
+    let voxels = info.size.iter().map(|n| *n as u64).product();
+    let (section, is_blank) = ("shape.ct", n_replaced >= voxels);
+    let fault = match plausibility.verdict() {
+        _ if is_blank => Some(ScanError::NotFinite { voxels }),
+        Some(Implausible::ByteOrder) => Some(ScanError::ByteOrder { section }),
+        Some(Implausible::Noise) => Some(ScanError::Noise { section }),
+        None => None,
+    };
+    let mut warnings = info.warnings.clone();
+    warnings.extend(fault.map(|fault| Warning::new(WarningId::ScanImplausible, fault.to_string())));
     let (low, high) = histogram.range().unwrap_or((0.0, 0.0));
     let (air, material) = histogram.materials();
     if let (Some(sheet), Some(path)) = (sheet, &args.sheet) {
@@ -77,6 +96,8 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         outputs::save(path, &histogram_png(&histogram.binned(HISTOGRAM_BINS), range, &marks, IMAGE_PX))?;
     }
     let round = |v: f64| (v * 1e4).round() / 1e4;
+    // Without a single grey value there are no thresholds.
+    let told = |value: Value| if is_blank { Value::Null } else { value };
     // Nine decimals of a millimetre are a picometre: the rounding removes only the noise of binary
     // fractions.
     let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e9).round() / 1e9));
@@ -94,15 +115,17 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
-        "world": world, "not_finite": not_finite, "stored": stored, "absent": absent,
-        "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
+        "world": world, "not_finite": replaced(!info.padded), "padding": replaced(info.padded),
+        "stored": stored, "absent": absent,
+        "grey": told(json!([low, high])), "otsu": told(json!(round(histogram.otsu()))),
+        "materials": told(json!([round(air), round(material)])),
         // Both thresholds that `shape.ct.threshold` can name are listed, so that the user can choose
         // beforehand.
-        "iso50": round(iso50), "histogram": histogram.binned(32),
+        "iso50": told(json!(round(iso50))), "histogram": told(json!(histogram.binned(32))),
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()),
         "image": args.image.as_ref().map(|p| format!(
             "{}: counts on a logarithmic scale; iso50 red, otsu yellow, air and material blue", p.display()
         )),
-        "warnings": info.warnings,
+        "warnings": warnings,
     }))
 }

@@ -29,9 +29,13 @@ fn is_picture(path: &Path) -> bool {
 }
 
 /// Endings of files that hold no shape, with the error that names the right command.
-const NO_SHAPES: [(&[&str], &str); 4] = [
+const NO_SHAPES: [(&[&str], &str); 5] = [
     (&["toml"], "not a mesh, but a job: `grainpath run` takes it"),
     (&["zraw"], "voxels without their header: name the .mhd file beside it"),
+    (
+        &["raw", "vol"],
+        "voxels without their header: name the header file beside it, or set shape.ct.size_px, shape.ct.sample, shape.ct.pixel_mm and shape.ct.slice_mm",
+    ),
     (
         &["gcode", "gco", "g"],
         "not a mesh, but a G-code program: `grainpath inspect`, `render` and `strength` take it",
@@ -49,7 +53,8 @@ fn no_shape(file: &Path) -> Option<String> {
 }
 
 /// The text of the default job for a file, and, for a photograph or scan, the assumptions that the job makes about it.
-fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
+/// `is_raw` says that the user states the size of raw data.
+fn job_of(model: &Path, is_raw: bool) -> Result<(String, Option<&'static str>), Failure> {
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
     let file = serde_json::Value::from(model.display().to_string());
     if is_picture(model) {
@@ -62,7 +67,7 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
         let assumed = "a photograph that its board fills, unless shape.photo.corners is \"outline\" or \"markers\": dense stripes along its grain, no skins over them";
         return Ok((job, Some(assumed)));
     }
-    if model != Path::new("-") && inspect_scan::is_scan(model)? {
+    if model != Path::new("-") && (is_raw || inspect_scan::is_scan(model)?) {
         let assumed = "a scan: voxels above Otsu's threshold are the part, spacing is that of its header where shape.ct.pixel_mm and slice_mm do not state it";
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
     }
@@ -120,7 +125,7 @@ pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
         return Err(Failure::input(format!("{}: {what}", model.display())));
     }
     let file = serde_json::Value::from(model.display().to_string());
-    let (job, assumed) = job_of(model)?;
+    let (job, assumed) = job_of(model, false)?;
     let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs"]);
     let shape = if has_ending(model, &["svg", "dxf"]) {
         format!(
@@ -173,8 +178,9 @@ fn assumed_profiles(sets: &[String]) -> Option<String> {
 /// `grainpath slice`
 pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     let name = args.model.display();
+    let is_raw = args.common.sets.iter().any(|set| set.trim_start().starts_with("shape.ct.size_px"));
     if args.model.is_file() {
-        if let Some(what) = no_shape(&args.model) {
+        if let Some(what) = no_shape(&args.model).filter(|_| !is_raw) {
             return Err(Failure::input(format!("{name}: {what}")));
         }
         // Whoever has a format that is not read should not have to measure the board first.
@@ -199,7 +205,7 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
             "{name}: the name of a photograph should be UTF-8 text; rename the file"
         )));
     }
-    let (mut job, mut assumed) = job_of(&args.model)?;
+    let (mut job, mut assumed) = job_of(&args.model, is_raw)?;
     if !args.loads.is_empty() {
         if assumed.is_some() {
             return Err(Failure::usage(format!(

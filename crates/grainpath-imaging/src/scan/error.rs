@@ -28,7 +28,7 @@ pub enum ScanError {
     #[error("the file states no {what}; set {keys}")]
     NoSpacing { what: String, keys: String },
     #[error(
-        "none of {voxels} voxels looked at is a number (all are NaN or infinite); check the sample type and the byte order"
+        "none of {voxels} voxels looked at is a number (all are NaN, infinite or padding); check the sample type and the byte order"
     )]
     NotFinite { voxels: u64 },
     #[error(

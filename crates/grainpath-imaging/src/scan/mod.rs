@@ -52,14 +52,15 @@ use rayon::prelude::*;
 
 pub use crate::distance::{Raster, signed_distance};
 pub use crate::smooth::Smoothing;
-pub use crate::threshold::Histogram;
+pub use crate::threshold::{Histogram, Replaced};
 pub use edges::CannySettings;
 pub use error::{GreyRange, GreyValues, ScanError};
 pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
 pub use parts::{PartedScan, ScanPart};
+pub use plausible::{Implausible, Plausibility};
 pub use preview::{PreviewError, ScanPreview, preview};
 pub use sheet::ContactSheet;
-pub use survey::Survey;
+pub use survey::{SAMPLED, Survey, is_sampled};
 pub use trace::SignedImage;
 
 use survey::Lattice;
@@ -273,7 +274,8 @@ fn warn_not_finite(not_finite: u64, info: &VolumeInfo, diagnostics: &Diagnostics
     if not_finite > 0 {
         let n_voxels: u64 = info.size.iter().map(|&n| n as u64).product();
         let share = 100.0 * not_finite as f64 / n_voxels as f64;
-        let text = format!("{not_finite} voxels ({share:.3} %) are NaN or infinite; they are taken for air");
+        let what = if info.padded { "padding" } else { "NaN or infinite" };
+        let text = format!("{not_finite} voxels ({share:.3} %) are {what}; they are taken for air");
         diagnostics.warn(WarningId::ScanNotFinite, text);
     }
 }

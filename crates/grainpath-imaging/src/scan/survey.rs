@@ -17,7 +17,7 @@ use grainpath_core::slices::{SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics};
 
 use super::plausible::{Implausible, Plausibility};
-use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
+use super::{CtSettings, Denoise, Histogram, Interpolation, Replaced, ScanError, Threshold, Tracing};
 
 /// Slices that are at most this many pixels apart are interpolated by their grey values: the blur of an
 /// edge then reaches from slice to slice. With slices farther apart, a flank between them would show as
@@ -25,10 +25,17 @@ use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold,
 const GREY_RATIO: f64 = 1.6;
 /// Largest number of slices that are sampled for the histogram. The modes of air and material need a fair sample; reading
 /// every slice would double the time to read a scan.
-const SAMPLED: usize = 48;
+pub const SAMPLED: usize = 48;
 /// Largest number of slices that are sampled where only plausibility is checked. More slices cost time; fewer may all lie in
 /// the air above the part.
 const PLAUSIBLE: usize = 6;
+
+/// Whether slice `k` of `n` is one of at most `most` that are sampled: the middle of each of as many strides, so that the
+/// often empty first and last slices do not dominate.
+pub fn is_sampled(k: usize, n: usize, most: usize) -> bool {
+    let stride = n.div_ceil(most).max(1);
+    k % stride == stride / 2 || n < 3
+}
 
 /// The voxels that are taken, and where they lie.
 #[derive(Debug, Clone)]
@@ -178,7 +185,6 @@ impl Survey {
         diagnostics.begin(Stage::Read, n);
         // All slices are read through, because packed slices cannot be reached without unpacking those before
         // them.
-        let stride = n.div_ceil(sampled).max(1);
         let (mut slice, mut n_voxels) = (Vec::new(), 0);
         source.restart()?;
         for _ in 0..lattice.first {
@@ -187,14 +193,16 @@ impl Survey {
         let not_finite_before = source.n_not_finite();
         for k in 0..n {
             diagnostics.check()?;
-            // The middle of each stride, so that the often empty first and last slices do not dominate.
-            if k % stride == stride / 2 || n < 3 {
+            if is_sampled(k, n, sampled) {
+                let before = source.n_not_finite();
                 source.next_slice(&mut slice)?;
                 n_voxels += slice.len() as u64;
+                // Counted in the whole slice: a crop cannot tell how many of its voxels were replaced.
+                let replaced = Replaced::in_slice(&slice, source.n_not_finite().saturating_sub(before));
                 let values = lattice.cropped(std::mem::take(&mut slice));
                 plausibility.add(&values, lattice.nx);
                 if found || contrast {
-                    histogram.add(&values, lattice.nx);
+                    histogram.add(&values, lattice.nx, replaced);
                 }
             } else {
                 source.skip_slice()?;

@@ -446,8 +446,63 @@ fn values_that_cannot_be_a_scan_stop_early() {
         let told = refusal(swapped, CtSettings { threshold, ..settings() });
         assert!(told.contains("wrong order") && told.contains("shape.ct.byte_order"), "{told}");
     }
-    assert!(refusal(|_| 0.0, settings()).contains("NaN or infinite"));
+    assert!(refusal(|_| 0.0, settings()).contains("NaN, infinite or padding"));
     assert!(refusal(|_| 5.0, settings()).contains("every voxel has the grey value 5"));
+}
+
+/// A round field of view: pixels outside a circle have the lowest value of their slice and are counted.
+struct Round(Phantom, u64);
+
+impl SliceSource for Round {
+    fn info(&self) -> &VolumeInfo {
+        &self.0.info
+    }
+    fn restart(&mut self) -> Result<(), SliceError> {
+        self.1 = 0;
+        self.0.restart()
+    }
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        let more = self.0.next_slice(out)?;
+        let lowest = out.iter().copied().fold(f32::INFINITY, f32::min);
+        for (p, v) in out.iter_mut().enumerate() {
+            let (x, y) = ((p % 100) as f64 - 49.5, (p / 100) as f64 - 49.5);
+            if x * x + y * y > 48.0 * 48.0 {
+                *v = lowest;
+                self.1 += 1;
+            }
+        }
+        Ok(more)
+    }
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
+        self.0.skip_slice()
+    }
+    fn n_not_finite(&self) -> u64 {
+        self.1
+    }
+}
+
+#[test]
+fn padding_around_a_round_field_of_view_moves_no_threshold() {
+    for threshold in [Threshold::Otsu, Threshold::Iso50(None)] {
+        let wanted = CtSettings { threshold, ..settings() };
+        let noisy = || {
+            let mut phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
+            // Air lies far enough above 0 that its noise is not cut.
+            phantom.noise = 300.0;
+            phantom.info.padded = true;
+            phantom
+        };
+        let made = |source: &mut dyn SliceSource| {
+            let diagnostics = Diagnostics::default();
+            let made = slice_scan(source, &wanted, &diagnostics).expect("layers");
+            let told = diagnostics.warnings().iter().any(|w| w.text.contains("are padding"));
+            (made.report.threshold[0], told)
+        };
+        let (plain, padded) = (made(&mut noisy()), made(&mut Round(noisy(), 0)));
+        println!("{threshold:?}: {plain:?} {padded:?}");
+        assert!((padded.0 - plain.0).abs() < 0.005 * (METAL - AIR), "{threshold:?}: {plain:?} {padded:?}");
+        assert!(padded.1 && !plain.1, "{threshold:?}");
+    }
 }
 
 /// A scan that is cut in parts, which travel as bytes and arrive in any order, has the layers and the report of the whole.

@@ -32,13 +32,31 @@ pub struct InOrder<V> {
     volume: V,
     cursor: SliceCursor,
     not_finite: NotFinite,
+    /// Whether slices without a finite value were followed by a search for one that has some.
+    looked_ahead: bool,
 }
 
 impl<V: AnySlice> InOrder<V> {
     /// Starts before the first slice of `volume`.
     pub fn new(volume: V) -> Self {
         let cursor = SliceCursor::new(volume.info().size[2]);
-        Self { volume, cursor, not_finite: NotFinite::default() }
+        Self { volume, cursor, not_finite: NotFinite::default(), looked_ahead: false }
+    }
+
+    /// Finds the grey value of air for slices of padding that come before the first slice with grey values. Reads at most
+    /// all slices, once.
+    fn look_ahead(&mut self, k: usize) -> Result<(), SliceError> {
+        self.looked_ahead = true;
+        let mut slice = Vec::new();
+        for later in k + 1..self.volume.info().size[2] {
+            slice.clear();
+            self.volume.read_slice(later, &mut slice)?;
+            self.not_finite.learn(&slice);
+            if self.not_finite.knows_air() {
+                break;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -58,6 +76,11 @@ impl<V: AnySlice> SliceSource for InOrder<V> {
         out.clear();
         let Some(k) = self.cursor.slice() else { return Ok(false) };
         self.volume.read_slice(k, out)?;
+        // Only formats that state padding read any slice alone; chunks of a Zarr would be unpacked and counted twice.
+        let searches = self.volume.info().padded && !self.looked_ahead && !self.not_finite.knows_air();
+        if searches && out.iter().all(|v| !v.is_finite()) {
+            self.look_ahead(k)?;
+        }
         self.not_finite.replace_in(out);
         Ok(self.cursor.pass())
     }

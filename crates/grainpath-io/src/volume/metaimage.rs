@@ -95,11 +95,13 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         Some(other) => return Err(wrong("DistanceUnits", other.to_owned(), "um, mm and cm")),
     };
     // ElementSize is the extent of a voxel. In files that give only ElementSize it equals the spacing.
+    let mut signed_mm = [0.0; 3];
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
         let values = text.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
-        values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm));
+        values.take(3).enumerate().for_each(|(k, value)| signed_mm[k] = value * unit_mm);
     }
-    let placement = placement_of(name, &get, unit_mm, &mut info)?;
+    info.spacing_mm = signed_mm.map(spacing);
+    let placement = placement_of(name, &get, unit_mm, signed_mm, &mut info)?;
     let yes = |key: &str| get(key).is_some_and(|v| v.eq_ignore_ascii_case("true"));
     let packing = if yes("compresseddata") { Packing::Zlib } else { Packing::None };
     let data = need("ElementDataFile")?;
@@ -128,12 +130,14 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels that the header states, in LPS as in ITK; `None` if it states no directions.
+/// Position of the voxels that the header states, in LPS as in ITK; `None` if it states no directions and no axis of
+/// negative spacing, which runs backwards.
 /// `TransformMatrix` lists the direction of one axis after another and overrules `AnatomicalOrientation`.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&str) -> Option<&'a str>,
     unit_mm: f64,
+    signed_mm: [f64; 3],
     info: &mut VolumeInfo,
 ) -> Result<Option<Placement>, VolumeError> {
     let wrong = |field: &'static str, found: &str, expected: &str| {
@@ -160,7 +164,8 @@ fn placement_of<'a>(
             directions_from(text)
                 .ok_or_else(|| wrong("AnatomicalOrientation", text, "one letter each of RL, AP and IS"))?
         }
-        (None, None) => return Ok(None),
+        (None, None) if signed_mm.iter().all(|mm| *mm >= 0.0 || spacing(*mm).is_none()) => return Ok(None),
+        (None, None) => [DVec3::X, DVec3::Y, DVec3::Z],
     };
     let origin = match get("offset").or(get("position")).or(get("origin")) {
         None => DVec3::ZERO,
@@ -169,7 +174,9 @@ fn placement_of<'a>(
             _ => return Err(wrong("Offset", text, "three numbers")),
         },
     };
-    let step_mm = [0, 1, 2].map(|k| directions[k] * info.spacing_mm[k].unwrap_or(1.0));
+    // ITK turns the direction of an axis of negative spacing, too.
+    let length_mm = |k: usize| info.spacing_mm[k].map_or(1.0, |_| signed_mm[k]);
+    let step_mm = [0, 1, 2].map(|k| directions[k] * length_mm(k));
     let stated = info.spacing_mm.map(|mm| mm.is_some());
     Ok(Some(Placement { origin_mm: origin * unit_mm, step_mm, stated }))
 }

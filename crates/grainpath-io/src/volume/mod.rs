@@ -50,7 +50,7 @@ fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
 /// A spacing from a file. `None` unless it is finite, positive and of a size that voxels can have.
 fn spacing(mm: f64) -> Option<f64> {
     let mm = mm.abs();
-    // The limits are 0.1 nm and 10 m. Axes may run backwards, so the sign was dropped above.
+    // The limits are 0.1 nm and 10 m. Axes may run backwards: the sign, dropped above, belongs to the placement.
     (1e-7..1e4).contains(&mm).then_some(mm)
 }
 
@@ -119,6 +119,9 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     }
     if starts(b"\x89PNG") || starts(b"BM") || starts(b"\xff\xd8\xff") {
         return series::open(files);
+    }
+    if let Some(header) = nifti::header_of(&files, &first)? {
+        return nifti::open(&files, &header);
     }
     Err(error(first, VolumeProblem::UnknownFormat))
 }

@@ -1,4 +1,4 @@
-//! NIfTI-1 and -2, in one file, plain or gzipped.
+//! NIfTI-1 and -2, in one file, plain or gzipped, or in a pair of files (.hdr and .img), plain.
 //!
 //! Source: `nifti1.h` and `nifti2.h` of the NIfTI reference library. The size of the header in its first
 //! field gives version and byte order. The position of the voxels comes from the sform (method 3, an
@@ -7,8 +7,7 @@
 //! a warning says so. Values are scaled by slope and intercept unless the slope is 0.
 //!
 //! NIfTI's frame is RAS; it is converted to LPS. Lengths are converted to mm by `xyzt_units`. The cost is
-//! a slice at a time in memory. Pairs of files (.hdr and .img), time series, colours and complex values
-//! are refused.
+//! a slice at a time in memory. Gzipped pairs, time series, colours and complex values are refused.
 
 use grainpath_core::{Warning, WarningId};
 use std::io::Read;
@@ -21,13 +20,42 @@ use grainpath_core::units::LengthUnit;
 
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
-use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, spacing};
+use super::{
+    Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, io_error, spacing, unsupported,
+};
 
 const FORMAT: &str = "NIfTI";
 
 /// Whether a file begins like a NIfTI header.
 pub(super) fn is(head: &[u8]) -> bool {
-    head.get(344..347) == Some(b"n+1") || head.get(4..7) == Some(b"n+2")
+    head.get(344..347) == Some(b"n+1") || head.get(4..7) == Some(b"n+2") || is_header_of_pair(head)
+}
+
+/// Whether a file is the header of a pair, whose voxels are in the file of the same name that ends in `.img`.
+fn is_header_of_pair(head: &[u8]) -> bool {
+    head.get(344..347) == Some(b"ni1") || head.get(4..7) == Some(b"ni2")
+}
+
+/// The file of the same name with another ending, in the case of the one it has.
+fn beside(files: &Files, name: &str, ending: &str) -> Result<String, VolumeError> {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let (stem, old) = file.rsplit_once('.').unwrap_or((file, ""));
+    let is_upper = !old.is_empty() && old == old.to_ascii_uppercase();
+    let ending = if is_upper { ending.to_ascii_uppercase() } else { ending.to_owned() };
+    files.sibling(name, &format!("{stem}.{ending}"))
+}
+
+/// The header of a pair whose file of voxels is `name`.
+pub(super) fn header_of(files: &Files, name: &str) -> Result<Option<String>, VolumeError> {
+    if !name.to_ascii_lowercase().ends_with(".img") {
+        return Ok(None);
+    }
+    let header = beside(files, name, "hdr")?;
+    let mut head = Vec::new();
+    if let Some(reader) = files.open_or_none(&header)? {
+        reader.take(540).read_to_end(&mut head).map_err(|e| io_error(&header, &e))?;
+    }
+    Ok(is_header_of_pair(&head).then_some(header))
 }
 
 pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
@@ -47,7 +75,11 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let wrong = |field: &'static str, found: String, expected: &str| {
         error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
     };
-    let second = head.get(4..7) == Some(b"n+2");
+    let second = head.get(4..7).is_some_and(|magic| magic == b"n+2" || magic == b"ni2");
+    if packed && is_header_of_pair(&head) {
+        return Err(unsupported(name, "a gzipped pair of NIfTI files", "unpack both files"));
+    }
+    let voxels_in = if is_header_of_pair(&head) { beside(files, name, "img")? } else { name.to_owned() };
     // A NIfTI-1 file may end before byte 540; the missing fields are never read for it.
     head.resize(540, 0);
     // The first field is the size of the header, in the byte order of the file.
@@ -106,7 +138,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         files,
         info,
         Layout {
-            file: name.to_owned(),
+            file: voxels_in,
             offset: offset as u64,
             // In a packed file the offset counts unpacked bytes.
             inside: packed,

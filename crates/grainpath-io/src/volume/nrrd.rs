@@ -113,7 +113,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Position of the voxels that the header states. Without `space directions` only the spacing is known.
+/// Position of the voxels that the header states. Without `space directions` only the spacing is known; an axis of
+/// negative spacing runs backwards.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&[&str]) -> Option<&'a str>,
@@ -125,11 +126,13 @@ fn placement_of<'a>(
     };
     let Some(directions) = get(&["space directions"]) else {
         let unit_mm = units_mm(name, get(&["units"]), info);
+        let mut signed_mm = [0.0; 3];
         if let Some(spacings) = get(&["spacings"]) {
             let values = spacings.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
-            values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm[k]));
+            values.take(3).enumerate().for_each(|(k, value)| signed_mm[k] = value * unit_mm[k]);
         }
-        return Ok(None);
+        info.spacing_mm = signed_mm.map(spacing);
+        return Ok(Placement::of_signed(signed_mm));
     };
     let three = "three vectors of three numbers";
     let vectors: Option<Vec<DVec3>> = split_vectors(directions).map(vector).collect();
@@ -184,6 +187,7 @@ fn units_mm(name: &str, units: Option<&str>, info: &mut VolumeInfo) -> [f64; 3] 
         let Some(word) = words.get(axis).or(words.last()) else { return 1.0 };
         match (*word, LengthUnit::from_name(word)) {
             // The micro sign and the Greek letter mu look alike and are both in use.
+            ("inches", _) => LengthUnit::Inch.mm(),
             ("\u{b5}m" | "\u{3bc}m" | "microns" | "micrometer", _) => LengthUnit::Micron.mm(),
             (_, Some(unit)) => unit.mm(),
             _ => {

@@ -59,6 +59,16 @@ struct Decomposed {
 }
 
 impl Placement {
+    /// Axes along those of the world, for headers that state signed distances of voxels and no directions. `None` where
+    /// no axis runs backwards.
+    pub(super) fn of_signed(spacing_mm: [f64; 3]) -> Option<Self> {
+        let stated = spacing_mm.map(|mm| spacing(mm).is_some());
+        let is_backwards = (0..3).any(|k| stated[k] && spacing_mm[k] < 0.0);
+        let length = |k: usize| if stated[k] { spacing_mm[k] } else { 1.0 };
+        let step_mm = [DVec3::X * length(0), DVec3::Y * length(1), DVec3::Z * length(2)];
+        is_backwards.then_some(Self { origin_mm: DVec3::ZERO, step_mm, stated })
+    }
+
     /// Converts a placement in RAS (x right, y front) to LPS.
     pub(super) fn ras_to_lps(self) -> Self {
         let turn = DVec3::new(-1.0, -1.0, 1.0);

@@ -2,7 +2,7 @@
 
 use grainpath_core::slices::SampleType;
 
-/// Counts and replaces voxels that are NaN or infinite in the file.
+/// Counts and replaces voxels that are NaN or infinite in the file, or that a reader made NaN because they are padding.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct NotFinite {
     /// Number of such voxels since the last restart.
@@ -17,18 +17,28 @@ impl NotFinite {
         self.n_voxels = 0;
     }
 
+    /// Takes the lowest value of a slice that is not given out, so that slices without finite values before it get air.
+    pub(super) fn learn(&mut self, slice: &[f32]) {
+        let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
+        self.least = self.least.into_iter().chain(least).reduce(f32::min);
+    }
+
+    /// Whether a finite value was seen.
+    pub(super) fn knows_air(&self) -> bool {
+        self.least.is_some()
+    }
+
     /// Replaces values that are not finite by the lowest value of the slice, which is air. A slice
     /// without finite values gets the lowest value so far, or 0 where none is known yet.
     pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
         let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
-        let all = self.least.into_iter().chain(least).reduce(f32::min);
+        self.learn(slice);
         // The lowest value is used, because 0 is water in Hounsfield units and would add material.
-        let air = least.or(all).unwrap_or(0.0);
+        let air = least.or(self.least).unwrap_or(0.0);
         for v in slice.iter_mut().filter(|v| !v.is_finite()) {
             *v = air;
             self.n_voxels += 1;
         }
-        self.least = all;
     }
 }
 

@@ -163,6 +163,16 @@ fn nifti_plain_and_gzipped() {
     scaled[116..120].copy_from_slice(&5f32.to_le_bytes());
     let slices = all(&mut *single(&[("a.nii", scaled)]).expect("scaled")).expect("slices");
     assert_eq!(slices[0][1], f32::from(voxels()[1]) * 2.0 + 5.0);
+    // A pair of files, whichever of them is named.
+    let mut header = nifti()[..348].to_vec();
+    header[345] = b'i';
+    header[108..112].fill(0);
+    let (header, voxels) = (("d/a.hdr", header), ("d/a.img", little()));
+    check(&mut *single(&[header.clone(), voxels.clone()]).expect("the header"));
+    check(&mut *single(&[voxels.clone(), header.clone()]).expect("the voxels"));
+    says(single(std::slice::from_ref(&header)), "a.img", "not found");
+    says(single(&[voxels]), "a.img", "not a volume");
+    says(single(&[("a.hdr.gz", gzip(&header.1))]), "a.hdr.gz", "unpack both files");
     let mut wrong = nifti();
     wrong[70] = 128;
     says(single(&[("a.nii", wrong)]), "a.nii", "datatype = 128");
@@ -253,6 +263,42 @@ fn folders_are_sorted_as_people_count_and_held_together() {
     says(single(&[("a.xyz", b"hello".to_vec())]), "a.xyz", "not a volume");
 }
 
+/// An element of a DICOM file.
+fn element(tag: u32, vr: &[u8; 2], value: &[u8], implicit: bool) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut value = value.to_vec();
+    if value.len() % 2 == 1 {
+        value.push(b' ');
+    }
+    out.extend(((tag >> 16) as u16).to_le_bytes());
+    out.extend((tag as u16).to_le_bytes());
+    if implicit {
+        out.extend((value.len() as u32).to_le_bytes());
+    } else if [b"OW", b"SQ"].contains(&vr) {
+        out.extend(vr);
+        out.extend([0; 2]);
+        out.extend((value.len() as u32).to_le_bytes());
+    } else {
+        out.extend(vr);
+        out.extend((value.len() as u16).to_le_bytes());
+    }
+    out.extend(value);
+    out
+}
+
+/// A sequence of items, each and as a whole with its length or, if `open`, with delimiters.
+fn sequence(tag: u32, items: &[Vec<u8>], open: bool) -> Vec<u8> {
+    let delimiter = |tag: u32| [(tag >> 16) as u16, tag as u16].map(u16::to_le_bytes).concat();
+    let ended = |value: &[u8], end: u32| {
+        let length = if open { u32::MAX } else { value.len() as u32 };
+        let end = if open { [delimiter(end), vec![0; 4]].concat() } else { Vec::new() };
+        [&length.to_le_bytes()[..], value, &end].concat()
+    };
+    let items: Vec<u8> =
+        items.iter().flat_map(|item| [delimiter(0xfffe_e000), ended(item, 0xfffe_e00d)].concat()).collect();
+    [delimiter(tag), b"SQ\0\0".to_vec(), ended(&items, 0xfffe_e0dd)].concat()
+}
+
 /// A DICOM slice, explicit or implicit little endian.
 struct Dicom {
     syntax: &'static str,
@@ -266,6 +312,10 @@ struct Dicom {
     pixels: Option<Vec<u16>>,
     /// Slope and intercept.
     rescale: (f64, f64),
+    /// Elements that are left out.
+    without: &'static [u32],
+    /// Further elements, explicit little endian, before the pixels.
+    more: Vec<u8>,
 }
 
 impl Default for Dicom {
@@ -280,6 +330,8 @@ impl Default for Dicom {
             value: 1100,
             pixels: None,
             rescale: (2.0, -1000.0),
+            without: &[],
+            more: Vec::new(),
         }
     }
 }
@@ -290,23 +342,10 @@ impl Dicom {
         out.extend(b"DICM");
         let implicit = self.syntax == "1.2.840.10008.1.2";
         let mut put = |tag: u32, vr: &[u8; 2], value: &[u8], implicit: bool| {
-            let mut value = value.to_vec();
-            if value.len() % 2 == 1 {
-                value.push(b' ');
+            if self.without.contains(&tag) {
+                return;
             }
-            out.extend(((tag >> 16) as u16).to_le_bytes());
-            out.extend((tag as u16).to_le_bytes());
-            if implicit {
-                out.extend((value.len() as u32).to_le_bytes());
-            } else if [b"OW", b"SQ"].contains(&vr) {
-                out.extend(vr);
-                out.extend([0; 2]);
-                out.extend((value.len() as u32).to_le_bytes());
-            } else {
-                out.extend(vr);
-                out.extend((value.len() as u16).to_le_bytes());
-            }
-            out.extend(value);
+            out.extend(element(tag, vr, value, implicit));
         };
         put(0x0002_0010, b"UI", self.syntax.as_bytes(), false);
         let sequence = [&[0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0][..], b"nest"].concat();
@@ -324,6 +363,7 @@ impl Dicom {
         }
         put(0x0028_1052, b"DS", list(&[self.rescale.1]).as_bytes(), implicit);
         put(0x0028_1053, b"DS", list(&[self.rescale.0]).as_bytes(), implicit);
+        out.extend(&self.more);
         let n = usize::from(self.size[0]) * usize::from(self.size[1]);
         let counted = || (0..n).map(|i| self.value + i as u16).collect();
         let pixels = self.pixels.clone().unwrap_or_else(counted);
@@ -341,7 +381,7 @@ impl Dicom {
             out.extend((fragment.len() as u32).to_le_bytes());
             out.extend(fragment);
         } else {
-            put(0x7fe0_0010, b"OW", &pixels, implicit);
+            out.extend(element(0x7fe0_0010, b"OW", &pixels, implicit));
         }
         out
     }
@@ -383,6 +423,213 @@ fn dicom_series_go_by_position() {
     let cut = Dicom::default().bytes();
     says(folder(&[("x", cut[..cut.len() - 2].to_vec())]), "x", "cut short");
     says(folder(&[("x", cut[..200].to_vec())]), "x", "");
+}
+
+/// Frames of one file with positions of their own, stored in any order and with mirrored columns.
+struct Frames {
+    z_mm: Vec<f64>,
+    /// Directions of frames that are turned against the others.
+    turned: Option<usize>,
+    open: bool,
+}
+
+impl Frames {
+    fn bytes(&self) -> Vec<u8> {
+        let text = |tag, value: &str| element(tag, b"DS", value.as_bytes(), false);
+        let group = |tag, elements: Vec<u8>| sequence(tag, &[elements], self.open);
+        let shared = [
+            group(0x0028_9110, [text(0x0018_0050, "9"), text(0x0028_0030, "0.7\\0.5")].concat()),
+            group(0x0020_9116, text(0x0020_0037, "-1\\0\\0\\0\\1\\0")),
+            group(0x0028_9145, [text(0x0028_1052, "-1000"), text(0x0028_1053, "2")].concat()),
+        ];
+        let frame = |(k, z): (usize, &f64)| {
+            // Groups that hold nothing of use, and one that is nested deeper, are passed over.
+            let other = sequence(0x0018_9301, &[sequence(0x0008_9007, &[Vec::new()], self.open)], self.open);
+            let mut all = [other, group(0x0020_9113, text(0x0020_0032, &format!("50\\0\\{z}")))].concat();
+            if self.turned == Some(k) {
+                all.extend(group(0x0020_9116, text(0x0020_0037, "1\\0\\0\\0\\0\\-1")));
+            }
+            all
+        };
+        let frames: Vec<Vec<u8>> = self.z_mm.iter().enumerate().map(frame).collect();
+        let pixels = self.z_mm.iter().flat_map(|z| (0..6).map(move |i| 1000 + (*z * 100.0) as u16 + i));
+        let more = [
+            element(0x0028_0008, b"IS", self.z_mm.len().to_string().as_bytes(), false),
+            sequence(0x5200_9229, &[shared.concat()], self.open),
+            sequence(0x5200_9230, &frames, self.open),
+        ];
+        Dicom {
+            without: &[0x0020_0032, 0x0020_0037, 0x0028_0030, 0x0028_1052, 0x0028_1053],
+            more: more.concat(),
+            pixels: Some(pixels.collect()),
+            ..Dicom::default()
+        }
+        .bytes()
+    }
+}
+
+#[test]
+fn frames_of_one_file_go_by_their_own_positions() {
+    for open in [false, true] {
+        let of = |z_mm: &[f64]| Frames { z_mm: z_mm.to_vec(), turned: None, open };
+        let bytes = of(&[2.6, 0.0, 5.2, 1.3, 3.9]).bytes();
+        let mut source = single(&[("a.dcm", bytes.clone())]).expect("five frames");
+        assert_eq!(source.info().size, [3, 2, 5]);
+        let spacing = source.info().spacing_mm.map(|mm| mm.expect("stated"));
+        assert!(spacing.iter().zip([0.5, 0.7, 1.3]).all(|(a, b)| (a - b).abs() < 1e-9), "{spacing:?}");
+        assert!(source.info().warnings.is_empty(), "{:?}", source.info().warnings);
+        for (k, slice) in all(&mut *source).expect("slices").iter().enumerate() {
+            // Columns run to the right, against the world's x, and come reversed.
+            let row = |j: usize| [2, 1, 0].map(|i| (k * 130 + 3 * j + i) as f32 * 2.0 + 1000.0);
+            assert_eq!(*slice, [row(0), row(1)].concat(), "slice {k}");
+        }
+        // The same as single slices of a series.
+        let mirrored = |z: f64| Dicom {
+            position: [50.0, 0.0, z],
+            orientation: [-1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+            value: 1000 + (z * 100.0) as u16,
+            ..Dicom::default()
+        };
+        let names = ["a", "b", "c", "d", "e"];
+        let series: Vec<(&str, Vec<u8>)> =
+            names.iter().enumerate().map(|(k, n)| (*n, mirrored(k as f64 * 1.3).bytes())).collect();
+        let mut slices = folder(&series).expect("a series");
+        source.restart().expect("again");
+        assert_eq!(all(&mut *slices).expect("slices"), all(&mut *source).expect("slices"));
+        assert_eq!(slices.info().world, source.info().world);
+        says(
+            single(&[("a.dcm", of(&[0.0, 1.0, 1.0]).bytes())]),
+            "a.dcm, frame 3",
+            "same position as a.dcm, frame 2",
+        );
+        says(
+            single(&[("a.dcm", of(&[0.0, 4.0, 1.0, 2.0]).bytes())]),
+            "a.dcm, frame 2",
+            "missing after it (1)",
+        );
+        let turned = Frames { turned: Some(1), ..of(&[0.0, 1.0, 2.0]) };
+        says(single(&[("a.dcm", turned.bytes())]), "a.dcm, frame 2", "is turned against a.dcm, frame 1");
+        let uneven = single(&[("a.dcm", of(&[0.0, 1.0, 2.25]).bytes())]).expect("uneven");
+        assert_eq!(uneven.info().z_mm, [0.0, 1.0, 2.25]);
+        // Every cut and every changed byte is refused or read.
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 0x55;
+            for damaged in [bytes[..at].to_vec(), changed] {
+                if let Ok(mut source) = single(&[("a.dcm", damaged)]) {
+                    let _ = all(&mut *source);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn slices_that_do_not_state_all_of_their_place_say_what_was_assumed() {
+    let slice = |z: f64, without: &'static [u32], location: Option<f64>| {
+        let more = location.map(|mm| element(0x0020_1041, b"DS", mm.to_string().as_bytes(), false));
+        let value = 1000 + (z * 10.0) as u16;
+        Dicom { position: [0.0, 0.0, z], value, without, more: more.unwrap_or_default(), ..Dicom::default() }
+            .bytes()
+    };
+    let series = |without: &'static [u32], location: &dyn Fn(f64) -> Option<f64>| {
+        let places = [("a", 2.0), ("b", 0.0), ("c", 1.0)];
+        let bytes = places.map(|(name, z)| (name, slice(z, without, location(z))));
+        let mut source = folder(&bytes).expect("a series");
+        let grey: Vec<f32> = all(&mut *source).expect("slices").iter().map(|s| s[0]).collect();
+        let told: Vec<String> = source.info().warnings.iter().map(|w| w.text.clone()).collect();
+        assert_eq!(told.len(), 1, "{told:?}");
+        (grey, source.info().spacing_mm[2], told[0].clone())
+    };
+    let rising = vec![1000.0, 1020.0, 1040.0];
+    let (grey, rise, told) = series(&[0x0020_0037], &|_| None);
+    assert_eq!((grey, rise), (rising.clone(), Some(1.0)));
+    assert!(told.contains("no ImageOrientationPatient; they are taken for axial"), "{told}");
+    let (grey, rise, told) = series(&[0x0020_0032], &|z| Some(3.0 * z - 7.0));
+    assert_eq!((grey, rise), (rising, Some(3.0)));
+    assert!(told.contains("state no positions") && told.contains("sorted by SliceLocation"), "{told}");
+    let (grey, rise, told) = series(&[0x0020_0032], &|_| Some(5.0));
+    assert_eq!((grey, rise), (vec![1040.0, 1000.0, 1020.0], None));
+    assert!(told.contains("sorted by instance number"), "{told}");
+}
+
+#[test]
+fn padding_of_dicom_comes_as_air_and_is_counted() {
+    let tag = |tag: u32, value: u16| element(tag, b"US", &value.to_le_bytes(), false);
+    let slice = |z: f64, pixels: [u16; 6], more: Vec<u8>| Dicom {
+        position: [0.0, 0.0, z],
+        pixels: Some(pixels.to_vec()),
+        rescale: (1.0, -1024.0),
+        more,
+        ..Dicom::default()
+    };
+    let read = |all_of: &[Vec<u8>]| {
+        let names = ["a", "b", "c"];
+        let series: Vec<(&str, Vec<u8>)> = names.iter().copied().zip(all_of.iter().cloned()).collect();
+        let mut source = folder(&series).expect("a series");
+        let slices = all(&mut *source).expect("slices");
+        assert!(source.info().padded);
+        (slices, source.n_not_finite())
+    };
+    // -2000 as a word without a sign, beyond the grey values; a slice of padding alone comes first.
+    let value = || tag(0x0028_0120, 63536);
+    let (slices, n) = read(&[
+        slice(0.0, [63536; 6], value()).bytes(),
+        slice(1.0, [63536, 10, 63536, 20, 2000, 3000], value()).bytes(),
+    ]);
+    assert_eq!(n, 8);
+    assert_eq!(slices[0], [-1014.0; 6], "air of the slice above");
+    assert_eq!(slices[1], [-1014.0, -1014.0, -1014.0, -1004.0, 976.0, 1976.0]);
+    // A range of values, its limit below the value or above it.
+    for (value, limit) in [(5, 9), (9, 5)] {
+        let more = [tag(0x0028_0120, value), tag(0x0028_0121, limit)].concat();
+        let (slices, n) = read(&[slice(0.0, [4, 5, 7, 9, 10, 2000], more).bytes()]);
+        assert_eq!((n, slices[0][3]), (3, -1020.0));
+    }
+    // 12 bits with a sign: -2000 fits and is a value. Without a sign it does not, and all 16 bits are compared, so that
+    // a value with the same 12 bits stays.
+    for (signed, kept) in [(1, -2000.0 - 1024.0), (0, 0x0830 as f32 - 1024.0)] {
+        let more = [value(), tag(0x0028_0101, 12), tag(0x0028_0102, 11), tag(0x0028_0103, signed)];
+        let (slices, n) = read(&[slice(0.0, [0xf830, 0x0830, 1, 2, 3, 4], more.concat()).bytes()]);
+        assert_eq!(n, if signed == 1 { 2 } else { 1 }, "{signed}");
+        assert_eq!(slices[0][1] == kept, signed == 0, "{signed}");
+        assert_eq!(slices[0][0], -1023.0);
+    }
+}
+
+#[test]
+fn axes_of_negative_spacing_run_backwards() {
+    let nrrd = |spacings: &str| {
+        let head = format!(
+            "NRRD0004\ntype: short\nsizes: 3 2 4\nspacings: {spacings}\nunits: \"inches\" \"inches\" \"inches\"\n"
+        );
+        [format!("{head}endian: little\nencoding: raw\n\n").into_bytes(), little()].concat()
+    };
+    let mha = |spacing: &str, more: &str| {
+        let start = "NDims = 3\nDimSize = 3 2 4\nElementType = MET_SHORT\n";
+        [format!("{start}ElementSpacing = {spacing}\n{more}ElementDataFile = LOCAL\n").into_bytes(), little()]
+            .concat()
+    };
+    let read = |bytes: Vec<u8>| {
+        let mut source = single(&[("a", bytes)]).expect("a volume");
+        (all(&mut *source).expect("slices"), source.info().spacing_mm)
+    };
+    let (plain, spacing) = read(nrrd("1 2 3"));
+    assert_eq!(spacing, [25.4, 50.8, 3.0 * 25.4].map(Some));
+    assert_eq!(plain, read(mha("1 2 3", "")).0);
+    let x_backwards: Vec<Vec<f32>> =
+        plain.iter().map(|s| s.chunks(3).flat_map(|row| row.iter().rev().copied()).collect()).collect();
+    let z_backwards: Vec<Vec<f32>> = plain.iter().rev().cloned().collect();
+    let (turned, turned_mm) = read(nrrd("-1 2 3"));
+    assert!(
+        turned_mm.iter().zip(spacing).all(|(a, b)| (a.unwrap() - b.unwrap()).abs() < 1e-9),
+        "{turned_mm:?}"
+    );
+    assert_eq!(turned, x_backwards);
+    assert_eq!(read(nrrd("1 2 -3")).0, z_backwards);
+    assert_eq!(read(mha("-1 2 3", "")).0, x_backwards);
+    assert_eq!(read(mha("1 2 -3", "TransformMatrix = 1 0 0 0 1 0 0 0 1\n")).0, z_backwards);
+    assert_eq!(read(mha("1 2 -3", "TransformMatrix = 1 0 0 0 1 0 0 0 -1\n")).0, plain);
 }
 
 #[test]

@@ -8,6 +8,16 @@ use std::io::{BufRead, Read, Seek};
 use super::super::{ReadSeek, VolumeError, damaged, io_error};
 use super::FORMAT;
 
+/// An item of a sequence.
+// Source: PS3.5, 7.5.1, table 7.5-1.
+pub(super) const ITEM: u32 = 0xfffe_e000;
+/// The end of an item of unknown length.
+// Source: PS3.5, 7.5.1, table 7.5-1.
+const END_OF_ITEM: u32 = 0xfffe_e00d;
+/// The end of a sequence of unknown length.
+// Source: PS3.5, 7.5.1, table 7.5-1.
+pub(super) const END_OF_SEQUENCE: u32 = 0xfffe_e0dd;
+
 /// An element: its tag and the length of its value; `u32::MAX` stands for an unknown length.
 pub(super) struct Element {
     pub(super) tag: u32,
@@ -95,8 +105,7 @@ impl Parser<'_> {
         while depth > 0 {
             let e = self.element()?;
             match (e.tag, e.length) {
-                // Delimiters of a sequence and of an item.
-                (0xfffe_e0dd | 0xfffe_e00d, _) => depth -= 1,
+                (END_OF_SEQUENCE | END_OF_ITEM, _) => depth -= 1,
                 (_, u32::MAX) => depth += 1,
                 // An item of known length is skipped with its contents.
                 (_, n) => self.skip(n)?,
@@ -107,6 +116,57 @@ impl Parser<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Reads a sequence item by item. `item` is given the length of each and reads it to its end.
+    pub(super) fn sequence(
+        &mut self,
+        length: u32,
+        mut item: impl FnMut(&mut Self, u32) -> Result<(), VolumeError>,
+    ) -> Result<(), VolumeError> {
+        let end = self.end_of(length)?;
+        while !self.is_at(end)? {
+            let e = self.element()?;
+            match e.tag {
+                ITEM => item(self, e.length)?,
+                END_OF_SEQUENCE if end.is_none() => break,
+                _ => return Err(self.damaged("something else between the items of a sequence")),
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the elements of an item. `element` returns `false` for those that it leaves unread.
+    pub(super) fn item(
+        &mut self,
+        length: u32,
+        mut element: impl FnMut(&mut Self, &Element) -> Result<bool, VolumeError>,
+    ) -> Result<(), VolumeError> {
+        let end = self.end_of(length)?;
+        while !self.is_at(end)? {
+            let e = self.element()?;
+            if e.tag == END_OF_ITEM && end.is_none() {
+                break;
+            }
+            match (element(self, &e)?, e.length) {
+                (true, _) => {}
+                (false, u32::MAX) => self.skip_sequence()?,
+                (false, n) => self.skip(n)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The end of a value of this length; `None` if a delimiter ends it.
+    fn end_of(&mut self, length: u32) -> Result<Option<u64>, VolumeError> {
+        let begin = self.position()?;
+        Ok((length != u32::MAX).then(|| begin + u64::from(length)))
+    }
+
+    fn is_at(&mut self, end: Option<u64>) -> Result<bool, VolumeError> {
+        let Some(end) = end else { return Ok(false) };
+        let at = self.position()?;
+        if at > end { Err(self.damaged("a sequence longer than it states")) } else { Ok(at == end) }
     }
 
     /// The place in the file.

@@ -10,16 +10,10 @@ use std::io::Read;
 use super::super::files::MAX_FILE;
 use super::super::{Files, MAX_SLICES, VolumeError, VolumeProblem, error, io_error};
 use super::codec::Codec;
-use super::data_elements::Parser;
+use super::data_elements::{END_OF_SEQUENCE, ITEM, Parser};
 
 /// Limit on the fragments of a file. Source: derived. Four fragments for each frame of the largest file that is read.
 const MAX_FRAGMENTS: usize = 4 * MAX_SLICES;
-/// An item of a sequence.
-// Source: PS3.5, 7.5.1, table 7.5-1.
-const ITEM: u32 = 0xfffe_e000;
-/// The end of a sequence.
-// Source: PS3.5, 7.5.1, table 7.5-1.
-const END: u32 = 0xfffe_e0dd;
 
 /// Packed pixels of a file.
 #[derive(Debug, Clone)]
@@ -45,7 +39,7 @@ impl Packed {
         while !parser.at_end() {
             let item = parser.element()?;
             match item.tag {
-                END => break,
+                END_OF_SEQUENCE => break,
                 ITEM if item.length != u32::MAX => {}
                 _ => return Err(parser.damaged("something else between the fragments of the pixels")),
             }
