@@ -33,7 +33,7 @@ pub enum CornersNotFound {
     )]
     Mirrored,
     #[error(
-        "the outline found has sides of {found:.2} : 1, the board's size_mm has {asked:.2} : 1; correct size_mm, or give corners_px"
+        "the outline found has sides of {found:.2} : 1, the board's size_mm has {asked:.2} : 1; correct size_mm, or give corners_px if the picture was cropped"
     )]
     Ratio { found: f64, asked: f64 },
 }
