@@ -11,7 +11,7 @@ use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::corners::find_corners;
 use grainpath_imaging::photo::edge_curves::{CurveSettings, Join, edge_curves};
 use grainpath_imaging::photo::warp::rectify;
-use grainpath_imaging::photo::width_side::oriented;
+use grainpath_imaging::photo::width_side::{Turn, oriented};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::structure_tensor::{TensorSettings, axis_difference_rad, grain_axes};
 use grainpath_parts::board::{Board, Knot};
@@ -191,29 +191,37 @@ fn curves_follow_the_grain_both_ways_of_joining() {
     assert!(longest > 60.0, "{longest}");
 }
 
-/// The corners of a board in a portrait picture of 720 x 960 pixels from a telephone's camera (focal
-/// length 0.62 diagonals). The board is rotated in its plane, then tilted about an axis in the picture.
-fn portrait_view(size_mm: DVec2, turn_deg: f64, tilt_deg: f64, axis_deg: f64) -> [DVec2; 4] {
+/// The corners of a board in the middle of a picture, seen by a camera of this focal length (in diagonals). The board is
+/// rotated in its plane, then tilted about an axis in the picture.
+fn view(
+    size_mm: DVec2,
+    size_px: DVec2,
+    [turn_deg, tilt_deg, axis_deg]: [f64; 3],
+    focal: f64,
+    share: f64,
+) -> [DVec2; 4] {
     let (s, c) = sin_cos(tilt_deg.to_radians());
     let axis = direction(axis_deg.to_radians());
     let across = DVec2::new(-axis.y, axis.x);
-    let (focal_px, distance_mm) = (744.0, 1.15 * size_mm.length());
+    let focal_px = focal * size_px.length();
+    // The board's diagonal takes this share of the picture's.
+    let distance_mm = focal / share * size_mm.length();
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
         let p = rotated(0.5 * size_mm * DVec2::new(x, y), direction(turn_deg.to_radians()));
         let (along, off) = (p.dot(axis), p.dot(across));
-        DVec2::new(360.0, 480.0) + focal_px * (along * axis + c * off * across) / (distance_mm + s * off)
+        0.5 * size_px + focal_px * (along * axis + c * off * across) / (distance_mm + s * off)
     })
 }
 
 #[test]
 fn the_outline_of_a_board_gives_its_width_from_every_side() {
     let board = Board::default();
+    let size_px = DVec2::new(720.0, 960.0);
     for turn in (0..12).map(|k| 30.0 * f64::from(k)) {
         for (tilt, axis) in [(0.0, 0.0), (30.0, 20.0), (45.0, 110.0)] {
-            let truth = portrait_view(board.size_mm, turn, tilt, axis);
+            let truth = view(board.size_mm, size_px, [turn, tilt, axis], 0.62, 0.54);
             let photo = board.photograph(720, 960, truth);
             let found = find_corners(&photo).unwrap_or_else(|e| panic!("turned {turn}, tilted {tilt}: {e}"));
-            let size_px = DVec2::new(720.0, 960.0);
             let corners = oriented(found, board.size_mm, size_px).expect("a board of this size").corners;
             // An outline cannot show a half turn.
             let half_turned = [truth[2], truth[3], truth[0], truth[1]];
@@ -223,4 +231,66 @@ fn the_outline_of_a_board_gives_its_width_from_every_side() {
             assert!(worst < 2.0, "turned {turn}, tilted {tilt} about {axis}: {worst} px off");
         }
     }
+}
+
+#[test]
+fn the_outline_gives_the_grain_whatever_lens_tilt_and_crop() {
+    let size_px = DVec2::new(640.0, 480.0);
+    let mut worst = (0.0f64, String::new());
+    let (mut n, mut n_guessed) = (0, 0);
+    for size_mm in [(60.0, 50.0), (70.0, 50.0), (120.0, 50.0)].map(DVec2::from) {
+        let board = Board { size_mm, knots: Vec::new(), ..Board::default() };
+        for (tilt, turn, axis) in [0.0, 35.0, 50.0, 60.0]
+            .into_iter()
+            .flat_map(|tilt| [(0.0, 90.0), (0.0, 0.0), (20.0, 60.0)].map(|(turn, axis)| (tilt, turn, axis)))
+        {
+            // 27 and 56 mm as 35 mm equivalent.
+            for focal in [0.62, 1.3] {
+                let truth = view(size_mm, size_px, [turn, tilt, axis], focal, 0.45);
+                let whole = board.photograph(640, 480, truth);
+                let low = truth.into_iter().reduce(DVec2::min).expect("four corners").floor() - 20.0;
+                let high = truth.into_iter().reduce(DVec2::max).expect("four corners").ceil() + 20.0;
+                let (low, high) = (low.max(DVec2::ZERO), high.min(size_px));
+                let cropped = Grey::from_fn((high.x - low.x) as usize, (high.y - low.y) as usize, |x, y| {
+                    whole.at(x + low.x as usize, y + low.y as usize)
+                });
+                for (photo, cut) in [(&whole, "whole"), (&cropped, "cropped")] {
+                    let what = format!(
+                        "{size_mm} {cut}, turned {turn}, tilted {tilt} about {axis}, focal length {focal}"
+                    );
+                    let found = find_corners(photo).unwrap_or_else(|e| panic!("{what}: {e}"));
+                    let picture = DVec2::new(photo.width as f64, photo.height as f64);
+                    let found = oriented(found, size_mm, picture).unwrap_or_else(|e| panic!("{what}: {e}"));
+                    n += 1;
+                    if found.turn != Turn::Certain {
+                        // The user is told to look at the numbered corners.
+                        n_guessed += 1;
+                        assert!(tilt > 0.0 && size_mm.x < 1.7 * size_mm.y, "{what}: a guess");
+                        continue;
+                    }
+                    let image = rectify(photo, found.corners, size_mm, 0.25);
+                    let axes = grain_axes(&image, &SETTINGS);
+                    let points = (0..800).map(|k| {
+                        let share = DVec2::new(f64::from(k % 40) + 0.5, f64::from(k / 40) + 0.5);
+                        size_mm * share / DVec2::new(40.0, 20.0)
+                    });
+                    // An outline cannot show a half turn.
+                    let errors = [false, true].map(|half_turn| {
+                        let off = points.clone().filter_map(|p| {
+                            let truth = board.axis_rad(if half_turn { size_mm - p } else { p }, 0.4)?;
+                            Some(axis_difference_rad(axes.sample(p).axis_rad(), truth).to_degrees())
+                        });
+                        let (sum, n) = off.fold((0.0, 0), |(sum, n), e| (sum + e, n + 1));
+                        sum / f64::from(n)
+                    });
+                    let error = errors[0].min(errors[1]);
+                    if error > worst.0 {
+                        worst = (error, what);
+                    }
+                }
+            }
+        }
+    }
+    println!("{n} views, {n_guessed} warned of; grain off by up to {:.2} degrees: {}", worst.0, worst.1);
+    assert!(worst.0 < 8.0 && n_guessed < n / 2, "{worst:?}, {n_guessed} of {n} warned of");
 }

@@ -33,7 +33,7 @@ pub enum CornersNotFound {
     )]
     Mirrored,
     #[error(
-        "the outline found has sides of {found:.2} : 1, the board's size_mm has {asked:.2} : 1; correct size_mm, or give corners_px"
+        "the outline found has sides of {found:.2} : 1, the board's size_mm has {asked:.2} : 1; correct size_mm, or give corners_px if the picture was cropped"
     )]
     Ratio { found: f64, asked: f64 },
 }
@@ -63,12 +63,8 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     if piece.len() < small.data.len() / 50 {
         return Err(wrong("what stands out is too small"));
     }
-    let touches = |&k: &usize| {
-        let (x, y) = (k % small.width, k / small.width);
-        x == 0 || y == 0 || x + 1 == small.width || y + 1 == small.height
-    };
     // A few pixels may touch the border because of noise. More mean that the board is cut off, so a corner is missing.
-    if piece.iter().filter(|k| touches(k)).count() > 4 {
+    if piece.iter().filter(|k| on_border(**k, small.width, small.height)).count() > 4 {
         return Err(wrong("it reaches the photograph's border"));
     }
     let hull = hull(&piece, small.width);
@@ -124,6 +120,12 @@ fn otsu(values: &[f32]) -> f32 {
     let mut counts = [0u64; BINS];
     values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
     (otsu_split(&counts) / BINS as f64) as f32
+}
+
+/// Whether a pixel lies on the border of a picture of this size.
+pub(super) fn on_border(pixel: usize, w: usize, h: usize) -> bool {
+    let (x, y) = (pixel % w, pixel / w);
+    x == 0 || y == 0 || x + 1 == w || y + 1 == h
 }
 
 /// The pixels of the largest connected piece of a mask; of equal pieces, the first.

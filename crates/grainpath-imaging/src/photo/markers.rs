@@ -22,16 +22,20 @@
 //!
 //! Detection: pixels darker than 3/4 of the brightness around them form pieces. The convex hull of a
 //! piece is reduced to four sides, and the pattern inside is read through the homography of those sides.
+//! A dark ground around the white sheet is such a ring as well, so a piece around others is left out. Of
+//! the rest, the four whose sides lie in line with each other are the sheet.
 //! The cost is linear in the pixels of a picture shrunk to at most 1400 px; the corners are then refined
-//! in the full picture. Tests cover level, rotated, mirrored, blurred and half shaded views, and views
-//! tilted by up to 60 degrees.
+//! in the full picture. Tests cover level, rotated, mirrored, blurred and half shaded views, views
+//! tilted by up to 60 degrees, and grounds from black to white.
 
 use std::fmt::Write;
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
 
-use super::corners::{CornersNotFound, four_sides, hull, pieces, refined, shrunk, sorted, square_to};
+use super::corners::{
+    CornersNotFound, four_sides, hull, on_border, pieces, refined, shrunk, sorted, square_to,
+};
 use crate::raster::Grey;
 
 /// Side of a marker, mm. Rim and white ring are a sixth of it wide, the inner square is a third.
@@ -175,46 +179,116 @@ impl Seen {
     fn centre(&self) -> DVec2 {
         self.corners.iter().copied().sum::<DVec2>() * 0.25
     }
+
+    fn area(&self) -> f64 {
+        0.5 * cross(self.corners[2] - self.corners[0], self.corners[3] - self.corners[1])
+    }
+
+    fn contains(&self, p: DVec2) -> bool {
+        let c = &self.corners;
+        // Rows run downwards, so the inside of a clockwise ring has positive cross products.
+        (0..4).all(|k| cross(c[(k + 1) % 4] - c[k], p - c[k]) > 0.0)
+    }
 }
+
+/// Greatest number of pieces that are tried as the markers of a sheet; the largest are kept. Source: chosen; the
+/// markers of four sheets. It bounds the number of sheets tried to a few hundred.
+const MOST_SEEN: usize = 16;
+/// Sine of the greatest angle between the side of a marker and the side of the sheet in line with it. Source: derived. A corner
+/// of the smallest marker, ten pixels wide, is found to 1.5 pixels; as much again is left for paper that curls.
+const OUT_OF_LINE: f64 = 0.3;
 
 /// Finds the corners between a sheet's markers in a photograph.
 ///
 /// # Errors
-/// [`CornersNotFound::Markers`] unless exactly the four of a sheet are there, [`CornersNotFound::Mirrored`] for a
+/// [`CornersNotFound::Markers`] unless the four of a sheet are there, [`CornersNotFound::Mirrored`] for a
 /// mirrored photograph.
 pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
-    let seen = seen_markers(photo);
-    let wrong = CornersNotFound::Markers { found: seen.len() };
-    let Ok(all) = <[Seen; 4]>::try_from(seen) else { return Err(wrong) };
-    let count = |index: usize| all.iter().filter(|m| m.index == index).count();
-    let (markers, sheet) = match [count(0), count(1), count(2), count(3)] {
-        [1, 1, 1, 1] => {
-            let mut ring = all;
-            ring.sort_by_key(|m| m.index);
-            let [a, b, c, d] = ring.map(|m| m.centre());
-            // Rows run downwards, so a positive cross product is clockwise as seen.
-            if cross(c - a, d - b) < 0.0 {
-                return Err(CornersNotFound::Mirrored);
+    let mut seen = seen_markers(photo);
+    let centres: Vec<DVec2> = seen.iter().map(Seen::centre).collect();
+    // A marker has nothing in it that reads as a marker; the ground around a sheet has four.
+    seen.retain(|m| centres.iter().filter(|c| m.contains(**c)).count() < 2);
+    seen.sort_by(|a, b| b.area().total_cmp(&a.area()));
+    seen.truncate(MOST_SEEN);
+    let fitting = rings(&seen).into_iter().filter_map(|(ring, sheet)| {
+        let corners = inner_corners(&ring)?;
+        let off = out_of_line(&ring, corners);
+        (off < OUT_OF_LINE).then_some((off, ring, corners, sheet))
+    });
+    let Some((_, ring, corners, sheet)) = fitting.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let count = |index: usize| seen.iter().filter(|m| m.index == index).count();
+        let named = (0..4).filter(|&index| count(index) > 0).count();
+        // Three black squares may belong to an older sheet. Four pieces that form no sheet are not its four.
+        let found = named.max(count(0).min(1) + count(2).min(3)).min(3);
+        return Err(CornersNotFound::Markers { found });
+    };
+    let [a, b, c, d] = ring.map(|m| m.centre());
+    // Rows run downwards, so a positive cross product is clockwise as seen.
+    if sheet == Sheet::FourShares && cross(c - a, d - b) < 0.0 {
+        return Err(CornersNotFound::Mirrored);
+    }
+    Ok(FoundMarkers { corners, sheet })
+}
+
+/// All choices of four markers with the names of a sheet, in the order of its corners.
+fn rings(seen: &[Seen]) -> Vec<([Seen; 4], Sheet)> {
+    let named = |index: usize| seen.iter().filter(move |m| m.index == index).copied();
+    let mut out = Vec::new();
+    for first in named(0) {
+        for second in named(1) {
+            for third in named(2) {
+                out.extend(named(3).map(|fourth| ([first, second, third, fourth], Sheet::FourShares)));
             }
-            (ring, Sheet::FourShares)
         }
         // One white and three black squares are those of the older sheet. Only the order tells which corner a black
         // square belongs to.
-        [1, 0, 3, 0] => (clockwise_from_first(all), Sheet::OneWhite),
-        _ => return Err(wrong),
-    };
-    let centres = markers.map(|m| m.centre());
-    let corners = std::array::from_fn(|k| {
+        let black: Vec<Seen> = named(2).collect();
+        for (i, &a) in black.iter().enumerate() {
+            for (j, &b) in black.iter().enumerate().skip(i + 1) {
+                let rest = black.iter().skip(j + 1);
+                out.extend(rest.map(|&c| (clockwise_from_first([first, a, b, c]), Sheet::OneWhite)));
+            }
+        }
+    }
+    out
+}
+
+/// The corners of the rectangle between four markers; `None` if the markers are not the corners of a convex ring.
+fn inner_corners(ring: &[Seen; 4]) -> Option<[DVec2; 4]> {
+    let centres = ring.map(|m| m.centre());
+    // Sides of the ring from a marker to the next and to the one before.
+    let sides = |k: usize| (centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
+    let turns: [f64; 4] = std::array::from_fn(|k| cross(sides(k).0, sides(k).1));
+    if !(turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0)) {
+        return None;
+    }
+    Some(std::array::from_fn(|k| {
         // The corner of the marker that points towards both neighbouring markers. It is measured along the sides
         // of the sheet in the photograph, so that neither perspective nor a long sheet selects another corner.
-        let (origin, u, v) =
-            (centres[k], centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
-        let det = cross(u, v);
+        let (origin, (u, v), det) = (centres[k], sides(k), turns[k]);
         let inwards = |p: &DVec2| (cross(*p - origin, v) / det).min(cross(u, *p - origin) / det);
-        let corners = markers[k].corners;
+        let corners = ring[k].corners;
         corners.into_iter().fold(corners[0], |best, c| if inwards(&c) > inwards(&best) { c } else { best })
-    });
-    Ok(FoundMarkers { corners, sheet })
+    }))
+}
+
+/// How far the sides of four markers are from lying in line with the rectangle between them: sine of the greatest angle.
+fn out_of_line(ring: &[Seen; 4], inner: [DVec2; 4]) -> f64 {
+    let mut worst = 0.0f64;
+    for (k, marker) in ring.iter().enumerate() {
+        let at = marker.corners.iter().position(|c| *c == inner[k]).unwrap_or(0);
+        for next in [inner[(k + 1) % 4], inner[(k + 3) % 4]] {
+            let line = (next - inner[k]).normalize_or_zero();
+            // Each side of the rectangle goes on along one of the two sides of the marker.
+            let off = [1, 3].map(|step| {
+                let side = (marker.corners[(at + step) % 4] - inner[k]).normalize_or_zero();
+                // A side that runs into the rectangle is not the one.
+                if side.dot(line) < 0.0 { cross(side, line).abs() } else { 1.0 }
+            });
+            worst = worst.max(off[0].min(off[1]));
+        }
+    }
+    worst
 }
 
 /// All pieces of a photograph that read as a marker.
@@ -229,7 +303,9 @@ fn seen_markers(photo: &Grey) -> Vec<Seen> {
     // apart.
     let least = (w * h / 20_000).max(60);
     let mut found = Vec::new();
-    for piece in pieces(&dark, w, h).into_iter().filter(|p| p.len() > least) {
+    // A piece on the border is cut off, or is the ground.
+    let whole = |p: &Vec<usize>| p.len() > least && !p.iter().any(|&k| on_border(k, w, h));
+    for piece in pieces(&dark, w, h).into_iter().filter(whole) {
         let Some(corners) = four_sides(&hull(&piece, w)) else { continue };
         let corners = sorted(corners);
         if let Some(index) = reads_as_marker(&small, corners) {
@@ -321,15 +397,29 @@ mod tests {
 
     /// A photograph of a sheet, the rectangle's corners (upper left first) at `corners`, under this light.
     fn sheet(patches: &[Patch], corners: [DVec2; 4], light: &(dyn Fn(DVec2) -> f64 + Sync)) -> Grey {
+        on_ground(patches, corners, light, &|_, _| 0.85)
+    }
+
+    /// The same on a ground of this brightness.
+    fn on_ground(
+        patches: &[Patch],
+        corners: [DVec2; 4],
+        light: &(dyn Fn(DVec2) -> f64 + Sync),
+        ground: &(dyn Fn(usize, usize) -> f64 + Sync),
+    ) -> Grey {
         let rectangle = [(0.0, 0.0), (SIZE.x, 0.0), (SIZE.x, SIZE.y), (0.0, SIZE.y)].map(DVec2::from);
         let back = Homography::from_points(corners, rectangle).expect("convex");
-        let value = |p: DVec2| {
+        let value = |p: DVec2, ground: f64| {
             let inside =
                 |q: &&Patch| (p - q.low).min_element() > 0.0 && (q.low + q.size - p).min_element() > 0.0;
-            patches.iter().rev().find(inside).map_or(0.85, |q| if q.black { 0.1 } else { 0.85 })
+            let margin = MARKER_MM + 5.0;
+            let beyond = (-margin - p).max(p - SIZE - margin).max_element() > 0.0;
+            let paper = if beyond { ground } else { 0.85 };
+            patches.iter().rev().find(inside).map_or(paper, |q| if q.black { 0.1 } else { 0.85 })
         };
         Grey::from_fn(1000, 800, |x, y| {
-            let at = |dx: f64, dy: f64| value(back.map(DVec2::new(x as f64 + dx, y as f64 + dy)));
+            let ground = ground(x, y);
+            let at = |dx: f64, dy: f64| value(back.map(DVec2::new(x as f64 + dx, y as f64 + dy)), ground);
             let mean = 0.25 * (at(0.25, 0.25) + at(0.75, 0.25) + at(0.25, 0.75) + at(0.75, 0.75));
             (mean * light(DVec2::new(x as f64, y as f64))) as f32
         })
@@ -406,6 +496,56 @@ mod tests {
             let photo = sheet(&old_patches(), corners, &even);
             assert_found(&photo, corners, Sheet::OneWhite, 1.5, &format!("turned {turn}"));
         }
+    }
+
+    #[test]
+    fn the_ground_may_be_of_any_brightness() {
+        let views = [(0.0, 0.0, 0.0), (-30.0, 40.0, 90.0), (60.0, 50.0, 30.0), (200.0, 60.0, 10.0)];
+        // A dark table, brighter and darker by turns over some pixels.
+        let table = |x: usize, y: usize| 0.14 + 0.06 * f64::from(((x / 7 + 3 * (y / 9)) % 5) as u8 / 2);
+        let mut worst = 0.0f64;
+        for (turn, tilt, axis) in views {
+            let corners = view(turn, tilt, axis);
+            let mut try_on = |what: String, ground: &(dyn Fn(usize, usize) -> f64 + Sync)| {
+                let photo = on_ground(&patches(SIZE), corners, &even, ground);
+                let what = format!("ground {what}, turned {turn}, tilted {tilt} about {axis}");
+                assert_found(&photo, corners, Sheet::FourShares, 1.5, &what);
+                let found = find_markers(&photo).expect("found above").corners;
+                worst = found.iter().zip(corners).map(|(f, c)| f.distance(c)).fold(worst, f64::max);
+                let mirrored =
+                    Grey::from_fn(photo.width, photo.height, |x, y| photo.at(photo.width - 1 - x, y));
+                assert_eq!(find_markers(&mirrored), Err(CornersNotFound::Mirrored), "{what}");
+            };
+            for grey in [5, 20, 40, 45, 110, 250] {
+                try_on(grey.to_string(), &|_, _| f64::from(grey) / 255.0);
+            }
+            try_on("of a table".to_owned(), &table);
+        }
+        println!("corners off by up to {worst:.2} px");
+        let photo = on_ground(&old_patches(), view(130.0, 25.0, 60.0), &even, &|_, _| 0.02);
+        assert_found(&photo, view(130.0, 25.0, 60.0), Sheet::OneWhite, 1.5, "older sheet");
+    }
+
+    #[test]
+    fn a_sheet_that_is_cut_off_is_told_with_the_markers_left() {
+        for ground in [0.02, 0.45, 0.98] {
+            for (shift, left) in [(280.0, 2), (0.0, 3)] {
+                let corners = view(if left == 3 { 40.0 } else { 0.0 }, 0.0, 0.0);
+                let cut = DVec2::new(shift, if left == 3 { -170.0 } else { 0.0 });
+                let photo = on_ground(&patches(SIZE), corners.map(|c| c + cut), &even, &|_, _| ground);
+                assert_eq!(find_markers(&photo), Err(CornersNotFound::Markers { found: left }), "{ground}");
+            }
+        }
+    }
+
+    #[test]
+    fn markers_of_another_sheet_do_not_hide_a_sheet() {
+        // The second lies outside the first; two of its markers are in the picture.
+        let corners = view(0.0, 0.0, 0.0).map(|c| c * 0.6);
+        let other = view(0.0, 0.0, 0.0).map(|c| c * 0.35 + DVec2::new(760.0, 500.0));
+        let [photo, beside] = [corners, other].map(|c| sheet(&patches(SIZE), c, &even));
+        let both = Grey::from_fn(photo.width, photo.height, |x, y| photo.at(x, y).min(beside.at(x, y)));
+        assert_found(&both, corners, Sheet::FourShares, 1.5, "two sheets");
     }
 
     #[test]

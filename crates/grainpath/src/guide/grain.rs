@@ -37,7 +37,7 @@ use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
 use grainpath_imaging::photo::edge_curves::{CurveSettings, along_grain, edge_curves};
 use grainpath_imaging::photo::markers::{Sheet, find_markers};
 use grainpath_imaging::photo::warp::{CornerError, Shrinking, check_corners, native_px_mm, rectify};
-use grainpath_imaging::photo::width_side::{RATIO_TOLERANCE, oriented, stretched};
+use grainpath_imaging::photo::width_side::{FITS, Turn, oriented, stretched};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::{
     AxisVolume, ShownSlice, TextureReport, TextureSettings, read_texture,
@@ -206,9 +206,6 @@ const LEAST_SPREAD: f32 = 0.004;
 /// Largest angle between a curve and the grain, radians. Curves with a larger angle are left out: they are
 /// cracks, nails or saw marks.
 const STRAY_RAD: f64 = 0.6;
-/// Factor by which a whole photograph may be stretched without a warning. Source: derived. A picture stretched by f turns
-/// directions by up to asin((f - 1) / (f + 1)), which is 2.7 degrees.
-const MOST_STRETCHED: f64 = 1.1;
 /// Standard deviation of the Gaussian filter where none is given, mm.
 const BLUR_MM: f64 = 0.12;
 /// Largest number of pixels of the rectified picture when its pixel size is not given.
@@ -378,15 +375,19 @@ fn read_photo(
         }
         Corners::Outline => {
             let found = oriented(find_corners(&photo.whole())?, s.size_mm, DVec2::new(w as f64, h as f64))?;
-            if found.is_guess {
-                diagnostics.warn(
-                    WarningId::BoardTurnAssumed,
-                    format!(
-                        "{}: the board is nearly square, so its outline does not tell which side is its width; the corner \
-                         at the upper left of the photograph was taken as the board's",
-                        photo.name
-                    ),
-                );
+            let guess = match found.turn {
+                Turn::Certain => None,
+                Turn::NearlySquare => Some(
+                    "the board is nearly square, so its outline does not tell which side is its width; the corner \
+                     at the upper left of the photograph was taken as the board's",
+                ),
+                Turn::ByLens => Some(
+                    "seen at this angle either side of the outline may be the board's width, depending on the lens \
+                     and on how the photograph was cropped; the side that fits a usual lens better was taken",
+                ),
+            };
+            if let Some(why) = guess {
+                diagnostics.warn(WarningId::BoardTurnAssumed, format!("{}: {why}", photo.name));
             }
             found.corners
         }
@@ -406,8 +407,7 @@ fn read_photo(
     };
     check_corners(corners, w, h)?;
     let off = stretched(corners, s.size_mm, DVec2::new(w as f64, h as f64));
-    let most = if matches!(s.corners, Corners::Image) { MOST_STRETCHED } else { RATIO_TOLERANCE };
-    if off > most {
+    if off > FITS {
         diagnostics.warn(
             WarningId::PhotoProportions,
             format!(
