@@ -55,6 +55,43 @@ fn the_grain_of_a_photograph_is_drawn_before_a_plan() {
     }
 }
 
+/// What a run reads as directions is shown as such, and a picture says how `guide.field` would read it.
+#[test]
+fn inspect_tells_how_directions_are_read() {
+    let dir = folder("directions_inspect");
+    let matrix = "0.1,0.2,0.3\n0.4,0.5,0.6\n".repeat(2);
+    fs::create_dir_all(dir.join("slicer")).expect("a folder");
+    fs::write(dir.join("slicer/thetaField.csv"), &matrix).expect("a file");
+    fs::write(dir.join("matrix.csv"), &matrix).expect("a file");
+    for name in ["slicer", "matrix.csv"] {
+        let seen = json(&grainpath(&dir, &["inspect", name, "--json"]));
+        assert_eq!(seen["kind"], "directions", "{seen}");
+        assert_eq!(seen["layout"], "a grid of 4 x 3 cells (x, y)");
+        assert!(seen["axis_order"].as_str().is_some_and(|told| told.starts_with("a[x][y]")), "{seen}");
+        assert!(seen["frame"].as_str().is_some_and(|told| told.contains("part")), "{seen}");
+    }
+    // Points without a header.
+    fs::write(dir.join("points.csv"), "1.5,2.5,0.3\n".repeat(20)).expect("a file");
+    let out = grainpath(&dir, &["inspect", "points.csv"]);
+    let stderr = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("without a header") && stderr.matches("points.csv").count() == 1, "{stderr}");
+    // A BMP of 2 x 1 pixels, grey and coloured.
+    for (name, blue, says) in
+        [("grey.bmp", 90, "2 x 1 cells (x, y); grey 0 to maximum"), ("red.bmp", 0, "not read: ")]
+    {
+        let mut bmp = b"BM".to_vec();
+        bmp.extend([62u32, 0, 54, 40, 2, 1].into_iter().flat_map(u32::to_le_bytes));
+        bmp.extend([1u16, 24].into_iter().flat_map(u16::to_le_bytes));
+        bmp.extend([0u32, 8, 2835, 2835, 0, 0].into_iter().flat_map(u32::to_le_bytes));
+        bmp.extend([blue, 90, 90, 90, 90, 90, 0, 0]);
+        fs::write(dir.join(name), bmp).expect("a file");
+        let seen = json(&grainpath(&dir, &["inspect", name, "--json"]));
+        assert_eq!(seen["kind"], "image", "{seen}");
+        assert!(seen["guide_field"].as_str().is_some_and(|told| told.contains(says)), "{seen}");
+    }
+}
+
 #[test]
 fn a_size_that_does_not_fit_the_photograph_is_told() {
     let folder = folder("woodgrain_stretched");

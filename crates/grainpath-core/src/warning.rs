@@ -171,7 +171,7 @@ warning_ids! {
         "The directions of a file are uncertain: the unit of its angles or the order of its axes was assumed, or JPEG changed its grey values.",
         "state it: guide.field.angle_unit, guide.field.axes or a header such as angle_deg";
     FieldLeftOut = "field-left-out",
-        "Samples of a file of directions have no direction and were left out.",
+        "Samples of a file of directions have no direction and were left out, or the directions of a part of the piece stand upright on its layers.",
         "look at the samples concerned; the directions there are interpolated from the samples around them";
     FieldOneSample = "field-one-sample",
         "A file of directions has samples at one place only.",

@@ -4,7 +4,7 @@ use grainpath_core::DVec3;
 
 /// A coordinate is not a finite number, or so large that the file must be damaged. `place` is a line, a facet or a node.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{place}: coordinate {value} is not a finite number below 1e9")]
+#[error("{place}: coordinate {value:?} is not a finite number below 1e9")]
 #[allow(missing_docs)]
 pub struct BadCoordinate {
     pub place: String,

@@ -77,3 +77,26 @@ fn a_grid_covers_the_part_and_says_when_it_is_stretched() {
     assert_eq!(guide.report.low_mm, [0.0, 0.0, 0.0]);
     assert!(diagnostics.warnings().iter().any(|w| w.id == WarningId::FieldStretched));
 }
+
+#[test]
+fn directions_that_stand_upright_on_the_layers_are_warned_of() {
+    // Half of the samples of the part are upright; the places between them are cut off by the middle of a cell.
+    let half = "x,y,vx,vy,vz\n0,0,1,0,0\n9.9,0,1,0,0\n10.1,0,0,0,1\n20,0,0,0,1\n\
+                0,10,1,0,0\n9.9,10,1,0,0\n10.1,10,0,0,1\n20,10,0,0,1\n";
+    // Directions along y of a part that was turned by a right angle about x.
+    let plane = "x,y,angle_deg\n0,-9,90\n20,-9,90\n0,9,90\n20,9,90\n";
+    for (table, rotate_rad, share) in [
+        (TABLE, [0.0; 3], None),
+        (half, [0.0; 3], Some("in 50 %")),
+        (plane, [PI / 2.0, 0.0, 0.0], Some("in 100 %")),
+    ] {
+        let settings = FieldSettings { rotate_rad, ..settings() };
+        let stack = part(DVec2::new(20.0, 10.0), &FieldSettings { rotate_rad: [0.0; 3], ..settings });
+        let diagnostics = Diagnostics::default();
+        FieldGuide::new(samples(table.as_bytes()), &settings, &stack, &diagnostics).expect("directions");
+        let told = diagnostics.warnings();
+        let told = told.iter().find(|w| w.id == WarningId::FieldLeftOut).map(|w| w.text.as_str());
+        assert_eq!(told.is_some(), share.is_some(), "{told:?}");
+        assert!(told.unwrap_or_default().starts_with(share.unwrap_or_default()), "{told:?}");
+    }
+}

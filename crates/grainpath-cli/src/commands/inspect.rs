@@ -15,7 +15,7 @@ use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::structure_tensor::{AxisGrid, TensorSettings, grain_axes};
-use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
+use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
 use grainpath_io::volume::RawHeader;
@@ -73,11 +73,6 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
         Some(set) => Err(Failure::usage(format!("--set {set} is of no use: only G-code has a printer"))),
         None => Ok(()),
     };
-    // Scans first: they can be larger than the memory, and all other kinds are read whole.
-    if raw.is_some() || scan::is_scan(&args.file)? {
-        refuse_printer()?;
-        return scan::inspect(args, raw);
-    }
     let refused = || {
         Failure::usage(
             "--image draws the faces of a mesh (with --faces), the histogram of a scan, or the grain of a photograph",
@@ -90,6 +85,11 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
         refuse_printer()?;
         let samples = inputs::directions(&args.file, &DirectionOptions::default())?;
         return Ok(directions_json(&args.file.display().to_string(), &samples));
+    }
+    // Scans before the other files: they can be larger than the memory, and all other kinds are read whole.
+    if raw.is_some() || scan::is_scan(&args.file)? {
+        refuse_printer()?;
+        return scan::inspect(args, raw);
     }
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
@@ -112,6 +112,7 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
         let image =
             decode(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
         let (mut value, grain) = image_json(&name, &image);
+        value["guide_field"] = json!(as_field(&bytes));
         if let Some(path) = &args.image {
             outputs::save(path, &grain.png())?;
             let told = "directions of the grain; yellow clear, violet unclear";
@@ -197,6 +198,19 @@ fn directions_json(name: &str, samples: &DirectionSamples) -> Value {
         "strength": s.has_strength, "spacing": s.has_spacing,
         "low_mm": bounds.map(|b| b.0.to_array()), "high_mm": bounds.map(|b| b.1.to_array()),
         "warnings": samples.warnings(),
+    })
+}
+
+/// How `guide.field` reads a picture, or why it does not; `None` for other files. A picture does not say whether its grey is
+/// angles.
+pub(super) fn as_field(bytes: &[u8]) -> Option<String> {
+    sniff_image(bytes)?;
+    Some(match parse_directions(&[("", bytes)], &DirectionOptions::default()) {
+        Ok(samples) => {
+            let s = samples.summary();
+            format!("{}; {}; {}", s.layout, s.directions, s.axis_order)
+        }
+        Err(e) => format!("not read: {e}"),
     })
 }
 

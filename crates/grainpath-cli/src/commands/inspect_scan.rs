@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::args::Inspect;
 use crate::inputs::open_scan;
-use crate::{Failure, outputs};
+use crate::{Failure, files, outputs};
 
 /// Number of bars in the histogram picture. Source: chosen; one bar for each grey value of 8 bits.
 const HISTOGRAM_BINS: usize = 256;
@@ -112,6 +112,12 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
     });
     let stored: serde_json::Map<String, Value> =
         info.stored.iter().map(|(what, value)| ((*what).to_owned(), json!(value))).collect();
+    // A single slice may be a picture of angles as well.
+    let guide_field = if raw.is_none() && info.size[2] == 1 && args.file.is_file() {
+        super::inspect::as_field(&files::read(&args.file)?)
+    } else {
+        None
+    };
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
@@ -122,6 +128,7 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         // Both thresholds that `shape.ct.threshold` can name are listed, so that the user can choose
         // beforehand.
         "iso50": told(json!(round(iso50))), "histogram": told(json!(histogram.binned(32))),
+        "guide_field": guide_field,
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()),
         "image": args.image.as_ref().map(|p| format!(
             "{}: counts on a logarithmic scale; iso50 red, otsu yellow, air and material blue", p.display()

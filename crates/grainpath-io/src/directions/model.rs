@@ -19,6 +19,30 @@ pub const MAX_POINTS: usize = 4_000_000;
 pub enum AngleUnit {
     Degree,
     Radian,
+    Milliradian,
+    Turn,
+}
+
+impl AngleUnit {
+    /// This unit in radians.
+    pub const fn rad(self) -> f64 {
+        match self {
+            Self::Degree => std::f64::consts::PI / 180.0,
+            Self::Radian => 1.0,
+            Self::Milliradian => 1e-3,
+            Self::Turn => std::f64::consts::TAU,
+        }
+    }
+
+    /// The name of several of them, for reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Degree => "degrees",
+            Self::Radian => "radians",
+            Self::Milliradian => "milliradians",
+            Self::Turn => "turns",
+        }
+    }
 }
 
 /// What the two indices of a grid's array mean.
@@ -54,6 +78,8 @@ pub struct DirectionOptions {
     pub axes: Option<GridAxes>,
     /// Name of the array or of the vector; the only one, or the one with a usual name.
     pub array: Option<String>,
+    /// Size of a cell of a grid, mm. As `axes` does, it says that numbers without names are a grid, whatever their shape.
+    pub cell_mm: Option<f64>,
 }
 
 /// Why directions cannot be used.
@@ -68,7 +94,8 @@ pub enum DirectionError {
     Mesh(#[from] FeError),
     #[error("{0}")]
     Picture(#[from] ImageError),
-    #[error("{place}: {problem}")]
+    /// `place` lies within the file; it is empty where the problem is that of the whole file.
+    #[error("{}{problem}", if place.is_empty() { String::new() } else { format!("{place}: ") })]
     Invalid { place: String, problem: Box<DirectionProblem> },
     #[error("no directions: {0}")]
     Missing(Box<MissingDirections>),
@@ -83,10 +110,12 @@ pub enum DirectionError {
 #[allow(missing_docs)]
 pub enum DirectionProblem {
     // Tables and matrices.
-    #[error("{found} columns where the header has {wanted}")]
+    #[error("{found} columns where the header has {wanted}{}", if found > wanted {
+        "; numbers with decimal commas need semicolons between the columns"
+    } else {
+        ""
+    })]
     Columns { found: usize, wanted: usize },
-    #[error("{first} has {rows} rows and {name} has {found}")]
-    Rows { first: String, rows: usize, name: String, found: usize },
     #[error("no rows")]
     NoRows,
     #[error("no columns x and y among {}", .0.join(", "))]
@@ -101,6 +130,16 @@ pub enum DirectionProblem {
         "{rows} lines of {columns} numbers without a header; name the columns, as in x_mm,y_mm,angle_deg"
     )]
     NoHeader { rows: usize, columns: usize },
+    #[error(
+        "{} numbers without a header or names are more likely a table than a grid; name the columns, as in x_mm,y_mm,angle_deg, or set \
+         guide.field.axes where it is a grid",
+        joined(shape, " x ")
+    )]
+    Nameless { shape: Vec<usize> },
+    #[error("the unit {unit:?} of {name} is not known; {known} are")]
+    Unit { name: String, unit: String, known: &'static str },
+    #[error("{first} and {other} differ in unit; state one unit for all positions")]
+    UnitsDiffer { first: String, other: String },
     // Values. Samples and cells are counted from 1.
     #[error("{0}")]
     Coordinate(BadCoordinate),
@@ -112,7 +151,7 @@ pub enum DirectionProblem {
     SampleSpacing(usize),
     #[error("the spacing of cell {0} is not above 0")]
     CellSpacing(usize),
-    #[error("the density should be from 0 to 1, is {0}")]
+    #[error("the density should be from 0 to 1, is {0:?}")]
     Density(f64),
     // Arrays and pictures.
     #[error(
@@ -121,8 +160,20 @@ pub enum DirectionProblem {
         joined(shape, " x ")
     )]
     Shape { name: String, shape: Vec<usize> },
-    #[error("the arrays of a grid differ in shape from {}", joined(.0, " x "))]
-    ShapesDiffer(Vec<usize>),
+    #[error("arrays differ in shape: {name} has {}, not {}", joined(found, " x "), joined(wanted, " x "))]
+    ShapesDiffer { name: String, found: Vec<usize>, wanted: Vec<usize> },
+    #[error(
+        "x has {} and y has {} places, which are not the two indices of {name} ({}){}", places[0], places[1],
+        joined(shape, " x "), if *stated { " in the order of guide.field.axes" } else { "" }
+    )]
+    Axes { name: String, shape: Vec<usize>, places: [usize; 2], stated: bool },
+    #[error("{name} is on {on} and the directions are on {wanted}; give both on the same")]
+    OtherPlace { name: String, on: &'static str, wanted: &'static str },
+    #[error(
+        "the grey {grey:?} in row {row}, column {column}; a picture of numbers beyond 16 bits holds shares from 0 to 1: angles in \
+         degrees divided by 180, those in radians by pi"
+    )]
+    Grey { grey: f32, row: usize, column: usize },
     #[error("a grid of densities has two indices, a[y][x]")]
     NotTwoIndices,
     #[error("there are: {}; name one with fill.density.array", .0.join(", "))]
@@ -160,7 +211,7 @@ pub enum MissingDirections {
     Array,
     #[error("none of the arrays {} is known; name one with guide.field.array", .0.join(", "))]
     KnownArray(Vec<String>),
-    #[error("no array {name:?} of 2 or 3 components; there are: {}", .names.join(", "))]
+    #[error("there is no {name:?} among {}", .names.join(", "))]
     NamedArray { name: String, names: Vec<String> },
     #[error("the file has no array of 2 or 3 components")]
     Vector,
@@ -180,11 +231,19 @@ pub enum MissingDirections {
 
 /// The numbers of a shape.
 fn joined(shape: &[usize], between: &str) -> String {
+    if shape.is_empty() {
+        return "no index".to_owned();
+    }
     shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(between)
 }
 
 pub(super) fn invalid(place: impl Into<String>, problem: DirectionProblem) -> DirectionError {
     DirectionError::Invalid { place: place.into(), problem: Box::new(problem) }
+}
+
+/// A place within one of several files, or within the only one, whose name is empty.
+pub(super) fn within(file: &str, place: String) -> String {
+    if file.is_empty() { place } else { format!("{file}, {place}") }
 }
 
 pub(super) fn missing(what: MissingDirections) -> DirectionError {
@@ -223,17 +282,26 @@ pub struct BlendedDirection {
     pub spacing_mm: Option<f64>,
 }
 
+/// Where the part in the plane is below this share of the whole strength, there is no direction: what is left is rounding.
+/// Source: derived. It is the square of the sine of 0.57 degrees, by which a direction leans from upright; grids of single
+/// precision are rounded by 1e-7 and unit vectors of three decimals by 1e-6.
+pub(super) const MIN_IN_PLANE: f64 = 1e-4;
+
 impl BlendedDirection {
     /// The direction, rotated by `turn` and projected onto the plane z = 0: the axis in `[0, pi)` and its strength, 0 to
     /// 1.
     ///
     /// Directions that disagree cancel, so the strength falls to 0 at a point around which the directions turn by a half or
-    /// full turn.
+    /// full turn. Where they cancel or stand upright there is no direction: the strength is 0, and the axis that of x.
     pub fn in_plane(&self, turn: &DMat3) -> (f64, f64) {
         let [xx, yy, zz, xy, yz, zx] = self.tensor;
         let tensor = DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
         let turned = *turn * tensor * turn.transpose();
         let double = DVec2::new(turned.x_axis.x - turned.y_axis.y, 2.0 * turned.x_axis.y);
+        let trace = xx + yy + zz;
+        if double.length() <= MIN_IN_PLANE * trace {
+            return (0.0, 0.0);
+        }
         let axis_rad = 0.5 * grainpath_core::math::atan2(double.y, double.x);
         (axis_rad.rem_euclid(std::f64::consts::PI), double.length().min(1.0))
     }

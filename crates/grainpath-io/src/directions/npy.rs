@@ -14,7 +14,7 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::model::{DirectionError, DirectionProblem, MAX_CELLS, invalid};
+use super::model::{DirectionError, DirectionProblem, MAX_CELLS, invalid, within};
 
 /// An array with all numbers in the order of C, the last index fastest.
 #[derive(Debug, Clone, PartialEq)]
@@ -221,7 +221,7 @@ pub(super) fn read_npz(bytes: &[u8], place: &str) -> Result<Vec<(String, Array)>
         let name = zip.name_for_index(i).and_then(Result::ok).map(|n| n.into_owned()).unwrap_or_default();
         let Some(key) = name.strip_suffix(".npy") else { continue };
         let file = zip.by_index(i).map_err(|e| invalid(place, DirectionProblem::Archive(e.to_string())))?;
-        let array = read_stream(file, &format!("{place}, array {key}"))?;
+        let array = read_stream(file, &within(place, format!("array {key}")))?;
         numbers += array.fields.iter().map(|(_, v)| v.len()).sum::<usize>();
         if numbers > MAX_NUMBERS {
             return Err(DirectionError::TooMany {

@@ -42,6 +42,13 @@ impl DirectionSamples {
         self
     }
 
+    /// Adds the order of a grid's indices and a warning where it was assumed.
+    pub(super) fn with_axes(mut self, axis_order: String, warning: Option<Warning>) -> Self {
+        self.summary.axis_order = axis_order;
+        self.warnings.extend(warning);
+        self
+    }
+
     /// How the file was read.
     pub fn summary(&self) -> &DirectionSummary {
         &self.summary

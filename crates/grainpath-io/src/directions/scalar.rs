@@ -14,9 +14,9 @@ use super::model::{
     DirectionError, DirectionProblem, DirectionSummary, GridAxes, MAX_CELLS, MAX_POINTS, invalid,
 };
 use super::npy::{MAGIC, read_npy};
-use super::read::{grey, header, matrix, rows};
+use super::read::{TABLE_COLUMNS, grey, header, matrix, rows};
 use super::samples::DirectionSamples;
-use super::table::{Column, coordinate, length_unit_of};
+use super::table::{Column, coordinate, unit_of_positions};
 use crate::fe::{Element, FeArray, FeFile, FeFormat, On, parse_fe, sniff_fe};
 use crate::image::{decode_within, sniff_image};
 
@@ -98,7 +98,7 @@ pub fn parse_densities(
         return Err(DirectionError::Empty);
     }
     if bytes.starts_with(MAGIC) {
-        let read = read_npy(bytes, name)?;
+        let read = read_npy(bytes, "")?;
         return match (&read.fields[..], &read.shape[..]) {
             ([(_, values)], &[n0, n1]) => grid("npy", GridAxes::Yx, [n0, n1], |i| values[i]),
             ([_], _) => Err(invalid("the array", DirectionProblem::NotTwoIndices)),
@@ -107,8 +107,7 @@ pub fn parse_densities(
     }
     if sniff_image(bytes).is_some() {
         let image = decode_within(bytes, MAX_CELLS as u64)?;
-        let values =
-            grey(&image, "the picture", "a picture of densities is grey, from 0 to the maximum for 0 to 1")?;
+        let values = grey(&image, "a picture of densities is grey, from 0 to the maximum for 0 to 1")?;
         return grid(image.format.name(), GridAxes::Image, [image.height, image.width], |i| {
             f64::from(values[i].0)
         });
@@ -120,10 +119,14 @@ pub fn parse_densities(
         return Err(invalid("the file", DirectionProblem::NoDensityFile));
     }
     match header(bytes) {
-        Some((names, separator)) => columns("CSV", &rows(bytes, &names, separator, name)?, array),
+        Some((names, separator)) => columns("CSV", &rows(bytes, &names, separator)?, array),
         None => {
-            let read = matrix(bytes, name)?;
-            grid("CSV", GridAxes::Yx, [read.shape[0], read.shape[1]], |i| read.fields[0].1[i])
+            let read = matrix(bytes, "")?;
+            let [rows, columns] = [read.shape[0], read.shape[1]];
+            if columns <= TABLE_COLUMNS && rows > 10 * columns {
+                return Err(invalid("", DirectionProblem::NoHeader { rows, columns }));
+            }
+            grid("CSV", GridAxes::Yx, [rows, columns], |i| read.fields[0].1[i])
         }
     }
 }
@@ -209,7 +212,8 @@ fn columns(
     let others: Vec<usize> = (0..all.len()).filter(|i| !at.contains(&Some(*i))).collect();
     let (found, assumed) = chosen(&others.iter().map(|&i| names[i]).collect::<Vec<_>>(), array)?;
     let values = &all[others[found]].1;
-    let unit = length_unit_of(names[x]).unwrap_or(LengthUnit::Millimetre);
+    let positions = [Some(x), Some(y), at[2]].into_iter().flatten().map(|i| names[i]);
+    let unit = unit_of_positions(positions)?.unwrap_or(LengthUnit::Millimetre);
     let sample = |i: usize| {
         let p = DVec3::new(all[x].1[i], all[y].1[i], at[2].map_or(0.0, |z| all[z].1[i])) * unit.mm();
         if !p.is_finite() {
@@ -338,7 +342,7 @@ mod tests {
         );
         assert_eq!(
             message(b"0.5 2\n0 0\n", None),
-            "row 1, column 2: the density should be from 0 to 1, is 2"
+            "row 1, column 2: the density should be from 0 to 1, is 2.0"
         );
     }
 }

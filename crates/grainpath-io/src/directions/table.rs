@@ -15,7 +15,7 @@ use crate::position::checked;
 pub(super) type Column = (String, Vec<f64>);
 
 /// A name without its unit, in lower case, and the unit.
-fn split_unit(name: &str) -> (String, String) {
+pub(super) fn split_unit(name: &str) -> (String, String) {
     let lower = name.trim().to_ascii_lowercase();
     if let Some((base, rest)) = lower.split_once(['[', '(']) {
         return (
@@ -32,29 +32,66 @@ fn split_unit(name: &str) -> (String, String) {
 }
 
 fn length_unit(word: &str) -> Option<LengthUnit> {
+    // Both signs for micro that Unicode has.
+    if ["\u{b5}m", "\u{3bc}m"].contains(&word) {
+        Some(LengthUnit::Micron)
+    } else {
+        LengthUnit::from_name(word)
+    }
+}
+
+fn angle_unit(word: &str) -> Option<AngleUnit> {
     match word {
-        "mm" => Some(LengthUnit::Millimetre),
-        "cm" => Some(LengthUnit::Centimetre),
-        "m" => Some(LengthUnit::Metre),
-        "in" | "inch" => Some(LengthUnit::Inch),
-        "um" | "micron" => Some(LengthUnit::Micron),
-        "ft" | "foot" => Some(LengthUnit::Foot),
+        // The sign for degrees, and the ordinal indicator that looks like it.
+        "deg" | "degree" | "degrees" | "\u{b0}" | "\u{ba}" => Some(AngleUnit::Degree),
+        "rad" | "radian" | "radians" => Some(AngleUnit::Radian),
+        "mrad" | "milliradian" | "milliradians" => Some(AngleUnit::Milliradian),
+        "turn" | "turns" => Some(AngleUnit::Turn),
         _ => None,
     }
 }
 
-pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
-    match word {
-        "deg" | "degree" | "degrees" => Some(AngleUnit::Degree),
-        "rad" | "radian" | "radians" => Some(AngleUnit::Radian),
-        _ => None,
+/// The unit that a name states; an error for one that is not known.
+fn stated<U>(
+    name: &str,
+    unit: fn(&str) -> Option<U>,
+    known: &'static str,
+) -> Result<Option<U>, DirectionError> {
+    let word = split_unit(name).1;
+    let wrong = || DirectionProblem::Unit { name: name.to_owned(), unit: word.clone(), known };
+    if word.is_empty() { Ok(None) } else { unit(&word).map(Some).ok_or_else(|| invalid("", wrong())) }
+}
+
+/// The unit of lengths that a name states.
+pub(super) fn length_unit_of(name: &str) -> Result<Option<LengthUnit>, DirectionError> {
+    stated(name, length_unit, "mm, cm, m, um, in and ft")
+}
+
+/// The unit of angles that a name states.
+pub(super) fn angle_unit_of(name: &str) -> Result<Option<AngleUnit>, DirectionError> {
+    stated(name, angle_unit, "deg, rad, mrad and turns")
+}
+
+/// The unit of positions that the names of their columns state, that of x first. It is the same for all.
+pub(super) fn unit_of_positions<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+) -> Result<Option<LengthUnit>, DirectionError> {
+    let mut names = names.into_iter();
+    let Some(first) = names.next() else { return Ok(None) };
+    let unit = length_unit_of(first)?;
+    for other in names {
+        if length_unit_of(other)?.is_some_and(|u| u != unit.unwrap_or(LengthUnit::Millimetre)) {
+            let (first, other) = (first.to_owned(), other.to_owned());
+            return Err(invalid("", DirectionProblem::UnitsDiffer { first, other }));
+        }
     }
+    Ok(unit)
 }
 
 /// Names of a single column that is an angle.
 pub(super) const ANGLES: [&str; 6] = ["angle", "theta", "phi", "orientation", "direction", "axis"];
-const SPACINGS: [&str; 2] = ["spacing", "distance"];
-const STRENGTHS: [&str; 4] = ["strength", "weight", "confidence", "coherence"];
+pub(super) const SPACINGS: [&str; 2] = ["spacing", "distance"];
+pub(super) const STRENGTHS: [&str; 4] = ["strength", "weight", "confidence", "coherence"];
 /// Names of vector components that share no stem, unlike `Fibre_x`, `Fibre_y`.
 const VECTORS: [[&str; 3]; 6] = [
     ["vx", "vy", "vz"],
@@ -79,11 +116,6 @@ fn is_coordinate(base: &str, axis: usize) -> bool {
 /// The column of a coordinate, 0 to 2, among these names.
 pub(super) fn coordinate(names: &[&str], axis: usize) -> Option<usize> {
     names.iter().position(|n| is_coordinate(&split_unit(n).0, axis))
-}
-
-/// The unit of lengths that a name states.
-pub(super) fn length_unit_of(name: &str) -> Option<LengthUnit> {
-    length_unit(&split_unit(name).1)
 }
 
 /// The stem and the component of a name such as `Fibre_x` or `Directions:1`, in lower case.
@@ -133,6 +165,13 @@ pub(super) fn names_directions(names: &[String]) -> bool {
     has(0) && has(1) && (bases.iter().any(|b| ANGLES.contains(&b.as_str())) || !vectors(&bases).is_empty())
 }
 
+/// Whether an array's name is that of a coordinate, an angle, a part of a vector, a strength or a spacing.
+pub(super) fn is_known(name: &str) -> bool {
+    let base = split_unit(name).0;
+    let known = [&ANGLES[..], &SPACINGS, &STRENGTHS].into_iter().flatten().chain(VECTORS.iter().flatten());
+    (0..3).any(|axis| is_coordinate(&base, axis)) || known.into_iter().any(|k| *k == base)
+}
+
 /// The unit in which angles are read, a text on it for reports, and a warning where it was assumed.
 pub(super) struct AngleReading {
     pub unit: AngleUnit,
@@ -147,30 +186,29 @@ pub(super) fn angle_reading(
     options: &DirectionOptions,
     values: &[f64],
 ) -> AngleReading {
-    let word = |unit| if unit == AngleUnit::Degree { "degrees" } else { "radians" };
     if let Some(unit) = options.angle_unit.or(stated) {
-        return AngleReading { unit, text: format!("{name} in {}", word(unit)), warning: None };
+        return AngleReading { unit, text: format!("{name} in {}", unit.name()), warning: None };
     }
     let max = values.iter().filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
     let unit = if max > std::f64::consts::TAU { AngleUnit::Degree } else { AngleUnit::Radian };
-    let text = format!("{name} in {} (assumed)", word(unit));
+    let text = format!("{name} in {} (assumed)", unit.name());
+    let max = if max < 1e9 { format!("{max:.4}") } else { format!("{max:.3e}") };
     let reason = format!(
-        "the unit of {name} is stated nowhere; it was taken for {}, since the largest value is {max:.4}",
-        word(unit)
+        "the unit of {name} is stated nowhere; it was taken for {}, since the largest value is {max}",
+        unit.name()
     );
     AngleReading { unit, text, warning: Some(Warning::new(WarningId::FieldAssumed, reason)) }
 }
 
 /// The axis of an angle.
 pub(super) fn axis_of_angle(angle: f64, unit: AngleUnit) -> DVec3 {
-    let rad = if unit == AngleUnit::Degree { angle.to_radians() } else { angle };
-    grainpath_core::math::direction(rad).extend(0.0)
+    grainpath_core::math::direction(angle * unit.rad()).extend(0.0)
 }
 
 /// Strengths above 1 are shares of the largest one.
-pub(super) fn strength_scale(strengths: &[f64], place: &str) -> Result<f64, DirectionError> {
+pub(super) fn strength_scale(strengths: &[f64]) -> Result<f64, DirectionError> {
     if let Some(row) = strengths.iter().position(|s| *s < 0.0) {
-        return Err(invalid(place, DirectionProblem::NegativeStrength(row + 1)));
+        return Err(invalid("", DirectionProblem::NegativeStrength(row + 1)));
     }
     let max = strengths.iter().filter(|s| s.is_finite()).fold(1.0f64, |m, s| m.max(*s));
     Ok(1.0 / max)
@@ -181,17 +219,12 @@ pub(super) fn from_columns(
     format: &'static str,
     columns: &[Column],
     options: &DirectionOptions,
-    place: &str,
 ) -> Result<DirectionSamples, DirectionError> {
     let n = columns.first().map_or(0, |c| c.1.len());
-    if let Some((name, other)) = columns.iter().find(|c| c.1.len() != n) {
-        let (first, name) = (columns[0].0.clone(), name.clone());
-        return Err(invalid(place, DirectionProblem::Rows { first, rows: n, name, found: other.len() }));
-    }
     if n > MAX_POINTS {
         return Err(DirectionError::TooMany { what: "points", found: n as u64, limit: MAX_POINTS });
     }
-    let (bases, units): (Vec<String>, Vec<String>) = columns.iter().map(|c| split_unit(&c.0)).unzip();
+    let bases: Vec<String> = columns.iter().map(|c| split_unit(&c.0).0).collect();
     let values = |i: usize| &columns[i].1;
     let named = |names: &[&str]| bases.iter().position(|b| names.contains(&b.as_str()));
     let coordinate = |axis| bases.iter().position(|b| is_coordinate(b, axis));
@@ -203,7 +236,12 @@ pub(super) fn from_columns(
     let mut warnings = Vec::new();
 
     // Positions.
-    let stated = length_unit(&units[x]);
+    let stated = match options.length_unit {
+        Some(_) => None,
+        None => {
+            unit_of_positions([Some(x), Some(y), z].into_iter().flatten().map(|i| columns[i].0.as_str()))?
+        }
+    };
     let unit = options.length_unit.or(stated).unwrap_or(LengthUnit::Millimetre);
     let who = if options.length_unit.is_some() {
         "the job says so"
@@ -214,14 +252,13 @@ pub(super) fn from_columns(
     };
     let place_of = |i: usize| {
         let p = [values(x)[i], values(y)[i], z.map_or(0.0, |z| values(z)[i])].map(|v| v * unit.mm());
-        checked(p, || format!("{place}, sample {}", i + 1))
-            .map_err(|e| invalid(place, DirectionProblem::Coordinate(e)))
+        checked(p, || format!("sample {}", i + 1)).map_err(|e| invalid("", DirectionProblem::Coordinate(e)))
     };
 
     // Directions.
     let mut found = vectors(&bases);
     if let Some(wanted) = &options.array {
-        let wanted = wanted.to_ascii_lowercase();
+        let wanted = split_unit(wanted).0;
         found.retain(|v| v.name == wanted || v.columns[0].is_some_and(|i| bases[i] == wanted));
     }
     let angle = match &options.array {
@@ -233,7 +270,7 @@ pub(super) fn from_columns(
     if found.len() + usize::from(angle.is_some()) > 1 {
         let mut names: Vec<String> = found.iter().map(|v| v.name.clone()).collect();
         names.extend(angle.map(|i| columns[i].0.clone()));
-        return Err(invalid(place, DirectionProblem::Several(names)));
+        return Err(invalid("", DirectionProblem::Several(names)));
     }
     let (directions, axis_of): (String, Box<dyn Fn(usize) -> DVec3 + '_>) = match (found.first(), angle) {
         (Some(vector), _) => {
@@ -243,17 +280,28 @@ pub(super) fn from_columns(
             (text, Box::new(move |i| DVec3::new(part(0, i), part(1, i), part(2, i)).normalize_or_zero()))
         }
         (None, Some(a)) => {
-            let reading = angle_reading(&columns[a].0, angle_unit(&units[a]), options, values(a));
+            let name = &columns[a].0;
+            // The job's word also stands where the header names a unit that is not known.
+            let stated = if options.angle_unit.is_some() { None } else { angle_unit_of(name)? };
+            let reading = angle_reading(name, stated, options, values(a));
             warnings.extend(reading.warning);
             (reading.text, Box::new(move |i| axis_of_angle(values(a)[i], reading.unit)))
         }
-        (None, None) => return Err(missing(MissingDirections::Direction(all_names()))),
+        (None, None) => {
+            return Err(missing(match &options.array {
+                Some(name) => MissingDirections::NamedArray { name: name.clone(), names: all_names() },
+                None => MissingDirections::Direction(all_names()),
+            }));
+        }
     };
 
     // Strength and spacing.
     let (strength, spacing) = (named(&STRENGTHS), named(&SPACINGS));
-    let scale = strength.map_or(Ok(1.0), |s| strength_scale(values(s), place))?;
-    let spacing_mm = spacing.map_or(1.0, |s| length_unit(&units[s]).unwrap_or(unit).mm());
+    let scale = strength.map_or(Ok(1.0), |s| strength_scale(values(s)))?;
+    let spacing_mm = match spacing {
+        Some(s) => length_unit_of(&columns[s].0)?.unwrap_or(unit).mm(),
+        None => 1.0,
+    };
     let mut samples = Vec::with_capacity(n);
     for i in 0..n {
         let axis = axis_of(i);
@@ -264,7 +312,7 @@ pub(super) fn from_columns(
         }
         let spacing_mm = spacing.map_or(1.0, |s| spacing_mm * values(s)[i]);
         if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
-            return Err(invalid(place, DirectionProblem::SampleSpacing(i + 1)));
+            return Err(invalid("", DirectionProblem::SampleSpacing(i + 1)));
         }
         samples.push(Sample { place_mm: place_of(i)?, axis, strength, spacing_mm });
     }

@@ -600,10 +600,11 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     measured.gap += (1.0 - measured.gap) * empty;
     let mut report = QualityReport::from(measured);
     if let Some(off) = direction_error(planned) {
-        let (mean, p95) = alignment(&*off, program, shift);
         // The angles are rounded to 0.01 degrees, the width of a bin in the histogram.
         let round = |deg: f64| (deg * 100.0).round() / 100.0;
-        (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
+        if let Some((mean, p95)) = alignment(&*off, program, shift) {
+            (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
+        }
         report.stacked = stacked::count(&planned.plan.layers, &planned.stack);
     }
     report
@@ -644,8 +645,9 @@ pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -
     Some(crate::measure::laid_fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
 }
 
-/// Mean and 95th percentile of the angle in degrees between infill and the guide's direction.
-fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> (f64, f64) {
+/// Mean and 95th percentile of the angle in degrees between infill and the guide's direction; `None` where the guide has no
+/// direction at any bead.
+fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> Option<(f64, f64)> {
     // A histogram with bins of 0.01 degrees gives the percentile precisely enough and needs little
     // memory.
     let mut bins = vec![0.0; 9001];
@@ -667,7 +669,7 @@ fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DV
         seen += w;
         seen >= 0.95 * all
     });
-    (sum / all.max(f64::MIN_POSITIVE), p95.unwrap_or(0) as f64 * 0.01)
+    (all > 0.0).then(|| (sum / all, p95.unwrap_or(0) as f64 * 0.01))
 }
 
 #[cfg(test)]

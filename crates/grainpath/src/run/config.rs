@@ -811,6 +811,7 @@ pub fn directions(s: &Settings) -> DirectionOptions {
             FieldAxes::Image => GridAxes::Image,
         }),
         array: f.array.clone(),
+        cell_mm: f.cell_mm,
     }
 }
 
