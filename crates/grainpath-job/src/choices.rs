@@ -197,7 +197,7 @@ choices! {
     }
     /// Model of the stress analysis (`guide.analysis`).
     enum Analysis {
-        Auto = "auto", "`plane` where the part has one section and is loaded in its plane, else `solid`.";
+        Auto = "auto", "`plane` where the part has one section and is held and loaded in its plane on its whole height, else `solid`.";
         Plane = "plane", "plane stress in the part's section.";
         Solid = "solid", "the part in three dimensions.";
     }
@@ -306,7 +306,7 @@ choices! {
     }
     /// Model of the strength test (`strength.fidelity`).
     enum Fidelity {
-        Auto = "auto", "`plane` for parts of one section loaded in its plane, else `voxels`.";
+        Auto = "auto", "`plane` for parts of one section held and loaded in its plane on their whole height, else `voxels`.";
         Plane = "plane", "a plate; its layers are plies of a laminate.";
         Voxels = "voxels", "a solid of box-shaped cells, whose layers can separate.";
     }

@@ -45,7 +45,8 @@ pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField, StressedSection};
 use grainpath_job::choices::{Analysis, Elasticity, LoadFrame};
 use grainpath_job::loads::{self, Place, Push};
-pub(crate) use plane::constant_section;
+pub use plane::NotPlate;
+pub(crate) use plane::{check_flat, is_plate};
 
 use crate::shape::Standing;
 pub use inside::{ResultVolume, StressLine};
@@ -75,7 +76,7 @@ pub enum GuideError {
     #[error("{what} lists facet {facet}; the mesh has {n}")]
     NoFacet { what: String, facet: usize, n: usize },
     #[error("analysis = \"plane\" does not fit: {0}; use \"solid\"")]
-    NotPlane(&'static str),
+    NotPlane(#[from] NotPlate),
     #[error(
         "the imported result lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, not where the part is; check guide.import_length_unit",
         low.x, low.y, low.z, high.x, high.y, high.z
@@ -711,14 +712,17 @@ fn solve(
     let solve = || match settings.analysis {
         Analysis::Plane => plane::solve(settings, part, conditions),
         Analysis::Solid => solid_stress::solve(settings, part, conditions, diagnostics),
-        Analysis::Auto => match plane::solve(settings, part, conditions) {
-            // A plate is modelled at mid-height, so a load or fixture above or below that height
-            // catches nothing. The solid model finds it.
-            Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
-                solid_stress::solve(settings, part, conditions, diagnostics)
+        Analysis::Auto if is_plate(part.stack, conditions) => {
+            match plane::solve(settings, part, conditions) {
+                // Loads act on the border of a plate, so one that lies inside it catches nothing. On the solid it acts on the
+                // top and the bottom.
+                Err(GuideError::CatchesNothing(_)) => {
+                    solid_stress::solve(settings, part, conditions, diagnostics)
+                }
+                other => other,
             }
-            other => other,
-        },
+        }
+        Analysis::Auto => solid_stress::solve(settings, part, conditions, diagnostics),
     };
     match part.known {
         Some(known) => known.or_solve(settings, part, conditions, diagnostics, solve),

@@ -11,13 +11,14 @@
 //! twentieth of that. Cost for n nodes: n^1.5 operations for the factor, refused above the memory limit.
 //!
 //! Limits: sections that differ by more than 0.2 % of their area, a load with a component out of the plane,
-//! and a fixture from a finite-element deck are errors that name the reason; such parts are solved as solids.
+//! a fixture from a finite-element deck, and a fixture or load on a part of the height are errors that name the
+//! reason ([`NotPlate`]); such parts are solved and tested as solids.
 //! A fixture or load that selects nothing, and a piece that can move freely, are errors too.
 
 use std::sync::Arc;
 
 use grainpath_core::{DVec2, DVec3, LayerStack, Region};
-use grainpath_fea::load_case::{BoundaryConditions, LoadCase};
+use grainpath_fea::load_case::{BoundaryConditions, LoadCase, PartOfHeight};
 use grainpath_fea::plane::{PlaneProblem, PlaneStress, PlaneSystem, Plate, mesh_region};
 use grainpath_fea::resultant::CaseBalance;
 use grainpath_io::fe::{Element, ElementKind};
@@ -39,7 +40,7 @@ impl InPlaneStress for Arc<PlaneStress> {
 }
 
 /// The section that all layers share, if they do.
-pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
+pub(super) fn constant_section(stack: &LayerStack) -> Option<&Region> {
     // The middle layer is the reference, because first and last layers are most often special.
     let layers = stack.layers();
     let middle = layers.get(layers.len() / 2)?.region();
@@ -60,19 +61,51 @@ pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
     Some(middle)
 }
 
+/// Why a part is no plate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum NotPlate {
+    #[error("the section is not the same at all heights")]
+    Section,
+    #[error("a load has a component out of the layers' plane")]
+    Load,
+    #[error("a fixture comes from a deck")]
+    Deck,
+    #[error(transparent)]
+    PartOfHeight(#[from] PartOfHeight),
+}
+
+/// Whether fixtures and loads leave a plate of this section flat. A place that catches nothing is accepted: the solver of the
+/// plate refuses it and says where the part lies.
+pub(crate) fn check_flat(section: &Region, conditions: &BoundaryConditions) -> Result<(), NotPlate> {
+    match check_flat_everywhere(section, conditions) {
+        Err(NotPlate::PartOfHeight(place)) if place.share == 0.0 => Ok(()),
+        other => other,
+    }
+}
+
+fn check_flat_everywhere(section: &Region, conditions: &BoundaryConditions) -> Result<(), NotPlate> {
+    if !conditions.cases.iter().all(LoadCase::is_in_plane) {
+        return Err(NotPlate::Load);
+    }
+    if conditions.are_held_in_space() {
+        return Err(NotPlate::Deck);
+    }
+    conditions.part_of_height(section).map_or(Ok(()), |place| Err(place.into()))
+}
+
+/// Whether a part is a plate wherever the job leaves the choice: in the guide, the strength test and the reserve.
+pub(crate) fn is_plate(stack: &LayerStack, conditions: &BoundaryConditions) -> bool {
+    constant_section(stack).is_some_and(|section| check_flat_everywhere(section, conditions).is_ok())
+}
+
 pub(super) fn solve(
     settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
 ) -> Result<Solved, GuideError> {
-    let section = constant_section(part.stack)
-        .ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
-    if !conditions.cases.iter().all(LoadCase::is_in_plane) {
-        return Err(GuideError::NotPlane("a load has a component out of the layers' plane"));
-    }
-    if conditions.are_held_in_space() {
-        return Err(GuideError::NotPlane("a fixture comes from a deck"));
-    }
+    let section = constant_section(part.stack).ok_or(NotPlate::Section)?;
+    check_flat(section, conditions)?;
     // Sections from slicing have many short edges, and each would force small triangles.
     let section = section.simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));

@@ -557,8 +557,10 @@ fn plan_stack(
     let guide = stress_settings.as_ref().map(build).transpose()?;
     // The reserve of sparse infill needs fixtures and loads as a test does. Where a test cannot have them, only the reserve
     // is missing.
-    let uneven = (guide.is_some() && config::loads_beads_unevenly(settings))
-        .then(|| test.clone().map_or_else(test_setup, Ok));
+    let uneven = guide.as_ref().filter(|_| config::loads_beads_unevenly(settings)).map(|guide| {
+        let setup = test.clone().map_or_else(test_setup, Ok);
+        if guide.is_plate { setup } else { setup.map(TestSetup::into_solid) }
+    });
     let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;
     let place = config::field(settings, lowered_mm, plate_from_part_mm);
     let lay = |samples| FieldGuide::new(samples, &place, &stack, diagnostics);

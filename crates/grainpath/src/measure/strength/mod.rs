@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error_kind::ErrorKind;
-use crate::guide::GuideError;
+use crate::guide::{GuideError, NotPlate};
 use brick_setup::PreparedSolid;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
@@ -48,16 +48,14 @@ pub enum StrengthError {
         "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
     )]
     NoCard(String),
+    #[error("strength.fidelity = \"plane\" does not fit: {0}; use \"voxels\"")]
+    NotFlat(NotPlate),
     #[error(
-        "strength.fidelity = \"plane\" needs loads and fixtures in the layers' plane, but one has a component out of it"
-    )]
-    NotFlat,
-    #[error(
-        "the part is tested as a solid, which has no plate to write; a part of one section under loads in its plane has"
+        "the part is tested as a solid, which has no plate to write; a part of one section under loads in its plane and on its whole height has"
     )]
     NoPlate,
     #[error(
-        "a part with fibre is tested as a plate: loads in the layers' plane, strength.fidelity = \"plane\""
+        "a part with fibre is tested as a plate: loads in the layers' plane, fixtures and loads on the whole height, strength.fidelity = \"plane\""
     )]
     FibreInSpace,
     #[error("{0} prescribes a displacement, but the strength test needs forces")]

@@ -10,6 +10,7 @@ use grainpath_core::poly::Join;
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Held, LoadCase};
+use grainpath_fea::strength::TestError;
 use grainpath_fea::strength::grid_turn::Frame;
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, MAX_BEAD_WIDTH_MM};
 use grainpath_fea::strength::squares::{GridHold, PlateElements, connected_cells, free_motion};
@@ -18,7 +19,7 @@ use grainpath_job::choices;
 
 use super::{CORNERS, PlacedCells, StrengthError, StrengthSettings};
 pub(super) use crate::guide::UNBREAKABLE_MM;
-use crate::guide::constant_section;
+use crate::guide::{check_flat, is_plate};
 
 /// Smallest share of a cell's height that must be filled; emptier cells are left out.
 const LEAST_FILLED: f64 = 0.02;
@@ -27,6 +28,9 @@ const OUTSIDE_MM: f64 = 1.0;
 /// Largest share of the program's bead length beyond that distance. If the share is larger, the program
 /// prints another part, or the part is rotated.
 const MOST_OUTSIDE: f64 = 0.05;
+/// Least share of a load that has to act on nodes that are not held along it. Source: derived: what rounding leaves of a force
+/// along a direction that is held is about 1e-16 of it.
+const LEAST_FREE: f64 = 1e-9;
 /// Number of sections of the part that are sampled.
 const SECTIONS: usize = 9;
 
@@ -87,6 +91,12 @@ pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f
     // The heights are computed from the nozzle heights, because other slicers do not state them.
     let heights = layers.iter().map(|l| l.z_mm - std::mem::replace(&mut below, l.z_mm)).collect();
     (layers, heights, first)
+}
+
+/// The section in the middle of the part's height; empty without layers.
+fn middle_section(stack: &LayerStack) -> Region {
+    let layers = stack.layers();
+    layers.get(layers.len() / 2).map(|l| l.region().clone()).unwrap_or_default()
 }
 
 /// Whether any bead of the program is raised above its layer.
@@ -155,7 +165,28 @@ impl TestSetup {
     ) -> Result<Self, StrengthError> {
         settings.cards(CORNERS[0])?;
         let heaviest = conditions.heaviest_case().ok_or(StrengthError::Missing("a [[guide.load]]"))?;
-        let of_case = |case: usize| Self::of_case(settings, mesh, stack, conditions.clone(), case);
+        if conditions.fixtures.is_empty() {
+            return Err(StrengthError::Missing("a [[guide.fixture]]"));
+        }
+        let section = middle_section(stack);
+        let fidelity = match settings.fidelity {
+            choices::Fidelity::Plane => {
+                check_flat(&section, &conditions).map_err(StrengthError::NotFlat)?;
+                Fidelity::Plane
+            }
+            choices::Fidelity::Auto if is_plate(stack, &conditions) => Fidelity::Plane,
+            // Fibre can be tested only in plates, so a part with fibre is a plate wherever the loads allow it.
+            choices::Fidelity::Auto
+                if settings.fibre.is_some() && check_flat(&section, &conditions).is_ok() =>
+            {
+                Fidelity::Plane
+            }
+            choices::Fidelity::Auto | choices::Fidelity::Voxels => Fidelity::Voxels,
+        };
+        if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
+            return Err(StrengthError::FibreInSpace);
+        }
+        let of_case = |case: usize| Self::of_case(settings, mesh, stack, conditions.clone(), case, fidelity);
         let others = (0..conditions.cases.len()).filter(|case| *case != heaviest).map(of_case);
         Ok(Self { others: others.collect::<Result<_, _>>()?, ..of_case(heaviest)? })
     }
@@ -166,27 +197,10 @@ impl TestSetup {
         stack: &LayerStack,
         conditions: BoundaryConditions,
         case: usize,
+        fidelity: Fidelity,
     ) -> Result<Self, StrengthError> {
-        if conditions.fixtures.is_empty() {
-            return Err(StrengthError::Missing("a [[guide.fixture]]"));
-        }
-        let flat = conditions.cases[case].is_in_plane() && !conditions.are_held_in_space();
         let layers = stack.layers();
-        let same = constant_section(stack);
-        let fidelity = match settings.fidelity {
-            choices::Fidelity::Plane if !flat => return Err(StrengthError::NotFlat),
-            choices::Fidelity::Plane => Fidelity::Plane,
-            // Fibre can be tested only in plates, so a part with fibre is a plate wherever the loads allow it.
-            choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.is_some()) => {
-                Fidelity::Plane
-            }
-            choices::Fidelity::Auto | choices::Fidelity::Voxels => Fidelity::Voxels,
-        };
-        if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
-            return Err(StrengthError::FibreInSpace);
-        }
-        let middle = || layers.get(layers.len() / 2).map(|l| l.region());
-        let section = same.or_else(middle).cloned().unwrap_or_default();
+        let section = middle_section(stack);
         let sections = (0..layers.len()).step_by(layers.len().div_ceil(SECTIONS).max(1)).map(|i| {
             let layer = &layers[i];
             (layer.z_top_mm() - 0.5 * layer.height_mm(), layer.region().clone())
@@ -229,6 +243,15 @@ impl TestSetup {
             frame: Frame::default(),
             fibre: settings.fibre.is_some(),
         })
+    }
+
+    /// The same test of solid cells, for a part whose stress was solved as that of a solid. Fibre has no such cells.
+    pub(crate) fn into_solid(mut self) -> Self {
+        if !self.fibre {
+            self.fidelity = Fidelity::Voxels;
+            self.others = self.others.into_iter().map(Self::into_solid).collect();
+        }
+        self
     }
 
     /// The tested load case.
@@ -395,6 +418,17 @@ impl TestSetup {
         let (mut forces_n, load_n) =
             self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
         forces_n.iter_mut().for_each(|f| *f = self.frame.to_grid(*f));
+        // Springs stand for the fixtures, and forces on held nodes alone would strain the part by next to nothing: it would
+        // seem to carry any load.
+        let mut free_n = forces_n.clone();
+        for hold in &holds {
+            let force = &mut free_n[hold.node as usize];
+            *force -= hold.along * hold.along.dot(*force);
+        }
+        let sum = |forces: &[DVec2]| forces.iter().map(|f| f.length()).sum::<f64>();
+        if sum(&free_n) <= LEAST_FREE * sum(&forces_n) {
+            return Err(TestError::Unloaded.into());
+        }
         let unbreakable = unbreakable(&grid, &elements, &in_grid, &marked);
         let lost = lost / laminate.laid_mm3;
         Ok(Prepared { laminate, elements, holds, forces_n, load_n, unbreakable, lost })
