@@ -12,11 +12,13 @@ export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number]; flow_mm3_s: number;
   shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; more: boolean; records: number; pulls: [number, number]; generator: string | null; time_s: number; filament_mm: number;
 }
-export interface Warning { id: string; text: string; place?: string; remedy?: string }
+export interface Warning { id: string; text: string; place?: { file?: string; line?: number; layer?: number; z_mm?: number; point_mm?: number[] }; remedy?: string }
 export interface StrengthReport {
   peak_load_n: number; low_n: number; high_n: number; stiffness_n_per_mm: number; first_n: number; peak_displacement_mm: number; job_load_n: number; mode: string;
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
   card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; grid_share: number; seconds: number;
+  /** The material and a hash of its card; rows of earlier versions have none. */
+  card?: string;
 }
 export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string; reserve?: { first_failure?: number[] } }; angles: boolean; reserve: boolean; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: Damage | null }
 export interface Damage { cell_mm: number[]; angle_rad: number; cells: number; states: [number, number][] }
@@ -76,6 +78,8 @@ export const text = (path: string) => json<{ text: string; folder: string }>(`v1
 export const picture = (path: string) => `v1/picture?path=${encodeURIComponent(path)}`;
 /** Writes the text of a job under a new name; a relative one is below the working folder. */
 export const save = (path: string, text: string) => json<{ path: string }>(`v1/text?path=${encodeURIComponent(path)}`, { method: "POST", headers: { "content-type": "text/plain" }, body: text });
+/** Reads the text of a job without running it; the sentence of its first error, or none. */
+export const check = (text: string): Promise<string> => answered("v1/check", { method: "POST", headers: { "content-type": "text/plain" }, body: text }).then(() => "", (e: Error) => e.message);
 /** The job that the command line would make of a file or of the folder of a scan. */
 export const jobFor = (path: string) => json<{ text: string; folder: string }>(`v1/job?path=${encodeURIComponent(path)}`);
 export const examples = () => json<{ examples: { name: string; about: string }[] }>("v1/examples");

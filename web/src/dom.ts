@@ -1,5 +1,7 @@
 // Making elements.
 
+import type { Warning } from "./api";
+
 type Child = Node | string | null | undefined | false;
 type Attributes = Record<string, string | number | boolean | ((event: Event) => void) | undefined>;
 
@@ -25,6 +27,72 @@ function set(made: Element, attributes: Attributes): void {
     if (typeof value === "function") made.addEventListener(name.slice(2), value);
     else made.setAttribute(name, value === true ? "" : String(value));
   }
+}
+
+/** A number as people write it, with a point or a comma before its decimals, as TOML and JavaScript read it; null for other words. */
+export function decimal(text: string): string | null {
+  const plain = text.trim().replace("−", "-").replace(",", ".");
+  if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) || !Number.isFinite(Number(plain))) return null;
+  // TOML wants a digit on both sides of the point, and no zeros before the first.
+  return plain.replace(/^([+-]?)0+(?=\d)/, "$1").replace(/^([+-]?)\./, "$10.").replace(/\.(?=e|$)/i, ".0");
+}
+
+type Field = HTMLInputElement | HTMLSelectElement;
+
+/** Says below a field what is wrong with it; nothing is run while a field is wrong. An empty sentence takes that back. */
+export function complain(field: Field, words: string, above: HTMLElement = field): void {
+  if (above.nextElementSibling?.className === "wrong") above.nextElementSibling.remove();
+  field.dataset.wrong = words;
+  if (!words) { field.removeAttribute("aria-invalid"); return; }
+  field.setAttribute("aria-invalid", "true");
+  above.after(el("span", { class: "wrong", role: "alert" }, words));
+}
+
+interface NumberRule {
+  /** Whether numbers of zero and below are wrong. */
+  isPositive?: boolean;
+  /** Whether the field may be empty; `then` is told NaN. */
+  isOptional?: boolean;
+  /** Whether `then` is told while a number is typed, and not first when it is entered. */
+  isLive?: boolean;
+  /** Whether the number is for the eye alone: a wrong one gives way to the last one. */
+  isView?: boolean;
+}
+
+/** A field for a number. A wrong one is said and told to nobody. */
+export function numberField(attributes: Attributes, rule: NumberRule, then: (value: number) => void): HTMLInputElement {
+  const enter = (isLive: boolean) => {
+    const isEmpty = rule.isOptional && input.value.trim() === "";
+    const read = isEmpty ? NaN : Number(decimal(input.value) ?? NaN);
+    const isRight = isEmpty || (rule.isPositive ? read > 0 : Number.isFinite(read));
+    if (!isRight && rule.isView) { if (!isLive) input.value = input.dataset.shown ?? ""; return; }
+    // It is said while it is typed: a line that came or went as the field is left would move the button that is pressed then.
+    complain(input, isRight ? "" : `should be a number${rule.isPositive ? " above 0" : ""}, as 2.5`);
+    // What was understood is what stands there.
+    if (isRight && !isLive) showValue(input, isEmpty ? "" : read);
+    if (isRight && (rule.isLive || !isLive)) then(read);
+  };
+  const input = el("input", { type: "text", inputmode: "decimal", ...attributes, onchange: () => enter(false), oninput: () => enter(true) });
+  input.dataset.shown = input.value;
+  return input;
+}
+
+/** Puts a value into a field. What is wrong there stays to be seen until another value comes. */
+export function showValue(field: Field, value: number | string, above: HTMLElement = field): void {
+  if (field.dataset.wrong && field.dataset.shown === String(value)) return;
+  field.value = field.dataset.shown = String(value);
+  complain(field, "", above);
+}
+
+/** The number in a field of `numberField`; NaN where there is none. */
+export const numberOf = (input: HTMLInputElement): number => Number(decimal(input.value) ?? NaN);
+
+/** A warning of a run: where, what, and what helps. */
+export function warning(w: Warning): HTMLElement {
+  const { file, line, layer, z_mm, point_mm } = w.place ?? {};
+  const z = z_mm === undefined ? "" : `z = ${fixed(z_mm, 2)} mm`;
+  const place = [file, line && `line ${line}`, layer ? `layer ${layer}${z && ` at ${z}`}` : z, point_mm && `(${point_mm.map((v) => fixed(v, 2)).join(", ")})`].filter((p) => p).join(", ");
+  return el("p", { class: "warning" }, `${place && `${place}: `}${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`);
 }
 
 /** The element of the page with this id. */

@@ -4,7 +4,7 @@
 import type { Vector3 } from "three";
 import * as api from "./api";
 import { css } from "./colours";
-import { el } from "./dom";
+import { el, numberField, showValue } from "./dom";
 import { COMPRESSION, TENSION, TRISECTOR, WEDGE, type StressView } from "./part";
 import type { Viewer } from "./viewer";
 
@@ -28,12 +28,12 @@ export class Inside {
   fields(): Node[] {
     const ends = () => [this.low.getComponent(this.axis), this.high.getComponent(this.axis)] as const;
     const slider = el("input", { type: "range", id: "section-slider", step: "any", "aria-label": "Place of the section", oninput: () => place(slider.valueAsNumber) });
-    const number = el("input", { type: "number", id: "section-at", step: "any", onchange: () => { if (Number.isFinite(number.valueAsNumber)) place(number.valueAsNumber); } });
+    const number = numberField({ id: "section-at" }, { isView: true }, (v) => place(v));
     const other = el("input", { type: "checkbox", id: "section-other", onchange: () => { this.isLowKept = !this.isLowKept; this.section(); } });
     const rows = el("div", { hidden: true }, el("div", { class: "row" }, slider, el("label", {}, "at, mm", number)), el("label", { for: "section-other", class: "check" }, other, " the other half"));
     const place = (at: number) => {
       this.at = at;
-      number.value = String(Number(at.toFixed(3)));
+      showValue(number, Number(at.toFixed(3)));
       slider.value = String(at);
       this.section();
     };

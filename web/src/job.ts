@@ -2,7 +2,7 @@
 
 import * as api from "./api";
 import { BoardPicture, type Point } from "./board";
-import { byId, el } from "./dom";
+import { byId, el, numberField, numberOf, showValue } from "./dom";
 import { drafts, forget, keep } from "./drafts";
 import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
@@ -13,6 +13,9 @@ interface Parts {
   /** The job that is open has another file from now on. */
   renamed: (path: string) => void;
 }
+
+/** How long the text has to rest before it is checked, ms. Source: chosen; a pause between two words. */
+const REST_MS = 400;
 
 /** Whether a path begins at the root of a disk. */
 const isWhole = (path: string) => /^([/\\]|[A-Za-z]:)/.test(path);
@@ -61,6 +64,7 @@ export class JobPanel {
     this.dropPicture();
     this.editor = null;
     this.opened = null;
+    this.notice = null;
     this.changed = () => {};
     [this.before, this.after] = [[], []];
     this.panel.replaceChildren(el("p", { class: "note" }, "A job says how a part is made: its shape, printer, material, loads and fill. Open a mesh or a job file to plan it."));
@@ -133,6 +137,7 @@ export class JobPanel {
 
   async open(opened: Open): Promise<void> {
     this.opened = opened;
+    this.notice = null;
     try {
       if (opened.kind === "job") {
         const { text, folder } = await api.text(opened.path);
@@ -148,7 +153,6 @@ export class JobPanel {
 
   /** Puts changes of this file that were not saved back, or offers them where the file is another one by now. */
   private async takeDraft(): Promise<void> {
-    this.notice = null;
     const draft = (await drafts()).find((d) => d.path === this.opened?.path);
     if (!draft || draft.text === this.saved) return;
     const when = new Date(1000 * draft.at_s).toLocaleString();
@@ -174,6 +178,14 @@ export class JobPanel {
     [this.before, this.after, this.isTyping, this.shown] = [[], [], false, this.saved];
     const form = new SettingsForm(schema, profiles, () => editor.value, (text) => this.put(text));
     const tier = el("p", { class: "note" });
+    const wrong = el("p", { class: "error", id: "job-error", role: "alert", hidden: true });
+    let rest: ReturnType<typeof setTimeout> | undefined;
+    const check = async () => {
+      const text = editor.value;
+      const message = await api.check(this.textElsewhere());
+      if (this.editor !== editor || editor.value !== text) return;
+      [wrong.textContent, wrong.hidden] = [message, message === ""];
+    };
     const selects: (() => void)[] = [];
     const changed = () => {
       // The text of the file itself may be there before a draft of it is put back.
@@ -182,6 +194,8 @@ export class JobPanel {
       form.refresh();
       tier.textContent = this.tier(profiles, editor.value);
       selects.forEach((u) => u());
+      clearTimeout(rest);
+      rest = setTimeout(() => void check(), REST_MS);
       this.onText(editor.value);
     };
     this.changed = changed;
@@ -206,7 +220,7 @@ export class JobPanel {
       ...(board ? [board.box] : []),
       el("h2", {}, "Printer, material, process"), el("div", { class: "row" }, choice("printer"), choice("material"), choice("process")), tier,
       el("h2", {}, "Settings"), form.element,
-      el("h2", {}, "Job file"), editor,
+      el("h2", {}, "Job file"), editor, wrong,
       el("p", { class: "note" }, "What runs is this text, saved as a job file: the command line gives the same bytes from it."),
       el("div", { class: "row" }, el("label", {}, "name, below the folder of results", name), save),
       el("div", { class: "row" }, plan),
@@ -245,9 +259,9 @@ export class JobPanel {
     const drag = el("p", { class: "note" });
     const whole = el("button", { type: "button", id: "whole-photo", onclick: () => put(null) }, "The whole picture is the board");
     const inputs = ["width, mm", "height, mm", "thick, mm"].map((words, k) =>
-      el("input", { type: "number", min: 0.1, step: "any", id: `board-${k}`, "aria-label": words, placeholder: words, onchange: () => enter() }));
+      numberField({ id: `board-${k}`, "aria-label": words, placeholder: words }, { isPositive: true }, () => enter()));
     const enter = () => {
-      const [width, height, thickness] = inputs.map((input) => input.valueAsNumber) as [number, number, number];
+      const [width, height, thickness] = inputs.map(numberOf) as [number, number, number];
       let text = this.text() ?? "";
       if (width > 0 && height > 0) text = set(text, "shape.photo", "size_mm", `[${width}, ${height}]`);
       if (thickness > 0) text = set(text, "shape.photo", "thickness_mm", String(thickness));
@@ -257,7 +271,7 @@ export class JobPanel {
     const fill = () => {
       const [size, thickness] = ["size_mm", "thickness_mm"].map((key) => value(get(this.text() ?? "", "shape.photo", key) ?? ""));
       const known = [...(Array.isArray(size) ? size : [undefined, undefined]), thickness];
-      inputs.forEach((input, k) => { if (input !== document.activeElement && typeof known[k] === "number") input.value = String(known[k]); });
+      inputs.forEach((input, k) => { if (input !== document.activeElement && typeof known[k] === "number") showValue(input, known[k]); });
       note.hidden = known.every((v) => typeof v === "number");
       const corners = stated();
       whole.disabled = corners.length === 0;

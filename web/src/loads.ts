@@ -6,7 +6,7 @@
 import { Matrix4, Vector3 } from "three";
 import * as api from "./api";
 import { gradient, ramp, type Rgb } from "./colours";
-import { el, fixed } from "./dom";
+import { el, fixed, numberField, showValue, warning } from "./dom";
 import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
 import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity, type Side } from "./part";
@@ -184,7 +184,8 @@ export class LoadsPanel {
     this.items.forEach((item, k) => {
       const into = (id: string, v: Value | undefined) => {
         const input = document.getElementById(id) as HTMLInputElement | HTMLSelectElement | null;
-        if (input && v !== undefined && input !== document.activeElement && input.value !== String(v)) input.value = String(v);
+        if (!input || v === undefined || input === document.activeElement) return;
+        showValue(input, v as number | string);
       };
       into(`fix-${k}`, item.keys.fix);
       for (const [key, , isVector] of KINDS) {
@@ -196,7 +197,7 @@ export class LoadsPanel {
     });
     this.cases.forEach((_, k) => {
       const input = document.getElementById(`weight-${k}`) as HTMLInputElement | null;
-      if (input && input !== document.activeElement) input.value = String(this.weight(k));
+      if (input && input !== document.activeElement) showValue(input, this.weight(k));
     });
   }
 
@@ -250,7 +251,7 @@ export class LoadsPanel {
   private caseRows(): Node[] {
     if (this.cases.length === 0) return [];
     return [el("h3", {}, "Load cases"), ...this.cases.map(({ name }, k) => {
-      const input = el("input", { type: "number", min: 0, step: "any", id: `weight-${k}`, value: this.weight(k), onchange: () => { if (input.valueAsNumber > 0) this.put(change(this.text, this.cases[k]!.block, "weight", plainNumber(input.valueAsNumber))); } });
+      const input = numberField({ id: `weight-${k}`, value: this.weight(k) }, { isPositive: true }, (v) => this.put(change(this.text, this.cases[k]!.block, "weight", String(v))));
       return el("div", { class: "row" }, el("label", {}, `${name}: weight`, input));
     }), el("p", { class: "note" }, "Loads of one case act together. Cases act one after the other, each with the same fixtures; loads without a case form one more.")];
   }
@@ -306,25 +307,26 @@ export class LoadsPanel {
       if (!FIXES.some(([key]) => key === fix)) select.append(el("option", { value: fix, selected: true }, fix));
       const moved = numbers(item.keys.displacement_mm);
       box.append(el("div", { class: "row" }, el("label", {}, "held", select), off),
-        el("details", moved ? { open: true } : {}, el("summary", {}, "moved by a given way"), this.vector(`moved-${k}`, "mm", moved ?? [0, 0, 0], (v) => put("displacement_mm", v.every((n) => n === 0) ? null : vectorText(v)))));
+        el("details", moved ? { open: true } : {}, el("summary", {}, "moved by a given way"), this.vector(`moved-${k}`, "mm", () => numbers(this.items[k]?.keys.displacement_mm) ?? [0, 0, 0], (v) => put("displacement_mm", v.every((n) => n === 0) ? null : `[${v.join(", ")}]`))));
       return box;
     }
     const kind = KINDS.find(([key]) => key in item.keys);
     if (!kind) { box.append(el("p", { class: "note" }, "Its kind is changed in the text of the job."), off); return box; }
     const isOnFace = "on" in item.keys;
     const select = el("select", { id: `kind-${k}`, onchange: () => {
-      const to = KINDS.find(([key]) => key === select.value)!;
-      const own = block();
-      if (!own) return;
-      const nth = blocks(this.text, own.table).findIndex((b) => b.from === own.from);
-      const without = change(this.text, own, kind[0], null);
-      this.put(change(without, blocks(without, own.table)[nth]!, to[0], this.proposed(to[0], item)));
+      const [to, { text }] = [select.value as LoadKind, this];
+      const entry = block()?.keys.get(kind[0]);
+      if (!entry) return;
+      // The key alone changes its name, so that the comment of its line stays, and the vector between two loads in N.
+      const line = text.lastIndexOf("\n", entry.from) + 1;
+      const isSame = [kind[0], to].every((key) => key === "force_n" || key === "bearing_n");
+      this.put(text.slice(0, line) + text.slice(line, entry.from).replace(kind[0], to) + (isSame ? text.slice(entry.from, entry.to) : this.proposed(to, item)) + text.slice(entry.to));
     } }, ...KINDS.filter(([key]) => (key === "acceleration_mm_s2") !== isOnFace).map(([key, words]) => el("option", { value: key, selected: key === kind[0] }, words)));
     box.append(el("div", { class: "row" }, el("label", {}, "kind", select), off));
     const now = item.keys[kind[0]];
-    if (kind[2]) box.append(this.vector(`value-${k}`, "", numbers(now) ?? [0, 0, 0], (v) => put(kind[0], vectorText(v))));
+    if (kind[2]) box.append(this.vector(`value-${k}`, "", () => numbers(this.items[k]?.keys[kind[0]]) ?? [0, 0, 0], (v) => put(kind[0], `[${v.join(", ")}]`)));
     else {
-      const input = el("input", { type: "number", step: "any", id: `value-${k}`, value: typeof now === "number" ? now : 0, "aria-label": kind[1], onchange: () => { if (Number.isFinite(input.valueAsNumber)) put(kind[0], plainNumber(input.valueAsNumber)); } });
+      const input = numberField({ id: `value-${k}`, value: typeof now === "number" ? now : 0, "aria-label": kind[1] }, {}, (v) => put(kind[0], String(v)));
       box.append(el("div", { class: "row" }, el("label", {}, kind[1], input)));
     }
     const [none, other] = ["", "\n"];
@@ -334,10 +336,10 @@ export class LoadsPanel {
     return box;
   }
 
-  private vector(id: string, unit: string, now: number[], then: (v: number[]) => void): HTMLElement {
+  private vector(id: string, unit: string, now: () => number[], then: (v: number[]) => void): HTMLElement {
     const inputs = ["x", "y", "z"].map((axis, k) => {
-      const input: HTMLInputElement = el("input", { type: "number", step: "any", id: `${id}-${axis}`, value: now[k]!, onchange: () => { const all = inputs.map((i) => i.valueAsNumber); if (all.every(Number.isFinite)) then(all); } });
-      return input;
+      // The other two are those of the text, which may have changed since.
+      return numberField({ id: `${id}-${axis}`, value: now()[k]! }, {}, (v) => { const all = [...now()]; all[k] = v; then(all); });
     });
     return el("div", { class: "row three" }, ...inputs.map((input, k) => el("label", {}, `${"xyz"[k]}${unit ? `, ${unit}` : ""}`, input)));
   }
@@ -574,14 +576,13 @@ export class LoadsPanel {
     const what = el("select", { id: "quantity", onchange: () => { this.shown = { ...this.shown, what: what.value as Quantity, scale: null }; this.colour(); } }, ...QUANTITIES.map(([key, words, unit]) => el("option", { value: key, selected: key === this.shown.what }, `${words}, ${unit}`)));
     const which = el("select", { id: "case", onchange: () => void this.showCase(Number(which.value)) }, ...cases.map((name, k) => el("option", { value: k }, name)));
     const end = (id: string, k: 0 | 1, label: string) => {
-      const input = el("input", { type: "number", step: "any", id, onchange: () => {
-        if (!Number.isFinite(input.valueAsNumber)) return;
+      const field = numberField({ id }, { isView: true }, (v) => {
         const scale: [number, number] = [...(this.shown.scale ?? [0, 1])];
-        scale[k] = input.valueAsNumber;
+        scale[k] = v;
         this.shown.scale = scale;
         this.colour();
-      } });
-      return el("label", {}, label, input);
+      });
+      return el("label", {}, label, field);
     };
     const moved = view.largestMove;
     const { low, high } = this.parts.shape.view!;
@@ -617,7 +618,7 @@ export class LoadsPanel {
       el("div", { class: "row" }, swing, el("label", {}, "Displacement drawn", slider), words),
       el("label", { for: "stress-on", class: "check" }, on, " show the stress on the part"),
       ...this.stress!.inside.fields(),
-      ...warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      ...warnings.map(warning),
     );
     this.colour();
   }
@@ -630,7 +631,7 @@ export class LoadsPanel {
     this.stress.view.setScale(...scale);
     for (const [id, k] of [["scale-low", 0], ["scale-high", 1]] as const) {
       const input = document.getElementById(id) as HTMLInputElement | null;
-      if (input) input.value = String(Number(scale[k].toPrecision(4)));
+      if (input) showValue(input, Number(scale[k].toPrecision(4)));
     }
     this.legend();
     this.parts.viewer()?.draw();

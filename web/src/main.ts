@@ -4,7 +4,7 @@ import * as api from "./api";
 import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, type ColourBy } from "./colours";
-import { byId, duration, el, fixed, player } from "./dom";
+import { byId, duration, el, fixed, player, warning } from "./dom";
 import { drafts, forget } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
@@ -62,9 +62,21 @@ function say(message: string, isError = false): void {
 /** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said
  * unless it is `outdated`. */
 async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Promise<api.JobState | null> {
+  // A field that shows what the text does not hold would be taken for what is run.
+  const field = wanted.kind === "view" || wanted.kind === "shape" ? null : document.querySelector<HTMLInputElement>("[aria-invalid]");
+  if (field) { say(`Nothing was run: ${field.labels?.[0]?.firstChild?.textContent || field.id} is ${field.value || "empty"} and ${field.dataset.wrong}`, true); return null; }
+  try {
+    return await watch(await api.begin(wanted), outdated);
+  } catch (error) {
+    say((error as Error).message, true);
+    return null;
+  }
+}
+
+/** Shows how far a run is that was begun, here or before the page was loaded, and gives its state at the end as `run` does. */
+async function watch(begun: api.JobState, outdated?: AbortSignal): Promise<api.JobState | null> {
   const box = byId("progress");
   try {
-    const begun = await api.begin(wanted);
     const cancel = () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true));
     if (outdated?.aborted) { cancel(); return null; }
     outdated?.addEventListener("abort", cancel);
@@ -141,6 +153,8 @@ function entitle(path: string, kind: api.FileKind): Open {
 async function open(path: string, kind: api.FileKind): Promise<void> {
   const named = entitle(path, kind);
   welcome.hidden = true;
+  const box = byId("progress");
+  box.hidden = true;
   if (kind === "program") {
     job.close();
     shape.close();
@@ -157,7 +171,8 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     const hasShape = text !== null && ShapePanel.has(text);
     tab(hasShape ? "shape" : "job");
     if (hasShape) await shape.load();
-    if (job.notice) say(job.notice);
+    // An error of the file counts for more than what came back with it.
+    if (job.notice && (box.hidden || !box.querySelector(".error"))) say(job.notice);
   }
 }
 
@@ -197,6 +212,7 @@ async function drop(data: DataTransfer | null): Promise<void> {
 /** Shows the program of a run: the index at once, layers as they come, and what was measured once the run is done. */
 async function show(id: number, isDone = true): Promise<void> {
   const view = ensureViewer();
+  welcome.hidden = true;
   loading?.abort();
   const own = (loading = new AbortController());
   const before = current === id && onScreen === id ? viewer?.beads ?? null : null;
@@ -387,10 +403,6 @@ function outputs(result: api.Result): Node[] {
   return [el("h2", {}, "Files"), el("ul", { class: "plain" }, ...result.outputs.map(link))];
 }
 
-export function warning(w: api.Warning): HTMLElement {
-  return el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`);
-}
-
 // ---- tabs, keys, theme -----------------------------------------------------------------------------------------
 
 const TABS = ["shape", "loads", "job", "paths", "strength"] as const;
@@ -506,9 +518,32 @@ async function again(row: api.RunRow, mass_g: number, beside: string): Promise<v
   }
 }
 
+/** Opens the file of a run of the history, and what came of the run while the server keeps it. */
+async function reopen(row: api.RunRow): Promise<void> {
+  try {
+    const kept = (await api.jobs()).jobs.reverse().find((run) => run.title === row.name && run.kind === row.kind && run.phase === "done");
+    const path = row.input ?? `${work}/${row.name}/job.toml`;
+    await open(path, kindOf(path));
+    if (!kept) say(`The paths of ${row.name} are kept until the studio ends; this is the file it was made of. Run it again to see them.`);
+    else if (row.kind === "strength") { tab("strength"); await strength.reopen(kept.id, row.name); }
+    else { active = "paths"; await show(kept.id); }
+  } catch (error) {
+    say((error as Error).message, true);
+  }
+}
+
+/** Follows a plan or a test that is worked on since before the page was loaded. What came of it is opened, unless another file is by then. */
+async function attach(): Promise<void> {
+  const begun = (await api.jobs()).jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
+  const before = opened;
+  const end = begun && (await watch(begun));
+  const row = end && (await api.history()).runs.find((run) => run.name === end.title && run.kind === end.kind);
+  if (row && opened === before) await reopen(row);
+}
+
 /** Opens the history of runs; the newest ones, or those of these names, are side by side at once. */
 async function runs(chosen: number | string[] = 0): Promise<void> {
-  try { await history(byId<HTMLDialogElement>("history"), chosen, (...wanted) => void again(...wanted)); } catch (error) { say((error as Error).message, true); }
+  try { await history(byId<HTMLDialogElement>("history"), chosen, (...wanted) => void again(...wanted), (row) => void reopen(row)); } catch (error) { say((error as Error).message, true); }
 }
 
 let saved: string | null = null;
@@ -540,7 +575,7 @@ async function start(): Promise<void> {
   try {
     const state = await api.state();
     [roots, work] = [state.roots, state.work];
-    if (state.opened) { await open(state.opened.path, state.opened.kind); return; }
+    if (state.opened) { await open(state.opened.path, state.opened.kind); void attach(); return; }
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
       el("h2", {}, "Where does your print break?"),
@@ -550,6 +585,7 @@ async function start(): Promise<void> {
       el("h3", {}, "Or begin with an example"),
       el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
+    void attach();
   } catch (error) {
     say((error as Error).message, true);
   }

@@ -1,7 +1,7 @@
 // The ways in which the part can stand on the plate, side by side: height, supports, and what the loads do to its layers.
 
 import * as api from "./api";
-import { duration, el, fixed } from "./dom";
+import { duration, el, fixed, warning } from "./dom";
 
 interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; wanted: () => Record<string, unknown> | null; stand: (rotate_deg: number[]) => void; say: (message: string, isError?: boolean) => void }
 
@@ -34,7 +34,7 @@ export class Poses {
     this.element.replaceChildren(
       el("div", { class: "wide" }, el("table", {}, el("tr", {}, ...heads.map((words) => el("th", { scope: "col" }, words || el("span", { class: "sr" }, "Choose")))), ...this.all.map(row))),
       el("p", { class: "note" }, isLoaded ? "The best first: by the factor on the loads at which the first bead or bond fails, then by support, height and time. Across is the tension from layer to layer. Loads turn with the part." : "The best first: by support, height and time. With fixtures and loads, what they do to the layers counts before that."),
-      ...this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      ...this.warnings.map(warning),
       el("div", { class: "row" }, compare));
   }
 

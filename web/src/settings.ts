@@ -3,10 +3,10 @@
 // The text of the job is the only state: a field changes one value of it, and a changed text fills the fields anew.
 
 import type { Profile } from "./api";
-import { el } from "./dom";
-import { get, set } from "./toml";
+import { complain, decimal, el, showValue } from "./dom";
+import { entries, get, set } from "./toml";
 
-export interface Schema { type?: string | string[]; properties?: Record<string, Schema>; description?: string; default?: unknown; enum?: unknown[]; oneOf?: { const: unknown; description: string }[]; minimum?: number; maximum?: number; items?: Schema; minItems?: number; maxItems?: number; "x-first-stage"?: string }
+export interface Schema { type?: string | string[]; properties?: Record<string, Schema>; description?: string; default?: unknown; enum?: unknown[]; oneOf?: (Schema & { const?: unknown })[]; pattern?: string; minimum?: number; maximum?: number; items?: Schema; minItems?: number; maxItems?: number; "x-first-stage"?: string }
 
 /** Settings that a field can change: one value, or a short list of numbers. */
 function isSimple(row: Schema): boolean {
@@ -26,29 +26,50 @@ export function typed(row: Schema, text: string): string | null {
   const types = [row.type ?? []].flat();
   const word = text.trim();
   if (row.enum) return row.enum.includes(word) ? JSON.stringify(word) : null;
-  const isNumber = (t: string) => /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(t);
   if (types.includes("array") && /^\[/.test(word)) {
-    const parts = word.replace(/^\[|\]$/g, "").split(",").map((p) => p.trim()).filter((p) => p);
-    return parts.every(isNumber) ? `[${parts.join(", ")}]` : null;
+    const parts = word.replace(/^\[|\]$/g, "").split(",").filter((p) => p.trim()).map(decimal);
+    return parts.every((p) => p !== null) ? `[${parts.join(", ")}]` : null;
   }
-  if ((types.includes("number") || types.includes("integer")) && isNumber(word)) {
-    const n = Number(word);
+  const number = types.includes("number") || types.includes("integer") ? decimal(word) : null;
+  if (number !== null) {
+    const n = Number(number);
     if (types.includes("integer") && !types.includes("number") && !Number.isInteger(n)) return null;
-    if ((row.minimum !== undefined && n < row.minimum) || (row.maximum !== undefined && n > row.maximum)) return null;
-    // TOML wants a digit on both sides of the point.
-    return word.replace(/^([+-]?)\./, "$10.").replace(/\.$/, ".0");
+    return (row.minimum !== undefined && n < row.minimum) || (row.maximum !== undefined && n > row.maximum) ? null : number;
   }
   // The planner tells what is wrong in a table.
   if (types.includes("object") && /^\{.*\}$/.test(word)) return word;
   if (types.includes("boolean")) return ["true", "false"].includes(word) ? word : null;
-  return types.includes("string") ? JSON.stringify(word) : null;
+  return types.includes("string") && (!row.pattern || new RegExp(row.pattern).test(word)) ? JSON.stringify(word) : null;
 }
 
-interface Row { table: string; key: string; schema: Schema }
+/** A row of the form. `other` says what else may stand for its table: a value, which hides it, or a file alone, which is its path. */
+interface Row { table: string; key: string; schema: Schema; other: "value" | "path" | null }
 
-function rowsOf(section: string, schema: Schema): Row[] {
-  return Object.entries(schema.properties ?? {}).flatMap(([key, row]) =>
-    row.properties ? rowsOf(`${section}.${key}`, row) : isSimple(row) ? [{ table: section, key, schema: row }] : []);
+const tableOf = (schema: Schema) => schema.properties ?? schema.oneOf?.find((o) => o.properties)?.properties;
+
+export function rowsOf(section: string, schema: Schema): Row[] {
+  const other = isSimple(schema) ? "value" : schema.oneOf ? "path" : null;
+  return Object.entries(tableOf(schema) ?? {}).flatMap(([key, row]) =>
+    [...(isSimple(row) ? [{ table: section, key, schema: row, other } as Row] : []), ...rowsOf(`${section}.${key}`, row)]);
+}
+
+/** Whether a text states keys of a table. */
+const isStated = (text: string, table: string) => entries(text).some((e) => e.table === table);
+
+/** The table above that of a row, and the name that it has there. */
+const split = (table: string): [string, string] => [table.replace(/\.?[^.]*$/, ""), table.replace(/^.*\./, "")];
+/** What a text states in place of the table of a row. */
+const inPlace = (text: string, row: Row) => get(text, ...split(row.table));
+
+/** The value of a row as a text states it; a file that stands for a table is its path. */
+const statedValue = (text: string, row: Row) => get(text, row.table, row.key) ?? (row.other === "path" && row.key === "path" ? inPlace(text, row) : null);
+
+/** The text with another value of a row; a file that stands for its table becomes the path in it. */
+export function state(text: string, row: Row, value: string | null): string {
+  const file = row.other === "path" ? inPlace(text, row) : null;
+  if (file === null) return set(text, row.table, row.key, value);
+  text = set(text, ...split(row.table), row.key === "path" ? value : null);
+  return row.key === "path" ? text : set(set(text, row.table, "path", file), row.table, row.key, value);
 }
 
 /** A value as a field shows it. */
@@ -72,7 +93,7 @@ export class SettingsForm {
         let n = 0;
         for (const row of group.querySelectorAll<HTMLElement>(".setting")) {
           row.hidden = !words.every((w) => row.dataset.words!.includes(w));
-          n += row.hidden ? 0 : 1;
+          n += row.hidden || row.dataset.off ? 0 : 1;
         }
         group.hidden = n === 0;
         group.open = words.length > 0 && n > 0;
@@ -106,8 +127,7 @@ export class SettingsForm {
   private field(row: Row): HTMLElement {
     const { table, key, schema } = row;
     const id = `set-${table}-${key}`;
-    const put = (value: string | null) => { this.change(set(this.text(), table, key, value)); this.refresh(); };
-    const wrong = el("span", { class: "wrong", role: "alert" });
+    const put = (value: string | null) => { this.change(state(this.text(), row, value)); this.refresh(); };
     let input: HTMLInputElement | HTMLSelectElement;
     if (schema.enum) {
       const about = new Map((schema.oneOf ?? []).map((o) => [o.const, o.description]));
@@ -117,24 +137,35 @@ export class SettingsForm {
     } else input = el("input", { id, type: "text", spellcheck: "false" });
     // Start and end programs have many lines, which a field of one line would lose.
     const isLong = (value: string) => value.includes("\n");
-    input.addEventListener("change", () => {
+    const judged = () => {
       const value = typed(schema, input.value);
       const range = schema.minimum !== undefined ? ` from ${schema.minimum} to ${schema.maximum}` : "";
-      wrong.textContent = value === null ? `should be ${[schema.type].flat().join(" or ")}${range}` : "";
+      complain(input, value === null ? `should be ${[schema.type].flat().join(" or ")}${range}` : "", around);
+      return value;
+    };
+    input.addEventListener("input", judged);
+    input.addEventListener("change", () => {
+      const value = judged();
       if (value !== null) put(value);
     });
-    const reset = el("button", { type: "button", title: "Take the line out of the job", "aria-label": `Reset ${table}.${key}`, onclick: () => { wrong.textContent = ""; put(null); } }, "↺");
+    const reset = el("button", { type: "button", title: "Take the line out of the job", "aria-label": `Reset ${table}.${key}`, onclick: () => { complain(input, "", around); put(null); } }, "↺");
+    const around = el("div", { class: "value" }, input, reset);
     const origin = el("span", { class: "note" });
-    const made = el("div", { class: "setting" }, el("label", { for: id }, `${key}`), el("div", { class: "value" }, input, reset), el("p", { class: "note" }, schema.description ?? "", schema["x-first-stage"] === "stress" ? " A change solves the stress again. " : " ", origin), wrong);
+    const made = el("div", { class: "setting" }, el("label", { for: id }, (table.includes(".") ? `${table.split(".").slice(1).join(".")}.` : "") + key), around, el("p", { class: "note" }, schema.description ?? "", schema["x-first-stage"] === "stress" ? " A change solves the stress again. " : " ", origin));
     made.dataset.words = `${table}.${key} ${schema.description ?? ""}`.toLowerCase();
     this.update.push(() => {
-      const stated = get(this.text(), table, key);
+      const text = this.text();
+      const stated = statedValue(text, row);
+      const isTable = tableOf(schema) !== undefined && isStated(text, `${table}.${key}`);
+      // A table in braces, or another value in its place, would be stated twice by a row of it.
+      const instead = inPlace(text, row);
+      made.dataset.off = (row.other === "value" ? !isStated(text, table) : instead !== null && (row.other === null || instead.startsWith("{"))) ? "yes" : "";
       const other = this.unstated(row);
       made.dataset.stated = stated === null ? "" : "yes";
       reset.hidden = stated === null;
       const value = plain(stated ?? other.value);
-      input.disabled = isLong(value);
-      if (document.activeElement !== input) input.value = isLong(value) ? "(several lines: change it in the text)" : value;
+      input.disabled = isLong(value) || isTable;
+      if (document.activeElement !== input) showValue(input, isTable ? "(a table: its rows follow)" : isLong(value) ? "(several lines: change it in the text)" : value, around);
       origin.textContent = stated === null ? `(${other.from})` : `(${other.from}: ${plain(other.value) || "none"})`;
     });
     return made;

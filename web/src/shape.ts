@@ -3,7 +3,7 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
 import * as api from "./api";
 import { css, type Rgb } from "./colours";
-import { el, fixed } from "./dom";
+import { el, fixed, numberField, numberOf, complain, warning } from "./dom";
 import { quoted, type JobPanel } from "./job";
 import { FAULT, LEFT, PartView, surfaceOf, type Side } from "./part";
 import { Poses } from "./poses";
@@ -137,7 +137,7 @@ export class ShapePanel {
   private build(): void {
     const report = this.report!;
     const size = [0, 1, 2].map((k) => report.high_mm[k]! - report.low_mm[k]!);
-    const warnings = this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`));
+    const warnings = this.warnings.map(warning);
     const fact = (name: string, value: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, value));
     const sizes = [fact("Size", `${size.map((v) => fixed(v, 2)).join(" × ")} mm`, "size"), fact("Volume", `${fixed(report.volume_mm3 / 1000, 3)} cm³`)];
     if (report.preview) {
@@ -155,7 +155,7 @@ export class ShapePanel {
     ];
     const found = defects.filter(([n]) => n > 0);
     const unit = el("select", { id: "unit", onchange: () => this.put("unit", quoted(unit.value)) }, ...UNITS.map((u) => el("option", { value: u, selected: u === report.unit }, u)));
-    const scale = el("input", { id: "scale", type: "number", min: 0.000001, step: "any", value: report.scale, onchange: () => { if (scale.valueAsNumber > 0) this.put("scale", String(scale.valueAsNumber)); } });
+    const scale = numberField({ id: "scale", value: report.scale }, { isPositive: true }, (v) => this.put("scale", String(v)));
     const isDoubtful = report.likely_unit !== null && report.likely_unit !== report.unit;
     const turn = (axis: 0 | 1 | 2) => el("button", { type: "button", id: `turn-${"xyz"[axis]}`, onclick: () => this.turn(new Quaternion().setFromAxisAngle(new Vector3().setComponent(axis, 1), Math.PI / 2)) }, `90° about ${"xyz"[axis]}`);
     const lay = el("button", { type: "button", id: "lay", onclick: () => this.lay() }, "Lay the chosen face on the plate");
@@ -212,6 +212,7 @@ export class ShapePanel {
     this.poses.show(this.rotation, entries(text).filter(isOwn).map((e) => `${e.table}.${e.key}=${text.slice(e.from, e.to)}`).join("\n") + loads);
   }
 
+  /** Turns the part, and its loads with it. */
   private stand(rotate_deg: number[]): void {
     const turning = this.parts.turning();
     if ("refused" in turning) { this.parts.say(turning.refused, true); return; }
@@ -222,11 +223,13 @@ export class ShapePanel {
   private place(): HTMLElement {
     const read = value(get(this.parts.job.text() ?? "", "shape", "position_mm") ?? "");
     const known = Array.isArray(read) ? read : [];
-    const inputs = ["x", "y"].map((axis, k) => el("input", { type: "number", step: "any", id: `place-${axis}`, placeholder: "middle", value: typeof known[k] === "number" ? (known[k] as number) : "", onchange: () => enter() }));
+    const inputs = ["x", "y"].map((axis, k) => numberField({ id: `place-${axis}`, placeholder: "middle", value: typeof known[k] === "number" ? (known[k] as number) : "" }, { isOptional: true }, () => enter()));
     const enter = () => {
-      const all = inputs.map((input) => input.valueAsNumber);
-      if (all.every(Number.isFinite)) this.put("position_mm", `[${all.map(plainNumber).join(", ")}]`);
-      else if (all.every((v) => !Number.isFinite(v))) this.put("position_mm", null);
+      const all = inputs.map(numberOf);
+      const isEmpty = inputs.every((input) => input.value === "");
+      // One of the two alone is no place.
+      inputs.forEach((input, k) => complain(input, Number.isFinite(all[k]) || isEmpty ? "" : "needs a number too, or neither"));
+      if (isEmpty || all.every(Number.isFinite)) this.put("position_mm", isEmpty ? null : `[${all.join(", ")}]`);
     };
     return el("div", { class: "row" }, ...inputs.map((input, k) => el("label", {}, `middle on the plate, ${"xy"[k]}, mm`, input)));
   }
@@ -248,7 +251,7 @@ export class ShapePanel {
     const [a, b, c] = this.report!.rotation as [number[], number[], number[]];
     const now = new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
     const m = new Matrix4().makeRotationFromQuaternion(by).multiply(now).elements;
-    this.put("rotate_deg", `[${turns((row, column) => m[4 * column + row]!).map(plainNumber).join(", ")}]`);
+    this.stand(turns((row, column) => m[4 * column + row]!));
   }
 }
 

@@ -3,7 +3,7 @@
 import * as api from "./api";
 import { chart } from "./chart";
 import { gradient, ramp, type CrackBy } from "./colours";
-import { byId, el, fixed, player } from "./dom";
+import { byId, el, fixed, numberField, player, warning } from "./dom";
 import { quoted } from "./job";
 import { CELL, slabOf, type Box, type Side, type Slab, type Viewer } from "./viewer";
 
@@ -37,6 +37,8 @@ export class StrengthPanel {
   private isActive = false;
   /** Draws the crack of the last test as it is chosen. */
   private crack: (() => void) | null = null;
+  /** Ends once the fields for the program are there. */
+  private built = Promise.resolve();
 
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) {
     this.empty("Open a G-code file to find where and at which load it breaks.");
@@ -60,7 +62,9 @@ export class StrengthPanel {
   }
 
   /** A program of any slicer: the two places are chosen here. */
-  async forProgram(path: string): Promise<void> {
+  forProgram(path: string): Promise<void> { return (this.built = this.begin(path)); }
+
+  private async begin(path: string): Promise<void> {
     this.program = path;
     this.crack = null;
     const part = this.parts.printed();
@@ -86,10 +90,7 @@ export class StrengthPanel {
       pick.hidden = !this.parts.viewer();
       return el("div", { class: "row" }, el("label", {}, name === "hold" ? "Held at" : "Loaded at", select), pick);
     };
-    const number = (label: string, value: number, min: number, then: (v: number) => void) => {
-      const input = el("input", { type: "number", min, step: "any", value, oninput: () => { if (input.valueAsNumber >= min) { then(input.valueAsNumber); this.draw(); } } });
-      return el("label", {}, label, input);
-    };
+    const number = (id: string, label: string, value: number, then: (v: number) => void) => el("label", {}, label, numberField({ id, value }, { isPositive: true, isLive: true }, (v) => { then(v); this.draw(); }));
     const direction = el("select", { onchange: () => { this.direction = direction.value; this.draw(); } }, ...DIRECTIONS.map(([k, words]) => el("option", { value: k, selected: k === this.direction }, words)));
     const cards = this.profiles.filter((p) => p.kind === "material");
     const tier = el("p", { class: "note" });
@@ -104,8 +105,8 @@ export class StrengthPanel {
     this.panel.replaceChildren(
       el("h2", {}, "Material"), el("div", { class: "row" }, el("label", {}, "card", material)), tier,
       el("h2", {}, "Places"), side("hold"), side("load"),
-      el("div", { class: "row" }, number("Depth of both, mm", this.depth, 0.1, (v) => (this.depth = v))),
-      el("h2", {}, "Load"), el("div", { class: "row" }, el("label", {}, "direction", direction), number("force, N", this.force, 0.001, (v) => (this.force = v))),
+      el("div", { class: "row" }, number("depth", "Depth of both, mm", this.depth, (v) => (this.depth = v))),
+      el("h2", {}, "Load"), el("div", { class: "row" }, el("label", {}, "direction", direction), number("force", "force, N", this.force, (v) => (this.force = v))),
       el("p", { class: "note" }, "The force is scaled up until the part breaks; its size matters for nothing but the reserve."),
       el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "break", onclick: () => { if (this.program) void this.test({ kind: "strength", text: this.job(), name: "strength", program: this.program }); } }, "Break it")),
       el("details", {}, el("summary", {}, "The job file that is run"), el("pre", { id: "strength-job" })),
@@ -169,11 +170,21 @@ export class StrengthPanel {
   private async test(wanted: Record<string, unknown>): Promise<void> {
     if (this.program && this.hold === this.load) { this.parts.say("The part is held and loaded at the same place; choose another side for one of them.", true); return; }
     const end = await this.parts.run(wanted);
-    if (!end) return;
+    if (end) await this.show(end.id);
+  }
+
+  /** Shows a test that was done earlier. */
+  async reopen(id: number, name: string): Promise<void> {
+    await this.built;
+    await this.show(id);
+    if (this.program) document.getElementById("answer")?.prepend(el("p", { class: "note" }, `What follows is of ${name}, with the places and the load of its own job file.`));
+  }
+
+  private async show(id: number): Promise<void> {
     try {
-      const result = await api.result(end.id);
-      const cells = result.damage ? new Float32Array(await api.bytes(`v1/jobs/${end.id}/damage`)) : null;
-      if (!this.program) await this.parts.show(end.id);
+      const result = await api.result(id);
+      const cells = result.damage ? new Float32Array(await api.bytes(`v1/jobs/${id}/damage`)) : null;
+      if (!this.program) await this.parts.show(id);
       this.tell(result, cells);
     } catch (error) {
       this.parts.say((error as Error).message, true);
@@ -198,7 +209,7 @@ export class StrengthPanel {
         fact("Mass of the part", `${fixed(report.mass_g, 2)} g`), fact("Load over mass", `${fixed(report.load_per_gram_n_g, 0)} N/g`), fact("Over the load given", `${fixed(report.peak_load_n / report.job_load_n, 2)} ×`),
         fact("Model", `${report.fidelity}, cells of ${report.cell_mm} mm`)),
       el("h2", {}, "How it fails"), el("table", {}, ...modes),
-      ...result.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      ...result.warnings.map(warning),
       el("div", { class: "row" }, el("button", { type: "button", id: "compare", onclick: () => this.parts.compare() }, "Compare with another run")),
       el("details", {}, el("summary", {}, "Where the strengths come from"), el("p", { class: "note" }, report.card_source)),
     );

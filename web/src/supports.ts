@@ -5,7 +5,7 @@
 
 import * as api from "./api";
 import { css, gradient, ramp, type Rgb } from "./colours";
-import { el, fixed } from "./dom";
+import { el, fixed, warning } from "./dom";
 import { quoted, type JobPanel } from "./job";
 import { BLOCKED, ENFORCED, type PartView } from "./part";
 import { entries, get, set, value } from "./toml";
@@ -150,7 +150,7 @@ export class Supports {
       this.told.replaceChildren(
         report.contacts === 0 ? el("p", { class: "note" }, "Nothing needs support.") : el("div", { class: "legend" }, el("div", {}, "Load of a branch"), bar, el("div", { class: "ends" }, el("span", {}, "0 N"), el("span", {}, `${fixed(most, 2)} N`))),
         el("table", {}, fact("Mass", `${fixed(report.mass_g ?? report.solid_mass_g, 2)} g`, "support-mass"), fact("Contacts, trees", `${report.contacts}, ${report.trees}`, "support-contacts"), fact("Farthest from a contact", `${fixed(report.farthest_mm, 1)} mm`), ...(lost > 0 ? [fact("Overhangs that no branch reaches", String(lost))] : [])),
-        ...result.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)));
+        ...result.warnings.map(warning));
       this.parts.viewer()?.draw();
       document.documentElement.dataset.supports = String(end.id);
     } catch (error) {

@@ -49,7 +49,11 @@ const unquoted = (key: string) => key.split(".").map((part) => part.trim().repla
 /** All keys of the text, in order. */
 export function entries(text: string): Entry[] { return scan(text).found; }
 
-function scan(text: string): { found: Entry[]; headers: Header[] } {
+/** The text that was scanned last: the form asks for every setting of one text. */
+let last: { text: string; found: Entry[]; headers: Header[] } = { text: "", found: [], headers: [] };
+
+function scan(text: string): typeof last {
+  if (text === last.text) return last;
   const found: Entry[] = [];
   const headers: Header[] = [];
   let table = "";
@@ -75,7 +79,7 @@ function scan(text: string): { found: Entry[]; headers: Header[] } {
     }
     at = end + 1;
   }
-  return { found, headers };
+  return (last = { text, found, headers });
 }
 
 /** A table of a list, `[[name]]`: its lines in the text and its keys. `isPlain` where it has no tables of its own below it. */

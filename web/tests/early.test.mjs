@@ -53,3 +53,20 @@ test("the first layer of a plan is on screen while the others are planned", asyn
   assert.deepEqual(wrong, []);
   await close();
 });
+
+test("a page that is loaded anew during a run shows how far it is, and what came of it", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await choose(page, "high.toml");
+  await shaped(page);
+  await page.click("#tab-job");
+  await page.click("#panel-job >> text=Plan the paths");
+  await page.waitForFunction(() => /^(Shape|Walls and fill) /.test(document.querySelector("#progress").textContent));
+  await page.reload();
+  await page.waitForFunction(() => /^(Shape|Walls and fill|Ordering|Writing)/.test(document.querySelector("#progress").textContent));
+  await page.waitForFunction(() => document.documentElement.dataset.shown, null, { timeout: 240_000 });
+  assert.match(await page.textContent("#title"), /high\.toml$/);
+  assert.equal(await page.evaluate(() => window.studio.viewer.beads.index.layers.length), LAYERS);
+  assert.equal(await page.getAttribute("#tab-paths", "aria-selected"), "true");
+  assert.deepEqual(wrong, []);
+  await close();
+});

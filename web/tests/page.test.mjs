@@ -10,7 +10,7 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing", "packed.bgcode": "GCDE", "box.stl": boxStl([30, 12, 3]) });
+  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing", "broken.toml": "[fill]\ndensity = = 1\n", "graded.toml": "[fill]\ndensity = 0.4\n", "packed.bgcode": "GCDE", "box.stl": boxStl([30, 12, 3]) });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -94,6 +94,89 @@ test("an error is the sentence of the command line", async () => {
   await close();
 });
 
+test("a force or a depth that is no number is said, and nothing is broken with it", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "squares.gcode");
+  await shown(page);
+  await page.click("#tab-strength");
+  const posted = [];
+  page.on("request", (r) => { if (r.method() === "POST" && r.url().endsWith("/v1/jobs")) posted.push(r.postDataJSON()); });
+  for (const [id, words, right] of [["force", "-50", "12,5"], ["depth", "0", "1,5"]]) {
+    await page.fill(`#${id}`, words);
+    await page.click("#break");
+    assert.match(await page.textContent("#progress .error"), new RegExp(`${id}.* is ${words} and should be a number above 0`, "i"));
+    await page.fill(`#${id}`, right);
+    await page.press(`#${id}`, "Tab");
+    assert.equal(await page.$(".wrong"), null);
+    assert.equal(await page.inputValue(`#${id}`), right.replace(",", "."));
+  }
+  assert.deepEqual(posted, []);
+  assert.match(await page.textContent("#strength-job"), /12\.5/);
+  await close();
+});
+
+test("a warning names its place", async () => {
+  const place = { file: "squares.gcode", line: 7, layer: 2, z_mm: 0.4, point_mm: [1, 2.5] };
+  const routes = { "**/v1/jobs/*/result": async (route) => { const answer = await route.fetch(); await route.fulfill({ response: answer, json: { ...(await answer.json()), warnings: [{ id: "x", text: "odd", place, remedy: "none" }, { id: "y", text: "all over" }] } }); } };
+  const { page, close } = await visit(browser, server.address, { routes });
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "squares.gcode");
+  await shown(page);
+  assert.deepEqual(await page.$$eval("#panel-paths .warning", (all) => all.map((w) => w.textContent)), ["squares.gcode, line 7, layer 2 at z = 0.40 mm, (1.00, 2.50): odd – none", "all over"]);
+  await close();
+});
+
+test("an error in the text of a job is said as it is typed, and as it is opened", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "broken.toml");
+  await page.waitForSelector("#job-error:not([hidden])");
+  assert.match(await page.textContent("#job-error"), /^job\.toml:2/);
+  await page.fill("#panel-job textarea", "[process]\nwalls = 3\n");
+  await page.waitForSelector("#job-error", { state: "hidden" });
+  await page.focus("#panel-job textarea");
+  await page.keyboard.press("Control+End");
+  await page.keyboard.type("wals = 2");
+  await page.waitForSelector("#job-error:not([hidden])");
+  assert.match(await page.textContent("#job-error"), /^job\.toml:3.*wals/);
+  await close();
+});
+
+test("settings that are a number or a table are set as what they are", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "graded.toml");
+  await page.click("#tab-job");
+  const text = () => page.inputValue("#panel-job textarea");
+  const search = async (words) => page.fill("#panel-job input[type=search]", words);
+  await search("fill.density");
+  assert.equal(await page.inputValue("#set-fill-density"), "0.4");
+  assert.equal(await page.isVisible('[id="set-fill.density-min"]'), false, "there is no such table");
+  await page.fill("#set-fill-density", "0,6");
+  await page.press("#set-fill-density", "Tab");
+  assert.equal(await text(), '[fill]\ndensity = 0.6\n');
+  for (const [words, id, value, line] of [["walls", "set-process-walls", "3", "walls = 3"], ["angles", "set-fill-angles_deg", "[0, 60]", "angles_deg = [0, 60]"], ["angles", "set-fill-skin_angles_deg", "[15]", "skin_angles_deg = [15]"]]) {
+    await search(words);
+    await page.fill(`#${id}`, value);
+    await page.press(`#${id}`, "Tab");
+    assert.ok((await text()).includes(`${line}\n`), await text());
+  }
+  // A number that is none is said, and keeps the job from running.
+  await search("walls");
+  await page.fill("#set-process-walls", "three");
+  await page.click("#panel-job button.main");
+  assert.match(await page.textContent("#progress .error"), /walls is three and should be/);
+  // A table that is stated has its rows, and the number gives way to it.
+  await page.fill("#panel-job textarea", '[fill.density]\nmin = 0.1\nmax = 1\nby = "stress"\n');
+  await search("fill.density");
+  assert.equal(await page.isDisabled("#set-fill-density"), true);
+  await page.fill('[id="set-fill.density-min"]', "0.3");
+  await page.press('[id="set-fill.density-min"]', "Tab");
+  assert.match(await text(), /\[fill\.density\]\nmin = 0\.3\n/);
+  await close();
+});
+
 test("a job is saved under a new name, which never replaces a file", async () => {
   const { page, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
@@ -125,7 +208,7 @@ test("a job is saved under a new name, which never replaces a file", async () =>
   await close();
 });
 
-for (const [width, height] of [[360, 740], [768, 1024], [1280, 720], [3840, 2160]]) {
+for (const [width, height] of [[360, 740], [390, 844], [768, 1024], [1280, 720], [3840, 2160]]) {
   test(`nothing is cut off at ${width} x ${height}`, async () => {
     const { page, close } = await visit(browser, server.address, { viewport: { width, height } });
     await page.waitForSelector("#welcome h2");
@@ -135,6 +218,12 @@ for (const [width, height] of [[360, 740], [768, 1024], [1280, 720], [3840, 2160
     for (const id of ["open", "theme", "help", "tab-strength", "high", "low", "to", "play", "view"]) {
       const box = await page.locator(`#${id}`).boundingBox();
       assert.ok(box && box.x >= 0 && box.x + box.width <= width && box.width > 8 && box.height > 8, `${id}: ${JSON.stringify(box)}`);
+    }
+    // Nothing lies over the buttons of the head: a click at the middle and near each edge meets them.
+    await page.evaluate(() => scrollTo(0, 0));
+    for (const id of ["open", "runs", "theme", "help"]) {
+      const met = await page.$eval(`#${id}`, (button) => { const { x, y, width, height } = button.getBoundingClientRect(); return [[0.5, 0.5], [0.5, 0.1], [0.5, 0.9]].map(([u, v]) => document.elementFromPoint(x + u * width, y + v * height)?.id ?? ""); });
+      assert.deepEqual(met, [id, id, id]);
     }
     // Boxes over the view do not cover each other.
     const boxes = await Promise.all(["layers", "moves", "legend", "views"].map(async (id) => [id, await page.locator(`#${id}`).boundingBox()]));
@@ -216,7 +305,7 @@ test("without WebGL 2 a program is broken between two of its sides", async () =>
   const boxes = [...job.matchAll(/box_mm = (\[\[.*?\]\])/g)].map((found) => JSON.parse(found[1]));
   assert.equal(boxes.length, 2, job);
   // Both boxes have the depth that the panel states, and a margin of 0.05 mm on either side.
-  const depth = await page.$eval("#panel-strength input[type=number]", (input) => input.valueAsNumber);
+  const depth = await page.$eval("#depth", (input) => Number(input.value));
   for (const [low, high] of boxes) assert.ok(Math.abs(high[0] - low[0] - depth - 0.1) < 2e-3, job);
   assert.ok(boxes[1][0][0] > boxes[0][1][0], job);
   await close();

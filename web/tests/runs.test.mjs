@@ -1,7 +1,7 @@
 // The history of runs: kept in the folder, and two of them side by side with the numbers of the command line.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { appendFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { bar, boxStl, choose, command, folder, launch, settle, shapeRun, shapedAnew, shown, squares, studio, visit } from "./bench.mjs";
@@ -47,6 +47,8 @@ test("two programs stand side by side, at equal mass too, as the command line co
   const one = await visit(browser, server.address);
   await broken(one.page, "bar.gcode");
   await one.close();
+  // A plan between them has no strength, and is not what the second is compared with.
+  appendFileSync(files.at("grainpath-studio/history.jsonl"), `${JSON.stringify({ at_s: 1, kind: "plan", name: "plan", input: null, mass_g: 1, time_s: 1, layers: 1, strength: null })}\n`);
   const { page, wrong, close } = await visit(browser, server.address);
   await broken(page, "thin.gcode");
   await page.click("#compare");
@@ -64,6 +66,15 @@ test("two programs stand side by side, at equal mass too, as the command line co
   assert.match(await page.textContent("#decided"), /^The first carries more\.$/);
   const theirs = JSON.parse(command(files.dir, "compare", "bar.gcode", "thin.gcode", "--job", "grainpath-studio/strength/job.toml", "--json")).rows[1];
   assert.equal(found["Breaks at"][2], `${(100 * theirs.ratio).toFixed(1)} % (${(100 * theirs.ratio_low).toFixed(1)} to ${(100 * theirs.ratio_high).toFixed(1)})`);
+  // A run is opened from its row, with what came of it.
+  await page.click('#all-runs tr:has-text("bar.gcode") button');
+  await page.waitForSelector("#answer .note:has-text('What follows is of strength,')");
+  assert.match(await page.textContent("#title"), /bar\.gcode$/);
+  assert.equal(`${parseFloat(await page.textContent("#peak"))}`, found["Breaks at"][0].split(" ")[0]);
+  await page.keyboard.press("h");
+  await page.waitForSelector("#all-runs");
+  for (const name of ["thin", "bar"]) await page.click(`#all-runs tr:has-text("${name}.gcode") input`);
+  await page.waitForSelector("#compared table");
   // One mark taken away: no table.
   await page.click("#all-runs input >> nth=0");
   assert.equal(await page.$("#compared table"), null);
@@ -113,6 +124,39 @@ test("a plan is compared with another one at equal mass by planning it anew", as
   await close();
 });
 
+test("runs of two materials are told apart, far masses are named, and a plan without strength is not marked", async (t) => {
+  const strength = (peak, card, mass) => ({ peak_load_n: peak, low_n: 0.8 * peak, high_n: 1.2 * peak, stiffness_n_per_mm: 10, first_n: peak, peak_displacement_mm: 1, job_load_n: 1, mode: "m", modes: {}, weakest: { words: "w" }, mass_g: mass, load_per_gram_n_g: peak / mass, card, card_source: "s", card_tier: "T0", corners: { nominal: peak, low: 0.8 * peak, high: 1.2 * peak }, grid_share: 0.01 });
+  const row = (at_s, name, kind, mass_g, of) => ({ at_s, kind, name, input: `/nowhere/${name}.toml`, mass_g, time_s: 60, layers: 5, strength: of });
+  // The weaker one first: one card decides at 80 %, two cards do not.
+  const rows = [row(1, "one", "strength", 0.28, strength(100, "PLA 1", 0.28)), row(2, "two", "strength", 0.28, strength(80, "PLA 1", 0.28)), row(3, "three", "strength", 3.4, strength(80, "PETG 2", 3.4)), row(4, "four", "plan", 3.4, null)];
+  const dir = folder();
+  mkdirSync(dir.at("grainpath-studio"));
+  writeFileSync(dir.at("grainpath-studio/history.jsonl"), rows.map((r) => `${JSON.stringify(r)}\n`).join(""));
+  const own = await studio(dir.dir);
+  t.after(async () => { await own.end(); dir.remove(); });
+  const { page, wrong, close } = await visit(browser, own.address);
+  await page.waitForSelector("#welcome h2");
+  await page.keyboard.press("h");
+  const mark = async (...names) => {
+    for (const box of await page.$$("#all-runs input:checked")) await box.click();
+    for (const name of names) await page.click(`#all-runs tr:has-text("${name}.toml") input`);
+  };
+  await page.waitForSelector("#all-runs");
+  await mark("one", "two");
+  assert.equal(await page.textContent("#decided"), "The first carries more.");
+  assert.doesNotMatch(await page.textContent("#compared"), /materials differ/);
+  await mark("one", "three");
+  assert.match(await page.textContent("#decided"), /not decided/);
+  assert.match(await page.textContent("#compared"), /The materials differ \(PLA 1 and PETG 2\)/);
+  const found = await table(page);
+  // 64 to 96 N over 80 to 120 N.
+  assert.equal(found["Breaks at"][2], "80.0 % (53.3 to 120.0)");
+  assert.deepEqual([found.Card[0], found.Card[1]], ["PLA 1 tier T0", "PETG 2 tier T0"]);
+  assert.ok("Breaks at, for 0.28 g of each, the second taken 0.08 times as heavy" in found, Object.keys(found).join());
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
 test("the history outlives the studio, by keyboard", async () => {
   const again = await studio(files.dir);
   const { page, wrong, close } = await visit(browser, again.address);
@@ -121,10 +165,11 @@ test("the history outlives the studio, by keyboard", async () => {
   await page.keyboard.press("h");
   await page.waitForSelector("#all-runs");
   const rows = await page.$$eval("#all-runs tr", (all) => all.slice(1).map((r) => [...r.children].slice(2).map((c) => c.textContent)));
+  assert.deepEqual(rows.splice(1, 1)[0].slice(0, 2), ["plan", "plan"]);
   assert.equal(rows.length, 2, "a program that is only looked at is no run");
   assert.deepEqual(rows.map((r) => r.slice(0, 2)), [["strength test", "thin.gcode"], ["strength test", "bar.gcode"]]);
   assert.ok(rows.every((r) => /^\d+\.\d\d g$/.test(r[2]) && /^\d+ N$/.test(r[4])), `${rows}`);
-  for (const k of [0, 1]) { await page.focus(`#all-runs input >> nth=${k}`); await page.keyboard.press("Space"); }
+  for (const k of [0, 2]) { await page.focus(`#all-runs input >> nth=${k}`); await page.keyboard.press("Space"); }
   assert.equal((await table(page)).Mass[2], "80.0 %");
   await page.keyboard.press("Escape");
   assert.equal(await page.isVisible("#history"), false);

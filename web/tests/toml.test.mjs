@@ -10,7 +10,8 @@ const bundle = async (file) => {
   return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
 };
 const { blocks, change, entries, get, insert, remove, set, value } = await bundle("toml.ts");
-const { plain, typed } = await bundle("settings.ts");
+const { plain, rowsOf, state, typed } = await bundle("settings.ts");
+const { decimal } = await bundle("dom.ts");
 
 const TEXT = `# a bracket
 [shape]
@@ -128,6 +129,27 @@ test("a key of one table of a list is changed, added and taken away", () => {
   assert.equal(change(LOADS, load, "force_n", null), LOADS.replace("force_n = [1, 0, 0]\n", ""));
   assert.equal(change(LOADS, load, "pressure_mpa", "1"), LOADS.replace("force_n = [1, 0, 0]\n", "force_n = [1, 0, 0]\npressure_mpa = 1\n"));
   assert.equal(change(LOADS, load, "pressure_mpa", null), LOADS);
+});
+
+test("numbers have a point or a comma, and nothing else is one", () => {
+  assert.deepEqual(["-2,5", "−3", ".5", "5.", "007", "1e-3", "2,5e3"].map(decimal), ["-2.5", "-3", "0.5", "5.0", "7", "1e-3", "2.5e3"]);
+  assert.deepEqual(["", "-", "1,2,3", "1,234.5", "1 000", "0x10", "1e999", "2 mm"].map(decimal), Array(8).fill(null));
+  assert.equal(typed({ type: "number", minimum: 0, maximum: 1 }, "0,4"), "0.4");
+  assert.deepEqual(["none", "nnone"].map((t) => typed({ type: ["number", "string"], pattern: "^none$" }, t)), ['"none"', null]);
+});
+
+test("every setting has a row, and one of a table that is another value's is written there", () => {
+  const number = { type: "number" };
+  const schema = { properties: { density: { type: ["number", "object"], properties: { min: number } }, ct: { oneOf: [{ type: "object", properties: { path: { type: "string" }, slice_mm: number } }, { type: "string" }] }, photo: { type: "object", properties: { mm: number } } } };
+  const rows = rowsOf("shape", schema);
+  assert.deepEqual(rows.map((r) => [r.table, r.key, r.other]), [["shape", "density", null], ["shape.density", "min", "value"], ["shape.ct", "path", "path"], ["shape.ct", "slice_mm", "path"], ["shape.photo", "mm", null]]);
+  const [, , path, slice] = rows;
+  const text = '[shape]\nct = "scan"  # mine\nscale = 2\n';
+  assert.equal(state(text, path, '"other"'), text.replace("scan", "other"));
+  const table = state(text, slice, "0.5");
+  assert.equal(table, '[shape]\nscale = 2\n\n[shape.ct]\npath = "scan"\nslice_mm = 0.5\n');
+  assert.equal(state(table, slice, null), table.replace("slice_mm = 0.5\n", ""));
+  assert.equal(state("[shape]\n", slice, "1"), "[shape]\n\n[shape.ct]\nslice_mm = 1\n");
 });
 
 test("a table of a list is put in and taken out, and the rest stays", () => {

@@ -79,6 +79,37 @@ fn a_bar_breaks_where_its_card_says_and_slower_across() {
         (number(&rows[1], "ratio_low"), number(&rows[1], "ratio"), number(&rows[1], "ratio_high"));
     // One wall runs along the bar, so the ratio is above that of the card, 37 to 52.
     assert!(ratio > 0.6 && ratio < 0.95 && low <= ratio && ratio <= high, "{low} {ratio} {high}");
+    // The errors of one card cancel, those of two do not: a third of the material's strengths then leaves the order open.
+    let weaker = |card: &str, by: f64| {
+        let mut test = serde_json::json!({ "name": "weaker", "time_s": 1, "warnings": [], "strength": s });
+        let strength = test["strength"].as_object_mut().expect("numbers");
+        for key in ["peak_load_n", "low_n", "high_n"] {
+            strength[key] = serde_json::json!(by * s[key].as_f64().expect("a number"));
+        }
+        for load in strength["corners"].as_object_mut().expect("corners").values_mut() {
+            *load = serde_json::json!(by * load.as_f64().expect("a number"));
+        }
+        strength["card"] = serde_json::json!(card);
+        test
+    };
+    let own = s["card"].as_str().expect("a card");
+    assert!(own.starts_with("PLA "), "{own}");
+    let rows = |card: &str| {
+        grainpath_cli::compared(&[weaker(own, 1.0), weaker(card, 0.85)]).expect("two tests").remove(1)
+    };
+    let (shared, differ) = (rows(own), rows("PLA 00000000"));
+    assert_eq!((&shared["decided"], &differ["decided"]), (&Value::Bool(true), &Value::Bool(false)));
+    let (low, high) = (number(s, "low_n"), number(s, "high_n"));
+    assert!((number(&differ, "ratio_low") / (0.85 * low / high) - 1.0).abs() < 1e-3, "{differ}");
+    assert!((number(&differ, "ratio_high") / (0.85 * high / low) - 1.0).abs() < 1e-3, "{differ}");
+    assert!(number(&shared, "ratio_low") > number(&differ, "ratio_low"));
+    // One changed strength is another card, and the table names both.
+    let other = format!("{JOB}\n[material]\nprofile = \"pla\"\nzt_mpa = [10, 20, 30]\n");
+    fs::write(dir.join("other.toml"), other).expect("written");
+    let table = grainpath(&dir, &["compare", "along.toml", "other.toml"]);
+    let text = String::from_utf8_lossy(&table.stdout).into_owned();
+    assert!(text.contains(&format!("the materials differ (along {own}, other PLA ")), "{text}");
+    assert!(text.contains("not decided"), "{text}");
 }
 
 /// Bars of one raster without walls, like the bars that NIST's AMB2018-03 cuts from sheets: none carries

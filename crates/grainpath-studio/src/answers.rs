@@ -5,6 +5,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde_json::json;
 
+use crate::api::MAX_JOB_BYTES;
 use crate::refusal::Refusal;
 
 /// An error as JSON, with its status.
@@ -18,6 +19,15 @@ pub(crate) struct Problem(StatusCode, String);
 impl Problem {
     pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
         Self(status, message.into())
+    }
+
+    /// A job is larger than those that are read.
+    pub(crate) fn large_job() -> Self {
+        let limit = in_words(MAX_JOB_BYTES);
+        Self::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            format!("the job is larger than {limit}, the limit of a job file"),
+        )
     }
 
     pub(crate) fn missing() -> Self {
@@ -37,9 +47,19 @@ impl From<Refusal> for Problem {
     }
 }
 
+/// A number of bytes in words.
+pub(crate) fn in_words(bytes: u64) -> String {
+    if bytes < 1_000_000 { format!("{bytes} bytes") } else { format!("{:.1} MB", bytes as f64 * 1e-6) }
+}
+
+/// The body of a request cannot be used. All that are limited hold jobs.
+fn wrong_body(status: StatusCode, words: String) -> Problem {
+    if status == StatusCode::PAYLOAD_TOO_LARGE { Problem::large_job() } else { Problem(status, words) }
+}
+
 impl From<JsonRejection> for Problem {
     fn from(rejection: JsonRejection) -> Self {
-        Self(rejection.status(), rejection.body_text())
+        wrong_body(rejection.status(), rejection.body_text())
     }
 }
 
@@ -51,7 +71,7 @@ impl From<QueryRejection> for Problem {
 
 impl From<StringRejection> for Problem {
     fn from(rejection: StringRejection) -> Self {
-        Self(rejection.status(), rejection.body_text())
+        wrong_body(rejection.status(), rejection.body_text())
     }
 }
 

@@ -24,7 +24,7 @@ use grainpath_gcode::{Limits, simulate};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::answers::{Problem, accepts_gzip, binary, fault, packed, refused};
+use crate::answers::{Problem, accepts_gzip, binary, fault, in_words, packed, refused};
 use crate::engine::{CaseValues, Finished, JobText, StressSurface};
 use crate::file_kind::FileKind;
 use crate::gate::check;
@@ -62,7 +62,8 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::EXAMPLE, post(example)),
         (openapi::UPLOAD, upload),
         (openapi::LIST, get(list)),
-        (openapi::BEGIN, post(add)),
+        (openapi::BEGIN, post(add).layer(DefaultBodyLimit::max(MAX_WANTED_BYTES))),
+        (openapi::CHECK, post(check_job).layer(DefaultBodyLimit::max(MAX_JOB_BYTES as usize))),
         (openapi::ONE, get(one)),
         (openapi::CANCEL, delete(cancel)),
         (openapi::EVENTS, get(events)),
@@ -186,7 +187,7 @@ async fn files(
 }
 
 /// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
-const MAX_JOB_BYTES: u64 = 4 << 20;
+pub(crate) const MAX_JOB_BYTES: u64 = 4 << 20;
 
 fn job_text(roots: &Roots, path: &FilePath) -> Result<JobText, Refusal> {
     let real = roots.readable(path)?;
@@ -197,7 +198,8 @@ fn job_text(roots: &Roots, path: &FilePath) -> Result<JobText, Refusal> {
         return Err(wrong("is no file"));
     }
     if metadata.len() > MAX_JOB_BYTES {
-        return Err(wrong("is too large for a job file"));
+        let limit = in_words(MAX_JOB_BYTES);
+        return Err(wrong(&format!("is too large for a job file, which has {limit} at most")));
     }
     let text = std::fs::read(&real).map_err(|e| wrong(&plain(&e)))?;
     let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
@@ -454,11 +456,44 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
     }
 }
 
+/// Largest request that begins a run, bytes. A text of a job may take more as JSON, where each quotation mark and each end
+/// of a line is two characters.
+const MAX_WANTED_BYTES: usize = 2 * MAX_JOB_BYTES as usize;
+
+impl Wanted {
+    /// The text of its job, if it has one.
+    fn text(&self) -> Option<&str> {
+        match self {
+            Self::View { .. } => None,
+            Self::Shape { text, .. }
+            | Self::Stress { text, .. }
+            | Self::Orient { text, .. }
+            | Self::Supports { text, .. }
+            | Self::Plan { text, .. }
+            | Self::Strength { text, .. } => text.as_deref(),
+        }
+    }
+}
+
+/// Reads the text of a job as a run of it would, and answers with its error.
+async fn check_job(State(studio): Shared, text: Result<String, StringRejection>) -> Answer<StatusCode> {
+    let (text, engine, roots) = (text?, Arc::clone(&studio.engine), Arc::clone(&studio.roots));
+    let checked = move || {
+        let (job, _) = unsaved(&roots, None, Some(text), None)?;
+        engine.check(&job, &roots)
+    };
+    tokio::task::spawn_blocking(checked).await.map_err(fault)??;
+    Ok(StatusCode::NO_CONTENT)
+}
+
 async fn add(
     State(studio): Shared,
     wanted: Result<Json<Wanted>, JsonRejection>,
 ) -> Answer<(StatusCode, Json<RunState>)> {
     let Json(wanted) = wanted?;
+    if wanted.text().is_some_and(|text| text.len() as u64 > MAX_JOB_BYTES) {
+        return Err(Problem::large_job());
+    }
     let own = Arc::clone(&studio);
     let run = tokio::task::spawn_blocking(move || begin(&own, wanted)).await.map_err(fault)??;
     Ok((StatusCode::ACCEPTED, Json(studio.runs.state(&run))))

@@ -161,6 +161,12 @@ pub trait Engine: Send + Sync {
     /// [`Refusal`] for a file of another kind.
     fn job_for(&self, file: &Path) -> Result<String, Refusal>;
 
+    /// Reads a job without doing anything.
+    ///
+    /// # Errors
+    /// [`Refusal`] with the sentence that a run of it would begin with.
+    fn check(&self, job: &JobText, roots: &Roots) -> Result<(), Refusal>;
+
     /// The examples.
     fn examples(&self) -> Vec<Example>;
 

@@ -25,7 +25,8 @@ fn token_of(query: &str) -> Option<&str> {
 
 /// Checks a request and adds the headers that every response has.
 pub(crate) async fn check(State(studio): State<Arc<Studio>>, request: Request, next: Next) -> Response {
-    let mut response = checked(&studio, request, next).await;
+    let method = request.method().clone();
+    let mut response = in_json(&method, checked(&studio, request, next).await).await;
     let headers = response.headers_mut();
     let fixed = [
         (header::CONTENT_SECURITY_POLICY, POLICY),
@@ -39,6 +40,32 @@ pub(crate) async fn check(State(studio): State<Arc<Studio>>, request: Request, n
     }
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
     response
+}
+
+/// Longest text of an error of axum that is passed on, bytes. Source: chosen; they have one line.
+const MOST_ERROR_BYTES: usize = 4096;
+
+/// An error of axum itself, of an address or a method that does not fit, in the form of all others.
+async fn in_json(method: &Method, response: Response) -> Response {
+    let status = response.status();
+    let kind = response.headers().get(header::CONTENT_TYPE).cloned();
+    let is_json = kind.is_some_and(|kind| kind.as_bytes().starts_with(b"application/json"));
+    if !status.is_client_error() || is_json {
+        return response;
+    }
+    let (mut parts, body) = response.into_parts();
+    let text = axum::body::to_bytes(body, MOST_ERROR_BYTES).await.unwrap_or_default();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let message = match status {
+        StatusCode::METHOD_NOT_ALLOWED => {
+            format!("this address does not take {method}; docs/studio.md lists what it takes")
+        }
+        _ => text,
+    };
+    let (own, body) = refused(status, &message).into_parts();
+    parts.headers.remove(header::CONTENT_LENGTH);
+    parts.headers.extend(own.headers);
+    Response::from_parts(parts, body)
 }
 
 async fn checked(studio: &Studio, request: Request, next: Next) -> Response {

@@ -125,6 +125,17 @@ pub(crate) const BEGIN: Route = Route {
     status: "202",
     ..Route::get("/v1/jobs", "begin", "Puts a job into the queue.", Answers::Json("State"))
 };
+pub(crate) const CHECK: Route = Route {
+    method: "post",
+    body: Takes::Text,
+    status: "204",
+    ..Route::get(
+        "/v1/check",
+        "check",
+        "Reads the text of a job without running it; 422 with its first error.",
+        Answers::Nothing,
+    )
+};
 pub(crate) const ONE: Route =
     Route::get("/v1/jobs/{id}", "job", "The state of a job.", Answers::Json("State"));
 pub(crate) const CANCEL: Route = Route {

@@ -113,15 +113,35 @@ impl Roots {
     }
 }
 
+/// Greatest length of a name, bytes. Source: file systems take 255, and a folder of a run is named after it with a word and a
+/// number.
+const MOST_NAME_BYTES: usize = 200;
+/// Greatest length of the ending that a shortened name keeps, bytes. Source: chosen; the longest that is opened, `.nii.gz`,
+/// has 7.
+const MOST_ENDING_BYTES: usize = 16;
+
 /// The last part of a name from the page, without characters that a path or a shell could misread.
 pub fn safe_name(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
     let kept: String =
         last.chars().map(|c| if c.is_alphanumeric() || " .-_()+".contains(c) { c } else { '_' }).collect();
-    let kept = kept.trim_start_matches(['.', ' ', '-']).trim_end().to_owned();
-    // Source: file systems take names of 255 bytes; four bytes a character leave room for a number.
-    let kept: String = kept.chars().take(60).collect();
-    if kept.is_empty() { "upload".to_owned() } else { kept }
+    let kept = kept.trim_start_matches(['.', ' ', '-']).trim_end();
+    if kept.is_empty() {
+        return "upload".to_owned();
+    }
+    if kept.len() <= MOST_NAME_BYTES {
+        return kept.to_owned();
+    }
+    // The ending says what kind of file it is; `.nii.gz` is one ending.
+    let ending = kept.rfind('.').map_or("", |at| &kept[at..]);
+    let stem = &kept[..kept.len() - ending.len()];
+    let ending = if stem.ends_with(".nii") { &kept[stem.len() - 4..] } else { ending };
+    let ending = if ending.len() <= MOST_ENDING_BYTES { ending } else { "" };
+    let mut end = MOST_NAME_BYTES - ending.len();
+    while !kept.is_char_boundary(end) {
+        end -= 1;
+    }
+    format!("{}{ending}", kept[..end].trim_end())
 }
 
 #[cfg(test)]
@@ -194,6 +214,17 @@ mod tests {
         ] {
             assert_eq!(safe_name(given), kept, "{given:?}");
         }
-        assert!(safe_name(&"é".repeat(500)).len() <= 240);
+        // A long name keeps its ending, by which it is told what it is.
+        for letter in ["a", "é", "部"] {
+            for ending in [".stl", ".nii.gz", ".3mf"] {
+                let name = safe_name(&format!("{}{ending}", letter.repeat(300)));
+                assert!(name.len() <= MOST_NAME_BYTES && name.len() > 190, "{name}");
+                assert!(name.starts_with(letter) && name.ends_with(&format!("{letter}{ending}")), "{name}");
+            }
+        }
+        assert_eq!(safe_name(&"b".repeat(300)).len(), MOST_NAME_BYTES);
+        assert_eq!(safe_name(&format!("a.{}", "b".repeat(300))).len(), MOST_NAME_BYTES);
+        let kept = format!("{}.gcode", "a".repeat(100));
+        assert_eq!(safe_name(&kept), kept);
     }
 }

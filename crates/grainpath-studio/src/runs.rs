@@ -1,7 +1,8 @@
 //! The queue of runs: one run is worked on, the others wait.
 //!
 //! Runs have a thread of their own, so that the server can answer meanwhile. The planner uses all cores by itself, so two
-//! runs at a time would only be slower. Progress is counted in atomics, since the planner counts often and from any thread.
+//! long runs at a time would only be slower. What a page waits for as it opens a file, a program or a shape, has a second
+//! thread, so that it does not wait for a strength test of minutes. Progress is counted in atomics, since the planner counts often and from any thread.
 //! Streams of events read them ten times a second, so that the number of events does not depend on how often the planner
 //! counts. Cancelling sets a flag that every loop of the planner reads.
 
@@ -71,6 +72,13 @@ pub enum Kind {
     Plan,
     /// Tests strength.
     Strength,
+}
+
+impl Kind {
+    /// Whether a page shows nothing before it is done: such runs wait only for each other.
+    fn opens(self) -> bool {
+        matches!(self, Self::View | Self::Shape)
+    }
 }
 
 /// The state of a run as the page sees it.
@@ -257,11 +265,13 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// An empty queue and the thread that works on it.
+    /// An empty queue and the threads that work on it.
     pub fn new(exit_code: ExitCode) -> Self {
         let shared: Arc<(Mutex<Queue>, Condvar)> = Arc::default();
-        let own = Arc::clone(&shared);
-        std::thread::spawn(move || work(&own));
+        for opens in [false, true] {
+            let own = Arc::clone(&shared);
+            std::thread::spawn(move || work(&own, opens));
+        }
         Self { shared, last: AtomicU64::new(0), exit_code }
     }
 
@@ -319,12 +329,12 @@ impl Runs {
 
     /// The state of a run.
     pub fn state(&self, run: &Run) -> State {
-        let waiting = |q: &Queue| q.waiting.iter().position(|(r, _)| r.id == run.id);
         let phase = *run.phase.borrow();
         let ahead = if phase == Phase::Waiting {
             let queue = locked(&self.shared.0);
-            let is_busy = queue.all.iter().any(|r| *r.phase.borrow() == Phase::Running);
-            waiting(&queue).map_or(0, |k| k + usize::from(is_busy))
+            let is_open = |r: &Run| !r.phase.borrow().is_over();
+            let is_before = |r: &Run| r.id < run.id && r.kind.opens() == run.kind.opens();
+            queue.all.iter().filter(|r| is_before(r) && is_open(r)).count()
         } else {
             0
         };
@@ -385,8 +395,8 @@ fn interrupted() -> Refusal {
     Refusal { message: "cancelled; nothing more was written".to_owned(), kind: RefusalKind::Interrupted }
 }
 
-/// Works on the queue until it is closed.
-fn work(shared: &(Mutex<Queue>, Condvar)) {
+/// Works on the runs of the queue that open a file, or on all others, until it is closed.
+fn work(shared: &(Mutex<Queue>, Condvar), opens: bool) {
     let (queue, changed) = shared;
     loop {
         let mut open = locked(queue);
@@ -394,7 +404,8 @@ fn work(shared: &(Mutex<Queue>, Condvar)) {
             if open.is_closed {
                 return;
             }
-            if let Some(next) = open.waiting.pop_front() {
+            let next = open.waiting.iter().position(|(run, _)| run.kind.opens() == opens);
+            if let Some(next) = next.and_then(|k| open.waiting.remove(k)) {
                 // The phase is set under the lock, so that the run is always seen as either waiting or running.
                 next.0.phase.send_replace(Phase::Running);
                 break next;
@@ -456,8 +467,13 @@ mod tests {
         let first = runs.add(Kind::Plan, "a".into(), endless()).expect("room");
         let second =
             runs.add(Kind::Plan, "b".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
-        let third = runs.add(Kind::View, "c".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
+        let third =
+            runs.add(Kind::Stress, "c".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
         until(&first, Phase::Running);
+        // A file is opened meanwhile.
+        let view = runs.add(Kind::View, "d".into(), Box::new(|_, _| Ok(Finished::default()))).expect("room");
+        until(&view, Phase::Done);
+        assert_eq!(runs.state(&first).phase, Phase::Running);
         while runs.state(&first).done < 3 {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -491,7 +507,7 @@ mod tests {
     #[test]
     fn old_runs_are_dropped_and_the_queue_has_an_end() {
         let runs = Runs::new(Box::new(|kind| kind as i32));
-        let hold = runs.add(Kind::Plan, "held".into(), endless()).expect("room");
+        let hold = runs.add(Kind::View, "held".into(), endless()).expect("room");
         until(&hold, Phase::Running);
         let mut refused = 0;
         for _ in 0..100 {

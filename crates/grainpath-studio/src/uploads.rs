@@ -15,7 +15,7 @@ use futures_util::StreamExt;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::answers::Problem;
+use crate::answers::{Problem, in_words};
 use crate::refusal::{Refusal, plain};
 use crate::roots::safe_name;
 use crate::studio::Studio;
@@ -31,9 +31,9 @@ pub(crate) fn no_limit_of_axum() -> DefaultBodyLimit {
 }
 
 fn too_large(studio: &Studio) -> Problem {
-    let megabytes = studio.max_upload / 1_000_000;
     let advice = "choose it on the server's side instead, or start with a larger --max-upload";
-    Problem::new(StatusCode::PAYLOAD_TOO_LARGE, format!("the file is larger than {megabytes} MB; {advice}"))
+    let limit = in_words(studio.max_upload);
+    Problem::new(StatusCode::PAYLOAD_TOO_LARGE, format!("the file is larger than {limit}; {advice}"))
 }
 
 /// Writes the body to `uploads/NAME` below the working folder and answers with its path.

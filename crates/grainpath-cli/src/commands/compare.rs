@@ -95,6 +95,7 @@ struct Strengths {
     mode: String,
     weakest: Value,
     corners: BTreeMap<String, f64>,
+    card: String,
     mesh_change: Option<f64>,
 }
 
@@ -127,11 +128,15 @@ struct Ratio {
 }
 
 impl Ratio {
-    /// The peak load of `part` over that of `first`. The interval spans the ratios at all corners of the material card,
-    /// which both parts share, and is widened on both sides by the larger `grid_share`. A corner is one choice of low,
-    /// nominal or high for the strengths along the beads and for the others.
+    /// The peak load of `part` over that of `first`. If both parts share the material card, the interval spans the ratios at
+    /// all its corners and is widened on both sides by the larger `grid_share`. A corner is one choice of low, nominal or
+    /// high for the strengths along the beads and for the others.
     fn new(part: &Strengths, first: &Strengths) -> Self {
         let nominal = part.peak_load_n / first.peak_load_n;
+        // Errors of two cards are independent: one material may be at its low strengths while the other is at its high ones.
+        if part.card != first.card {
+            return Self { nominal, low: part.low_n / first.high_n, high: part.high_n / first.low_n };
+        }
         // Each ratio is formed at one corner, that is with the same strengths for both parts. An error of the strengths
         // that affects both parts alike then cancels. Dividing the two intervals would give a much wider one.
         let corners = part.corners.iter().filter_map(|(k, v)| first.corners.get(k).map(|w| v / w));
@@ -158,7 +163,7 @@ fn row(test: &Compared, first: Option<&Strengths>) -> Value {
         "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
         "ratio": round(ratio.nominal), "ratio_low": round(ratio.low), "ratio_high": round(ratio.high),
         "decided": decided, "grid_share": r.grid_share,
-        "mode": r.mode, "weakest": r.weakest, "corners": r.corners, "mesh_change": r.mesh_change,
+        "mode": r.mode, "weakest": r.weakest, "corners": r.corners, "card": r.card, "mesh_change": r.mesh_change,
         "warnings": test.warnings,
     })
 }
@@ -189,6 +194,16 @@ fn table(all: &[Done], rows: &[Value]) -> String {
             number("ratio_high"),
             if row["decided"] == json!(false) { "not decided; " } else { "" },
             r.mode
+        );
+    }
+    let cards: Vec<&str> = all.iter().map(|d| d.tested.report.card.as_str()).collect();
+    if cards.iter().any(|card| *card != cards[0]) {
+        let named: Vec<String> =
+            all.iter().zip(&cards).map(|(d, card)| format!("{} {card}", d.name)).collect();
+        let _ = writeln!(
+            out,
+            "the materials differ ({}): their ratios go from the low load of one over the high load of the other to the reverse",
+            named.join(", ")
         );
     }
     for d in all {

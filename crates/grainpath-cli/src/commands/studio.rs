@@ -172,6 +172,10 @@ impl Engine for Commands {
         })
     }
 
+    fn check(&self, job: &JobText, roots: &Roots) -> Result<(), Refusal> {
+        settings(job, roots).map(drop)
+    }
+
     fn examples(&self) -> Vec<Example> {
         let row = |&name: &&'static str| Some(Example { name, about: presets::about(name)? });
         presets::PRESETS.iter().filter_map(row).collect()

@@ -44,6 +44,11 @@ impl Engine for Planner {
         Ok(format!("# {}\n", file.file_name().expect("a file").display()))
     }
 
+    fn check(&self, job: &JobText, _: &Roots) -> Result<(), Refusal> {
+        let read = parse_job(&job.text, &job.name, &[], &|_| Err("no own profiles".to_owned()));
+        read.map(drop).map_err(|e| Refusal::usage(e.to_string()))
+    }
+
     fn examples(&self) -> Vec<Example> {
         vec![Example { name: "pair", about: "two files" }]
     }

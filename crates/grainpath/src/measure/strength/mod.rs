@@ -12,6 +12,7 @@ mod setup;
 use std::collections::BTreeMap;
 
 use grainpath_core::diagnostics::CancelFlag;
+use grainpath_core::hash::splitmix64;
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
 use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
@@ -187,6 +188,19 @@ impl StrengthSettings {
         ])
     }
 
+    /// Name of the material with a hash of its strengths and elastic constants, for the report: cards that differ in one of
+    /// them have another text.
+    fn card(&self) -> String {
+        let cards: Vec<&MaterialSection> = std::iter::once(&self.material).chain(&self.fibre).collect();
+        let names: Vec<&str> = cards.iter().map(|m| m.name.as_str()).collect();
+        let values = cards.iter().flat_map(|m| {
+            let strengths = strengths(m).into_iter().map(|(_, bounds)| bounds.unwrap_or_default());
+            strengths.chain([m.e_mpa, m.nu, m.g_mpa]).flatten()
+        });
+        let hash = values.fold(0, |h, v| splitmix64(h ^ v.to_bits()));
+        format!("{} {:08x}", names.join(" + "), hash >> 32)
+    }
+
     /// Origin of the strengths, for the report.
     fn source(&self) -> String {
         let matrix = &self.material.strength_source;
@@ -197,8 +211,9 @@ impl StrengthSettings {
     }
 }
 
-fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthError> {
-    let given = [
+/// The strengths of a material by their keys. The first three act along the beads.
+fn strengths(m: &MaterialSection) -> [(&'static str, Option<[f64; 3]>); 9] {
+    [
         ("xt_mpa", m.xt_mpa),
         ("xc_mpa", m.xc_mpa),
         ("g_along_n_mm", m.g_along_n_mm),
@@ -208,7 +223,11 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
         ("g_across_n_mm", m.g_across_n_mm),
         ("zt_mpa", m.zt_mpa),
         ("s_il_mpa", m.s_il_mpa),
-    ];
+    ]
+}
+
+fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthError> {
+    let given = strengths(m);
     // All missing strengths are named in one message, so that one edit of the job suffices.
     let missing: Vec<&str> = given.iter().filter(|g| g.1.is_none()).map(|g| g.0).collect();
     if !missing.is_empty() {
@@ -271,6 +290,8 @@ pub struct StrengthReport {
     pub dofs: usize,
     pub solutions: usize,
     pub seconds: f64,
+    /// Name of the material and a hash of its card: two reports with the same text rest on the same numbers.
+    pub card: String,
     pub card_source: String,
     pub card_tier: &'static str,
     /// Points of the load curve: displacement in mm and load in N.
@@ -759,6 +780,7 @@ fn test_case(
         dofs: outcome.dofs,
         solutions: outcome.solutions,
         seconds: digits(diagnostics.now_s() - start_s),
+        card: settings.card(),
         card_source: settings.source(),
         card_tier: settings.material.strength_tier.name(),
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
