@@ -179,12 +179,10 @@ fn ratios(corners: [DVec2; 4], size_px: DVec2, (n_steps, step): Axes) -> Ratios 
         Sides::of(corners, size_px)
     });
     let mut found = Ratios { least: f64::INFINITY, most: f64::NEG_INFINITY, likely: f64::INFINITY };
-    let mut least_cost = f64::INFINITY;
+    let mut least_cost = (true, f64::INFINITY);
     for camera in cameras(size_px / diagonal, n_steps, step) {
         let view = sides.seen_by(&camera);
-        if !(view.cos_tilt >= LEAST_COS_TILT) {
-            continue;
-        }
+        let credible = view.cos_tilt >= LEAST_COS_TILT;
         // Variance of the cosine between the sides: the errors of the corners, and half a step to the next camera.
         let off = |other: View| (other.cos_sides - view.cos_sides).powi(2);
         let to_next = [
@@ -197,11 +195,12 @@ fn ratios(corners: [DVec2; 4], size_px: DVec2, (n_steps, step): Axes) -> Ratios 
             + to_next.iter().map(|c| off(sides.seen_by(c))).sum::<f64>();
         let off_square = view.cos_sides.powi(2) / variance;
         // Two standard deviations.
-        if off_square < 4.0 {
+        if credible && off_square < 4.0 {
             found.least = found.least.min(view.ratio);
             found.most = found.most.max(view.ratio);
         }
-        let cost = off_square + camera.unusual();
+        // A board seen too steeply comes last, but an answer is better than none.
+        let cost = (!credible, off_square + camera.unusual());
         if cost < least_cost {
             (least_cost, found.likely) = (cost, view.ratio);
         }
@@ -419,6 +418,10 @@ mod tests {
             let error = oriented(corners, DVec2::new(100.0, height), PICTURE);
             assert!(matches!(error, Err(CornersNotFound::Ratio { .. })), "{error:?}");
         }
+        // Seen more steeply than is credible, a board still has a ratio.
+        let size = DVec2::new(100.0, 30.0);
+        let off = stretched(seen(size, Scene { tilt: 80.0, ..scene }), size, PICTURE);
+        assert!(off.is_finite(), "{off}");
         let corners = seen(DVec2::new(50.0, 50.0), Scene { turn: 10.0, tilt: 20.0, ..scene });
         let square = oriented(corners, DVec2::new(50.0, 48.0), PICTURE).expect("nearly square");
         assert!(square.turn == Turn::NearlySquare && square.corners == corners);
