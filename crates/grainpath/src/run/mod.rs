@@ -641,6 +641,7 @@ fn plan_stack(
                     map: &graded.of_mean(density.fraction()),
                     range: graded.range(),
                     by: graded.by(),
+                    fall_mm: graded.fall_mm(),
                     areas: &areas,
                 };
                 LaidDensity::measure(&asked, &stack, &filled.layers)
