@@ -539,7 +539,7 @@ fn plan_stack(
         let slicing = placing.slicing;
         let unit_of_file = placing.unit_of_file;
         let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
-        Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)
+        Some(RegionAreas::new(settings, &source.regions, &part, diagnostics)?)
     };
     // Fixtures and loads are resolved once, so that the guide and the strength test use the same
     // places.
@@ -702,7 +702,8 @@ fn plan_stack(
         uneven,
         scan,
     };
-    warn_if_far(&planned, settings.fill.pattern, diagnostics);
+    let density_by = graded.as_ref().map(GradedDensity::by);
+    warn_if_far(&planned, settings.fill.pattern, density_by, diagnostics);
     Ok(planned)
 }
 

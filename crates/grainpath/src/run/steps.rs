@@ -543,7 +543,7 @@ impl<'a> Steps<'a> {
     /// #     unit_of_file: true,
     /// #     slicing: config::placing(&settings).slicing,
     /// # };
-    /// let areas = RegionAreas::new(&settings.regions, &Default::default(), &part, &diagnostics).unwrap();
+    /// let areas = RegionAreas::new(&settings, &Default::default(), &part, &diagnostics).unwrap();
     /// let steps = config::steps(&settings);
     /// let steps = Steps::new(&steps, &stack).with_regions(Some(&areas));
     /// let walls = steps.walls(0..12, &diagnostics).unwrap();
