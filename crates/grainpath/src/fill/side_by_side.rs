@@ -72,8 +72,8 @@ const NEAR: f64 = 0.02;
 /// The places of lines that are tried, as shares of their distance. Source: derived; with one to three lines in a region, a
 /// quarter of their distance decides how many there are.
 const MOVED: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-/// How many distances are tried for each place. Measured: on a plate of 70 x 40 mm with holes, lines of 2 to 8 beads at
-/// densities of 0.15 and 0.3 come no nearer in an eighth step.
+/// How many distances are tried for each place. Measured: with seven, lines of 2 to 8 beads of all patterns come within 2.7 % of
+/// densities of 0.15 and 0.3 on the plate of `tests/fill_lines.rs`.
 const DISTANCES: usize = 7;
 /// The least and the greatest density at which lines are laid for the volume of another one. Source: derived; below the
 /// least a line of eight beads needs a part of 160 mm, above the greatest lines leave no space between them.
