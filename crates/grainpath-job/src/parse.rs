@@ -485,8 +485,8 @@ mod tests {
                 "job.toml: fill.skin_angles_deg is for skins over sparse infill; with fill.density = 1 there is none",
             ),
             (
-                "[[region]]\non = { layers = [[1, 10]] }\n[[region]]\non = { layers = [[3, 2]] }\n",
-                "job.toml:4: region[2].on.layers[1] should be [first, last] counted from 1, is [3, 2]",
+                "[[region]]\non = { layers = [[1, 10]] }\nguide = false\n[[region]]\non = { layers = [[3, 2]] }\n",
+                "job.toml:5: region[2].on.layers[1] should be [first, last] counted from 1, is [3, 2]",
             ),
             (
                 "[[region]]\non = { layers = [[1, 10]] }\nfill = { patern = \"grid\" }\n",
@@ -499,6 +499,15 @@ mod tests {
             (
                 "[[region]]\non = { box_mm = [[0, 0, 0], [1, 1, 1]], layers = [[1, 2]] }\n",
                 "job.toml:2: region[1].on should have exactly one of box_mm, layers, mesh, face",
+            ),
+            (
+                "[[region]]\non = { box_mm = [[0, 0, 0], [0, 9, 9]] }\nfill = { density = 0.5 }\n",
+                "job.toml:2: region[1].on.box_mm should be two corners of a box with a volume, which differ in x, y and z, \
+                 is [[0, 0, 0], [0, 9, 9]]",
+            ),
+            (
+                "[[region]]\non = { layers = [[1, 2]] }\nfill = {}\n",
+                "job.toml:1: region[1] needs a setting of its own: fill = { ... }, process = { ... } or guide = false",
             ),
             (
                 "[[region]]\nfill = { density = 0.5 }\n",
@@ -585,6 +594,7 @@ pull_n = [0, 1, 0]
 density = {{ least = 0.1, max = 1, by = \"stress\" }}
 [[region]]
 on = {{ layers = [[1, 2]] }}
+guide = false
 [[region]]
 where = {{ layers = [[3, 4]] }}
 fill = {{ share = 0.6 }}

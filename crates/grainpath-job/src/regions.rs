@@ -85,7 +85,13 @@ fn read_place(value: &Value) -> Result<RegionPlace, ValueError> {
         ("face", Some(depth_mm)) => read_face(value).map(|face| RegionPlace::Face { face, depth_mm }),
         ("face", None) => return Err(Problem::Missing { expected: "depth_mm beside face" }.into()),
         (_, Some(_)) => return Err(Problem::Missing { expected: "face beside depth_mm" }.into()),
-        ("box_mm", None) => read_corners(value).map(|[low, high]| RegionPlace::Box { low, high }),
+        ("box_mm", None) => read_corners(value).and_then(|[low, high]| match low.cmplt(high).all() {
+            true => Ok(RegionPlace::Box { low, high }),
+            false => {
+                let expected = "two corners of a box with a volume, which differ in x, y and z";
+                Err(Problem::Kind { expected, found: value.to_string() }.into())
+            }
+        }),
         ("layers", None) => read_layers(value).map(RegionPlace::Layers),
         (_, None) => String::from_toml(value).map(RegionPlace::Mesh),
     };
@@ -120,7 +126,7 @@ impl SettingValue for JobRegion {
         let in_fill = |e: ValueError| e.in_key("fill");
         let in_process = |e: ValueError| e.in_key("process");
         // The same ranges as those of the rows of [fill] and [process].
-        Ok(Self {
+        let region = Self {
             on: read_place(on).map_err(|e| e.in_key("on"))?,
             pattern: fill.get("pattern", (0.0, 0.0)).map_err(in_fill)?,
             density: fill.get("density", (0.0, 1.0)).map_err(in_fill)?,
@@ -130,7 +136,12 @@ impl SettingValue for JobRegion {
             top_layers: process.get("top_layers", (0.0, 10000.0)).map_err(in_process)?,
             bottom_layers: process.get("bottom_layers", (0.0, 10000.0)).map_err(in_process)?,
             guide: t.get("guide", (0.0, 0.0))?.unwrap_or(true),
-        })
+        };
+        if region.guide && fill.0.is_empty() && process.0.is_empty() {
+            let expected = "a setting of its own: fill = { ... }, process = { ... } or guide = false";
+            return Err(Problem::Missing { expected }.into());
+        }
+        Ok(region)
     }
 
     fn to_text(&self) -> String {

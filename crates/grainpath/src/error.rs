@@ -166,7 +166,7 @@ impl Error {
             | Self::Directions { .. }
             | Self::Field { .. }
             | Self::Densities { .. }
-            | Self::Density(DensityError::Elsewhere { .. })
+            | Self::Density(DensityError::Elsewhere { .. } | DensityError::Nowhere { .. })
             | Self::FilledElsewhere { .. }
             | Self::Shape { .. } => ErrorKind::Input,
             Self::Gcode(_)

@@ -77,16 +77,18 @@ impl RegionAreas {
         self.layers.get(layer_idx).map(Vec::as_slice).filter(|all| all.iter().any(|r| !r.is_empty()))
     }
 
-    /// Computes the areas of the regions of a job. `meshes` holds the mesh files of regions, by the index of the region.
+    /// Computes the areas of the regions of a job with these settings. `meshes` holds the mesh files of regions, by the index of
+    /// the region.
     ///
     /// # Errors
     /// [`RegionError`] for a region outside the part, and for faces and meshes that do not exist.
     pub fn new(
-        regions: &[JobRegion],
+        settings: &Settings,
         meshes: &BTreeMap<usize, MeshFile>,
         part: &RegionPart<'_>,
         diagnostics: &Diagnostics,
     ) -> Result<Self, RegionError> {
+        let regions = &settings.regions;
         let layers = part.stack.layers();
         let planes: Vec<f64> = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
         let all = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
@@ -130,7 +132,7 @@ impl RegionAreas {
         let cut: Vec<(Vec<Region>, Vec<[usize; 2]>)> =
             layers.par_iter().enumerate().map(|(i, layer)| last_wins(&found, i, layer)).collect();
         warn_of_overlaps(&cut, layers, diagnostics);
-        warn_of_seams(regions, &cut, layers, diagnostics);
+        warn_of_seams(settings, &cut, layers, diagnostics);
         Ok(Self { layers: cut.into_iter().map(|c| c.0).collect() })
     }
 }
@@ -183,20 +185,48 @@ fn divides(area: &Region, section: &Region) -> bool {
     })
 }
 
-/// Warns of seams that borders of regions leave in dense infill and skins. A range of layers has no such border, and
-/// neither has a region that contains whole islands of the section.
+/// Whether all infill of these settings is dense, or may be where the density differs from place to place.
+fn is_dense(settings: &Settings) -> bool {
+    match settings.fill.density.even() {
+        Some(density) => density.is_dense() && settings.fill.mass_g.is_none(),
+        None => true,
+    }
+}
+
+/// Whether a layer may have skins where there are this many of them below tops and above bottoms: it lies near the lowest or
+/// the highest section, or near one that leaves some of its own section uncovered.
+fn may_have_skins(layers: &[Layer], layer_idx: usize, [top, bottom]: [usize; 2]) -> bool {
+    let section = layers[layer_idx].region();
+    let uncovered =
+        |other: &Layer| other.region() != section && section.difference(other.region()).area_mm2() > TOLD_MM2;
+    let (first, last) = (layer_idx.checked_sub(bottom), layer_idx + top);
+    let (Some(first), true) = (first, last < layers.len()) else { return true };
+    layers[first..=last].iter().any(uncovered)
+}
+
+/// Warns of seams that borders of regions leave where dense infill or skins are on both sides of them. A range of layers has no
+/// such border, and neither has a region that contains whole islands of the section.
 fn warn_of_seams(
-    regions: &[JobRegion],
+    settings: &Settings,
     cut: &[(Vec<Region>, Vec<[usize; 2]>)],
     layers: &[Layer],
     diagnostics: &Diagnostics,
 ) {
-    let meets = |k: usize, (areas, layer): (&(Vec<Region>, Vec<[usize; 2]>), &Layer)| {
-        divides(&areas.0[k], layer.region())
+    let regions = &settings.regions;
+    let inside: Vec<Settings> = regions.iter().map(|region| settings.in_region(region)).collect();
+    let is_closed = |s: &Settings, i: usize| {
+        is_dense(s) || may_have_skins(layers, i, [s.process.top_layers, s.process.bottom_layers])
+    };
+    let meets = |k: usize, i: usize| {
+        divides(&cut[i].0[k], layers[i].region())
+            && is_closed(&inside[k], i)
+            && std::iter::once(settings)
+                .chain(inside.iter().enumerate().filter(|other| other.0 != k).map(|other| other.1))
+                .any(|other| is_closed(other, i))
     };
     let has_border = |k: &usize| {
         !matches!(regions[*k].on, RegionPlace::Layers(_))
-            && cut.par_iter().zip(layers).any(|of_layer| meets(*k, of_layer))
+            && (0..layers.len()).into_par_iter().any(|i| meets(*k, i))
     };
     let numbers: Vec<String> =
         (0..regions.len()).filter(has_border).map(|k| format!("region[{}]", k + 1)).collect();

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use grainpath::fill::{Continuous, FillContext, Infill, SideBySide, TreeKind};
+use grainpath::fill::{Continuous, FillContext, Infill, LineFit, SideBySide, TreeKind};
 use grainpath::run::{Steps, config};
 use grainpath_core::math::direction;
 use grainpath_core::poly::{FillRule, Join};
@@ -54,7 +54,7 @@ fn wide_patterns() -> impl Iterator<Item = Pattern> {
 /// Lines of some beads each. None of these patterns reads the settings of `continuous`.
 fn side_by_side(pattern: Pattern, beads: usize) -> SideBySide {
     let continuous = Continuous { tree: TreeKind::Undirected, aspect: 1.0, variable: true };
-    SideBySide { pattern, beads, continuous }
+    SideBySide { pattern, beads, continuous, fit: LineFit::NONE }
 }
 
 fn laid(several: &SideBySide, context: &FillContext<'_>, region: &Polygon) -> Vec<Toolpath> {
@@ -171,10 +171,14 @@ fn beads_lie_beside_each_other_inside_the_region() {
 
 /// Plans a box of 30 x 20 mm and 20 layers.
 fn planned(sets: &[&str]) -> Vec<LayerPlan> {
+    planned_of(&Region::rectangle(DVec2::ZERO, DVec2::new(30.0, 20.0)), sets)
+}
+
+/// Plans 20 layers of a section.
+fn planned_of(section: &Region, sets: &[&str]) -> Vec<LayerPlan> {
     let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
     let settings = parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job");
-    let section = || Region::rectangle(DVec2::ZERO, DVec2::new(30.0, 20.0));
-    let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).expect("a sound layer");
+    let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section.clone()).expect("a sound layer");
     let stack = LayerStack::new((0..20).map(layer).collect()).expect("heights rise");
     let (step_settings, order) = (config::steps(&settings), config::order(&settings));
     let mut layers = Vec::new();
@@ -188,6 +192,47 @@ fn planned(sets: &[&str]) -> Vec<LayerPlan> {
         )
         .expect("not stopped");
     layers
+}
+
+#[test]
+fn lines_of_several_beads_meet_the_density_of_a_part_of_few_lines() {
+    // A plate of 70 x 40 mm with two holes and a notch: lines of eight beads at 0.15 are up to 65 mm apart.
+    let disc = |at: DVec2, r: f64| {
+        let outer =
+            (0..128).map(|i| at + r * direction(f64::from(i) / 128.0 * std::f64::consts::TAU)).collect();
+        Region::from(Polygon { outer, holes: Vec::new() })
+    };
+    let notch = [[38.0, 28.0], [42.0, 41.0], [30.0, 41.0], [33.0, 28.0]].map(DVec2::from).to_vec();
+    let plate = Region::rectangle(DVec2::ZERO, DVec2::new(70.0, 40.0))
+        .difference(&disc(DVec2::new(15.0, 22.0), 5.0))
+        .difference(&disc(DVec2::new(55.0, 15.0), 6.0))
+        .difference(&Region::from(Polygon { outer: notch, holes: Vec::new() }));
+    // Up to the strips of two walls.
+    let inside = plate.offset(-0.225 - 1.5 * bead_spacing_mm(0.45, 0.2), Join::Miter(2.0)).area_mm2();
+    let mut wrong = Vec::new();
+    for pattern in wide_patterns().filter(|p| !p.follows_field()) {
+        for (density, beads) in [0.15, 0.3].into_iter().flat_map(|d| [2, 3, 5, 8].map(|n| (d, n))) {
+            let layers = planned_of(
+                &plate,
+                &[
+                    &format!("fill.pattern={}", pattern.name()),
+                    &format!("fill.density={density}"),
+                    &format!("fill.lines={beads}"),
+                    "process.top_layers=0",
+                    "process.bottom_layers=0",
+                ],
+            );
+            let sparse =
+                layers.iter().flat_map(|l| &l.paths).map(|p| &p.path).filter(|p| p.role == Role::SparseFill);
+            let volume: f64 = sparse.map(|p| p.volume_mm3(0.2)).sum();
+            let found = volume / (inside * 0.2 * layers.len() as f64);
+            println!("{} of {beads} at {density}: {found:.3}", pattern.name());
+            if (found / density - 1.0).abs() > 0.05 {
+                wrong.push(format!("{} of {beads} at {density}: {found:.4}", pattern.name()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// The direction in which most length of a role lies, whole degrees from 0 to 179.
@@ -227,7 +272,7 @@ fn each_range_of_layers_has_its_own_angles_and_skins_theirs() {
 }
 
 #[test]
-fn lines_of_several_beads_keep_the_volume_of_the_plan() {
+fn lines_of_several_beads_have_the_volume_that_the_density_asks_for() {
     let volume = |sets: &[&str]| -> f64 {
         let sparse = |layer: &LayerPlan| {
             let paths = layer.paths.iter().map(|p| &p.path).filter(|p| p.role == Role::SparseFill);
@@ -237,16 +282,13 @@ fn lines_of_several_beads_keep_the_volume_of_the_plan() {
     };
     let common = ["fill.pattern=grid", "fill.density=0.3", "fill.angles_deg=[37]"];
     let single = volume(&common);
-    let mut paths = Vec::new();
+    // 11 sparse layers, up to the strips of two walls.
+    let inset = 0.45 + 3.0 * bead_spacing_mm(0.45, 0.2);
+    let asked = 0.3 * 11.0 * 0.2 * (30.0 - inset) * (20.0 - inset);
     for lines in ["fill.lines=2", "fill.lines=3"] {
         let several = volume(&[&common[..], &[lines]].concat());
-        paths.push(several / single);
-        assert!(
-            (several / single - 1.0).abs() < 0.08,
-            "{lines}: {several:.2} mm3, single lines {single:.2} mm3"
-        );
+        assert!((several / asked - 1.0).abs() < 0.05, "{lines}: {several:.2} mm3 of {asked:.2} mm3");
     }
-    println!("volume of lines of 2 and 3 beads over that of single ones: {paths:.3?}");
     // 11 sparse layers of about 28 x 18 mm at 0.3; what joins single lines along the border adds a fifth.
     assert!((1.0..1.3).contains(&(single / (11.0 * 0.2 * 28.0 * 18.0 * 0.3))), "{single}");
 }

@@ -62,7 +62,7 @@ fn planned(job: &str, turn_rad: f64, mesh: Option<TriMesh>) -> Result<Outcome, R
         slicing: config::placing(&settings).slicing,
     };
     let diagnostics = Diagnostics::default();
-    let areas = RegionAreas::new(&settings.regions, &meshes, &part, &diagnostics)?;
+    let areas = RegionAreas::new(&settings, &meshes, &part, &diagnostics)?;
     let (step_settings, order) = (config::steps(&settings), config::order(&settings));
     let mut layers = Vec::new();
     Steps::new(&step_settings, &stack)
@@ -180,7 +180,10 @@ fn later_regions_win_and_those_outside_are_refused() {
         assert_eq!(sparse, k >= 3, "layer {k}");
     }
     for on in ["{ box_mm = [[100, 0, 0], [110, 9, 9]] }", "{ layers = [[13, 20]] }"] {
-        let job = format!("[[region]]\non = {{ layers = [[1, 2]] }}\n[[region]]\non = {on}\n");
+        let job = format!(
+            "[[region]]\non = {{ layers = [[1, 2]] }}\nfill = {{ density = 0.5 }}\n\
+             [[region]]\non = {on}\nfill = {{ density = 0.5 }}\n"
+        );
         let refused = planned(&job, 0.0, None).err().expect("outside");
         assert_eq!(refused.to_string(), "region[2] lies outside the part: no layer has any of it");
     }
@@ -188,11 +191,12 @@ fn later_regions_win_and_those_outside_are_refused() {
 
 #[test]
 fn only_a_border_through_a_section_is_warned_of() {
-    let warnings = |regions: &[&str]| {
-        let each = |on: &&str| format!("[[region]]\non = {on}\nfill = {{ density = 0.5 }}\n");
-        let job: String = regions.iter().map(each).collect();
-        planned(&format!("[fill]\ndensity = 0.2\n{job}"), 0.4, None).expect("inside").warnings
+    let told = |job: &str, density: f64, regions: &[&str]| {
+        let each = |on: &&str| format!("[[region]]\non = {on}\nfill = {{ density = {density} }}\n");
+        let regions: String = regions.iter().map(each).collect();
+        planned(&format!("{job}{regions}"), 0.4, None).expect("inside").warnings
     };
+    let warnings = |regions: &[&str]| told("[fill]\ndensity = 0.2\n", 0.5, regions);
     // All of the section, up to half the height.
     let whole = "{ box_mm = [[-100, -100, 0], [100, 100, 1.2]] }";
     let half = "{ box_mm = [[5, -100, 0], [100, 100, 1.2]] }";
@@ -202,6 +206,16 @@ fn only_a_border_through_a_section_is_warned_of() {
     assert_eq!(warnings(&[whole, half]), [WarningId::RegionsSeam, WarningId::RegionsOverlap]);
     assert_eq!(warnings(&[half, whole]), [WarningId::RegionsOverlap]);
     assert_eq!(warnings(&["{ layers = [[2, 5]] }"]), []);
+    // Sparse infill on one side at least, and no skins: nothing dense meets anything dense.
+    let open = "process = { top_layers = 0, bottom_layers = 0 }\n[fill]\ndensity = 0.2\n";
+    assert_eq!(told(open, 0.4, &[half]), []);
+    assert_eq!(told(open, 1.0, &[half]), []);
+    assert_eq!(told(&open.replace("0.2", "1"), 1.0, &[half]), [WarningId::RegionsSeam]);
+    // Skins of 2 layers end below a region that begins at layer 4 and ends at layer 9 of 12.
+    let skins = "process = { top_layers = 2, bottom_layers = 2 }\n[fill]\ndensity = 0.2\n";
+    let [within, lower] = ["0.6", "0.2"].map(|z| format!("{{ box_mm = [[5, -100, {z}], [100, 100, 1.8]] }}"));
+    assert_eq!(told(skins, 0.4, &[&within]), []);
+    assert_eq!(told(skins, 0.4, &[&lower]), [WarningId::RegionsSeam]);
 }
 
 #[test]

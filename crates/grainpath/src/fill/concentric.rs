@@ -16,15 +16,17 @@ pub struct Concentric;
 
 impl Infill for Concentric {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-        loops(context, infill_region, 1, out);
+        loops(context, infill_region, 1, 0.0, out);
     }
 }
 
-/// Lays loops in groups of `beads` side by side.
+/// Lays loops in groups of `beads` side by side. The first group lies half the distance of groups from the wall; `nearer` is the
+/// share of that distance by which it lies nearer, up to a half, and from there on how much the next group does.
 pub(super) fn loops(
     context: &FillContext<'_>,
     infill_region: &Polygon,
     beads: usize,
+    nearer: f64,
     out: &mut Vec<Toolpath>,
 ) {
     let apart = context.spacing_mm();
@@ -32,7 +34,8 @@ pub(super) fn loops(
     let across = (beads - 1) as f64 * apart;
     let mut region = Region::from(infill_region.clone());
     // Below full density the first group lies half a gap away from the wall.
-    let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step - 0.5 * across };
+    let from_wall = if nearer > 0.5 { 1.5 - nearer } else { 0.5 - nearer };
+    let mut inset = if context.density.is_dense() { 0.0 } else { (from_wall * step - 0.5 * across).max(0.0) };
     let mut laid = 0;
     loop {
         region = region.offset(-inset, Join::Miter(3.0));

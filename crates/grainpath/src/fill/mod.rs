@@ -36,7 +36,7 @@ pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 pub use shift::{Ends, Shift};
-pub use side_by_side::SideBySide;
+pub use side_by_side::{LineFit, SideBySide};
 pub(crate) use spiral::join_rings;
 
 /// What a pattern needs to know of a layer.

@@ -68,10 +68,26 @@ pub enum DensityError {
         part[1].z
     )]
     Elsewhere { file: [DVec3; 2], part: [DVec3; 2] },
+    #[error(
+        "the densities of the file cover no place of the part: they lie {}; give densities for the whole part, or one number as \
+         fill.density",
+        extent_text(file)
+    )]
+    Nowhere { file: [DVec3; 2] },
     #[error("fill.density by = \"file\" is for parts from meshes and outlines")]
     NoFile,
     #[error("by = \"stress\": the stress is zero everywhere")]
     NoStress,
+}
+
+/// Where samples lie, for messages.
+fn extent_text([low, high]: &[DVec3; 2]) -> String {
+    let text = |p: &DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
+    if low == high {
+        format!("at {} mm alone", text(low))
+    } else {
+        format!("from {} to {} mm", text(low), text(high))
+    }
 }
 
 /// Settings from which a graded density is made.
@@ -96,6 +112,8 @@ pub struct DensityMap {
     cell_mm: DVec3,
     n: [usize; 3],
     values: Vec<f32>,
+    /// The values before the growth of the distance between lines was limited; empty where it was not.
+    given: Vec<f32>,
 }
 
 impl DensityMap {
@@ -105,7 +123,13 @@ impl DensityMap {
         let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize + 1;
         let n = [count(size.x), count(size.y), if flat { 1 } else { count(size.z) }];
         let step = |k: usize| if n[k] > 1 { size[k].max(1e-6) / (n[k] - 1) as f64 } else { 1.0 };
-        let mut map = Self { low, cell_mm: DVec3::new(step(0), step(1), step(2)), n, values: Vec::new() };
+        let mut map = Self {
+            low,
+            cell_mm: DVec3::new(step(0), step(1), step(2)),
+            n,
+            values: Vec::new(),
+            given: Vec::new(),
+        };
         map.values = (0..n[0] * n[1] * n[2]).map(|i| at(map.node(i)) as f32).collect();
         map
     }
@@ -118,6 +142,15 @@ impl DensityMap {
 
     /// The density at a point. Outside the grid it is that of the nearest point of the grid.
     pub fn at(&self, p: DVec3) -> f64 {
+        self.interpolated(&self.values, p)
+    }
+
+    /// The density at a point before the growth of the distance between lines was limited.
+    pub(crate) fn given_at(&self, p: DVec3) -> f64 {
+        self.interpolated(if self.given.is_empty() { &self.values } else { &self.given }, p)
+    }
+
+    fn interpolated(&self, values: &[f32], p: DVec3) -> f64 {
         let q = (p - self.low) / self.cell_mm;
         let axis = |k: usize| {
             let v = q[k].clamp(0.0, (self.n[k] - 1) as f64);
@@ -125,7 +158,7 @@ impl DensityMap {
             (i, (i + 1).min(self.n[k] - 1), v - i as f64)
         };
         let ([x, y, z], [nx, ny, _]) = ([axis(0), axis(1), axis(2)], self.n);
-        let value = |i: usize, j: usize, k: usize| f64::from(self.values[(k * ny + j) * nx + i]);
+        let value = |i: usize, j: usize, k: usize| f64::from(values[(k * ny + j) * nx + i]);
         let row = |j: usize, k: usize| value(x.0, j, k) + x.2 * (value(x.1, j, k) - value(x.0, j, k));
         let plane = |k: usize| row(y.0, k) + y.2 * (row(y.1, k) - row(y.0, k));
         plane(z.0) + z.2 * (plane(z.1) - plane(z.0))
@@ -175,7 +208,8 @@ impl DensityMap {
     }
 
     /// Limits the growth of the distance between lines to `STEEPEST`, by raising the density where it is exceeded.
-    fn limit(&mut self, spacing_mm: f64) {
+    pub(crate) fn limit(&mut self, spacing_mm: f64) {
+        self.given = self.values.clone();
         let [nx, ny, nz] = self.n;
         let mut far: Vec<f64> = self.values.iter().map(|v| spacing_mm / f64::from(*v)).collect();
         // The neighbours that come before a node in the grid's order, and the allowed growth to each of them.
@@ -247,7 +281,7 @@ impl GradedDensity {
                 let map = grid.map(flat, &|p| samples.at(to_file * (p + shift)));
                 let inside = inside(&map, stack, 0.0);
                 let nodes = (0..inside.len()).filter(|&i| inside[i]).map(|i| to_file * (map.node(i) + shift));
-                warn_of_uncovered(&samples, nodes, (grid.high - grid.low).max_element(), diagnostics);
+                check_cover(&samples, nodes, (grid.high - grid.low).max_element(), diagnostics)?;
                 (map, inside)
             }
             (DensityBy::Stress, Some(guide), _) => {
@@ -277,6 +311,12 @@ impl GradedDensity {
     /// What the density follows: the stress or a file.
     pub fn by(&self) -> DensityBy {
         self.by
+    }
+
+    /// The distance over which the density can fall from its greatest to its least value, mm: over less, the places around
+    /// dense ones get more material than they ask for.
+    pub fn fall_mm(&self) -> f64 {
+        self.spacing_mm * (1.0 / self.range[0] - 1.0 / self.range[1]) / STEEPEST
     }
 
     /// Whether the density is the same at all heights.
@@ -428,14 +468,17 @@ fn lay(
 
 /// Warns of places of a part that lie beyond the samples of a file. `nodes` are places of the part in the file's
 /// coordinates, mm, and `part_mm` is the part's longest extent.
-fn warn_of_uncovered(
+///
+/// # Errors
+/// [`DensityError::Nowhere`] for a single place, and if no place of the part is covered.
+fn check_cover(
     samples: &DensitySamples,
     nodes: impl Iterator<Item = DVec3>,
     part_mm: f64,
     diagnostics: &Diagnostics,
-) {
+) -> Result<(), DensityError> {
     // A grid without a place of its own is laid over the whole part.
-    let Some((low, high)) = samples.bounds() else { return };
+    let Some((low, high)) = samples.bounds() else { return Ok(()) };
     let axes = if samples.is_plane() { 2 } else { 3 };
     // Samples often lie in the middle of the cells of their grid, so the outermost cover half a cell more.
     let n = samples.summary().samples as f64;
@@ -452,6 +495,9 @@ fn warn_of_uncovered(
         n_beyond += usize::from(mm > reach);
         farthest_mm = farthest_mm.max(mm);
     }
+    if spread.is_empty() || n_nodes > 0 && n_beyond == n_nodes {
+        return Err(DensityError::Nowhere { file: [low, high] });
+    }
     let share = n_beyond as f64 / n_nodes.max(1) as f64;
     if share > UNCOVERED_SHARE {
         let text = format!(
@@ -460,6 +506,7 @@ fn warn_of_uncovered(
         );
         diagnostics.warn(WarningId::DensityTooSmall, text);
     }
+    Ok(())
 }
 
 /// The share of a dense part's strength that the stress at a point takes, in the worst load case.
@@ -634,5 +681,17 @@ mod tests {
     fn a_file_beside_the_part_is_refused() {
         let wrong = by_file("x,y,density\n100,0,1\n120,0,1\n100,20,0.5\n", [0.1, 1.0]).map(|_| ());
         assert!(matches!(wrong, Err(DensityError::Elsewhere { .. })), "{wrong:?}");
+        // A single place, and a spot between two nodes of the part.
+        for (text, place) in [
+            ("x,y,density\n10,10,0.5\n", "they lie at (10.00, 10.00, 0.00) mm alone;"),
+            ("x,y,density\n9.4,9.4,0.5\n9.6,9.6,0.5\n", "from (9.40, 9.40, 0.00) to (9.60, 9.60, 0.00) mm;"),
+        ] {
+            let told = by_file(text, [0.1, 0.9]).map(|_| ()).expect_err("nowhere").to_string();
+            assert!(
+                told.starts_with("the densities of the file cover no place of the part")
+                    && told.contains(place),
+                "{told}"
+            );
+        }
     }
 }

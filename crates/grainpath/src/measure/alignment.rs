@@ -9,7 +9,7 @@
 //! and a guide without weight give no warning.
 
 use grainpath_core::{Bounds2, DVec2, Diagnostics, LayerPlan, Warning, WarningId};
-use grainpath_job::choices::{Choice, Pattern};
+use grainpath_job::choices::{Choice, DensityBy, Pattern};
 
 use crate::measure::Planned;
 use crate::measure::report::direction_error;
@@ -38,8 +38,15 @@ struct LayerSums {
 }
 
 /// Adds a warning if the infill deviates far from its guide, and one if tension and compression of
-/// equal amount cross in most of it.
-pub(crate) fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Diagnostics) {
+/// equal amount cross in most of it. Where the density follows the stress and the pattern follows no field, the guide is there
+/// for the density alone: the infill then has no directions to keep.
+pub(crate) fn warn_if_far(
+    planned: &Planned,
+    pattern: Pattern,
+    density_by: Option<DensityBy>,
+    diagnostics: &Diagnostics,
+) {
+    let is_for_density = density_by == Some(DensityBy::Stress) && !pattern.follows_field();
     let layers = &planned.plan.layers;
     let picked: Vec<usize> = if layers.len() <= MAX_LAYERS {
         (0..layers.len()).collect()
@@ -52,7 +59,7 @@ pub(crate) fn warn_if_far(planned: &Planned, pattern: Pattern, diagnostics: &Dia
     let weight = total(&|s| s.weight);
     let mean_deg = total(&|s| s.weighted_deg) / weight.max(f64::MIN_POSITIVE);
     let worst = sums.iter().max_by(|a, b| a.1.weighted_deg.total_cmp(&b.1.weighted_deg).then(b.0.cmp(&a.0)));
-    if let Some((i, layer)) = worst.filter(|_| weight > 0.0 && mean_deg >= MAX_MEAN_DEG) {
+    if let Some((i, layer)) = worst.filter(|_| !is_for_density && weight > 0.0 && mean_deg >= MAX_MEAN_DEG) {
         let layer_deg = layer.weighted_deg / layer.weight.max(f64::MIN_POSITIVE);
         let cell = layer.cells.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let place = cell.map_or(DVec2::ZERO, |(sum, places)| *places / sum.max(f64::MIN_POSITIVE));

@@ -2,7 +2,9 @@
 //!
 //! The sparse infill of the part is divided into cubic cells with a side of [`CELL_MM`]. In each cell the density of the
 //! beads, which is their volume over the volume of the infill region, is compared with the mean required density. A
-//! cell counts if at least half of it is sparse infill, because smaller pieces hold less than one line. Cost: linear in
+//! cell counts if at least half of it is sparse infill, because smaller pieces hold less than one line. Densities of a file
+//! are required as the file gives them, within the range of the job: what the limit of their slope adds is an error.
+//! Densities by stress are required after that limit, because stress falls off from peaks as steeply as it likes. Cost: linear in
 //! the area and in the beads.
 
 use grainpath_core::mask::{Mask, MaskGrid};
@@ -32,6 +34,8 @@ pub struct AskedDensity<'a> {
     pub range: [f64; 2],
     /// The quantity that the densities follow.
     pub by: DensityBy,
+    /// The distance over which the density can fall from its greatest to its least value, mm.
+    pub fall_mm: f64,
     /// The sparse infill region of each layer.
     pub areas: &'a [Region],
 }
@@ -58,12 +62,20 @@ pub struct LaidDensity {
     pub asked: f64,
     /// Mean density of the beads over all sparse infill.
     pub laid: f64,
+    /// What the limit of the slope adds to the mean density that the file or the stress gives.
+    pub slope_added: f64,
     pub mean_error: f64,
     pub worst_error: f64,
     /// Middle of the cell with the worst error, part coordinates.
     pub worst_at_mm: [f64; 3],
     /// Number of cells that count.
     pub cells: usize,
+    /// Whether the errors would be small enough if the limit of the slope were no part of them.
+    #[serde(skip)]
+    pub follows: bool,
+    /// The distance over which the density can fall from its greatest to its least value, mm.
+    #[serde(skip)]
+    pub fall_mm: f64,
     /// Every cell that counts.
     #[serde(skip)]
     pub each: Vec<CellDensity>,
@@ -83,7 +95,9 @@ impl LaidDensity {
         let count = |mm: f64, cell: f64| (mm / cell - 1e-6).ceil().max(1.0) as usize;
         let size = bounds.size();
         let n = [count(size.x, CELL_MM), count(size.y, CELL_MM), count(tall, high_mm)];
-        let mut sums = vec![[0.0f64; 3]; n[0] * n[1] * n[2]];
+        // The volume of sparse infill, the density given and the one after the limit of its slope times that volume, and the
+        // volume of the beads.
+        let mut sums = vec![[0.0f64; 4]; n[0] * n[1] * n[2]];
         let cell_of = |p: DVec2, k: usize| {
             let q = ((p - bounds.min) / CELL_MM).max(DVec2::ZERO);
             (k * n[1] + (q.y as usize).min(n[1] - 1)) * n[0] + (q.x as usize).min(n[0] - 1)
@@ -102,7 +116,8 @@ impl LaidDensity {
                 let sum = &mut sums[cell_of(p, k)];
                 let volume = square_mm * square_mm * h;
                 sum[0] += volume;
-                sum[1] += volume * asked.map.at(p.extend(z));
+                sum[1] += volume * asked.map.given_at(p.extend(z));
+                sum[2] += volume * asked.map.at(p.extend(z));
             }
             // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own.
             let near = Mask::from_region(grid, &area.offset(SQUARE_MM, Join::Miter(2.0)));
@@ -114,7 +129,7 @@ impl LaidDensity {
                     for s in 0..pieces as usize {
                         let p = a.lerp(b, (s as f64 + 0.5) / pieces);
                         if near.contains(p) {
-                            sums[cell_of(p, k)][2] += each;
+                            sums[cell_of(p, k)][3] += each;
                         }
                     }
                 }
@@ -125,35 +140,46 @@ impl LaidDensity {
 
     fn of_cells(
         asked: &AskedDensity<'_>,
-        sums: &[[f64; 3]],
+        sums: &[[f64; 4]],
         low: DVec3,
         n: [usize; 3],
         high_mm: f64,
     ) -> Self {
         let half = 0.5 * CELL_MM * CELL_MM * high_mm;
-        let cell = |(i, s): (usize, &[f64; 3])| {
+        let required = match asked.by {
+            DensityBy::File => 1,
+            DensityBy::Stress => 2,
+        };
+        let cell = |(i, s): (usize, &[f64; 4])| {
             let at = DVec3::new((i % n[0]) as f64, (i / n[0] % n[1]) as f64, (i / (n[0] * n[1])) as f64);
             let low_mm = low + at * DVec3::new(CELL_MM, CELL_MM, high_mm);
-            (s[0] >= half).then(|| CellDensity { low_mm, asked: s[1] / s[0], laid: s[2] / s[0] })
+            let of = |k: usize| s[k] / s[0];
+            (s[0] >= half).then(|| (CellDensity { low_mm, asked: of(required), laid: of(3) }, of(2)))
         };
-        let each: Vec<CellDensity> = sums.iter().enumerate().filter_map(cell).collect();
+        let (each, limited): (Vec<CellDensity>, Vec<f64>) = sums.iter().enumerate().filter_map(cell).unzip();
         let error = |c: &CellDensity| (c.laid - c.asked).abs();
-        let mean_error = each.iter().map(error).sum::<f64>() / each.len().max(1) as f64;
+        let mean = |errors: f64| errors / each.len().max(1) as f64;
+        let mean_error = mean(each.iter().map(error).sum());
         let worst = each.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
-        let all = sums.iter().fold([0.0; 3], |all, s| [all[0] + s[0], all[1] + s[1], all[2] + s[2]]);
+        let off = || each.iter().zip(&limited).map(|(c, limited)| (c.laid - limited).abs());
+        let follows = mean(off().sum()) <= WARNED[0] && off().fold(0.0, f64::max) <= WARNED[1];
+        let all = sums.iter().fold([0.0; 4], |all, s| [0, 1, 2, 3].map(|k| all[k] + s[k]));
         let share = |v: f64| (v * 1e4).round() / 1e4;
         let middle = |c: &CellDensity| c.low_mm + 0.5 * DVec3::new(CELL_MM, CELL_MM, high_mm);
         Self {
             by: asked.by.name(),
             min: asked.range[0],
             max: asked.range[1],
-            asked: share(all[1] / all[0].max(1e-9)),
-            laid: share(all[2] / all[0].max(1e-9)),
+            asked: share(all[required] / all[0].max(1e-9)),
+            laid: share(all[3] / all[0].max(1e-9)),
+            slope_added: share((all[2] - all[1]) / all[0].max(1e-9)),
             mean_error: share(mean_error),
             worst_error: share(worst.map_or(0.0, error)),
             worst_at_mm: worst
                 .map_or([0.0; 3], |c| middle(c).to_array().map(|v| (v * 100.0).round() / 100.0)),
             cells: each.len(),
+            follows,
+            fall_mm: asked.fall_mm,
             each,
         }
     }
@@ -166,12 +192,13 @@ impl LaidDensity {
             (
                 "graded density".into(),
                 format!(
-                    "by {}, {} to {}, mean {} (laid {})",
+                    "by {}, {} to {}, mean {} (laid {}), of which the limit of the slope adds {}",
                     self.by,
                     percent(self.min),
                     percent(self.max),
                     percent(self.asked),
-                    percent(self.laid)
+                    percent(self.laid),
+                    percent(self.slope_added)
                 ),
             ),
             (
@@ -192,12 +219,27 @@ impl LaidDensity {
             return None;
         }
         let [x, y, z] = self.worst_at_mm;
-        let text = format!(
+        let off = format!(
             "infill is off the density asked for by {:.1} % of full in the mean and by {:.1} % at worst, at ({x:.1}, {y:.1}, {z:.1}) mm",
             100.0 * self.mean_error,
             100.0 * self.worst_error
         );
-        Some(Warning::new(WarningId::DensityOff, text))
+        if !self.follows {
+            return Some(Warning::new(WarningId::DensityOff, off));
+        }
+        let text = format!(
+            "{off}: the densities of the file fall faster than the distance between lines may grow, and what lies around dense \
+             places gets more material, {:.1} % of full in the mean",
+            100.0 * self.slope_added
+        );
+        let remedy = format!(
+            "smooth the densities so that they fall from {} to {} over {:.0} mm or more, or lower fill.density.max or raise \
+             fill.density.min",
+            self.max,
+            self.min,
+            self.fall_mm.ceil()
+        );
+        Some(Warning::new(WarningId::DensityOff, text).with_remedy(remedy))
     }
 }
 
@@ -214,7 +256,8 @@ mod tests {
         let stack = LayerStack::new((0..25).map(layer).collect()).expect("a stack");
         let map = DensityMap::new(DVec3::ZERO, DVec3::new(20.0, 10.0, 5.0), 1.0, true, |_| 0.25);
         let areas = vec![section(); 25];
-        let asked = AskedDensity { map: &map, range: [0.1, 0.5], by: DensityBy::Stress, areas: &areas };
+        let asked =
+            AskedDensity { map: &map, range: [0.1, 0.5], by: DensityBy::Stress, fall_mm: 0.0, areas: &areas };
         // Lines 1 mm apart with a strip of 0.25 mm on the left half, none on the right.
         let width = grainpath_core::units::bead_width_mm(0.25, 0.2);
         let line = |k: usize| {
@@ -231,5 +274,44 @@ mod tests {
         assert!((found.worst_error - 0.25).abs() < 0.002 && found.worst_at_mm[0] > 10.0, "{found:?}");
         assert!((found.laid - 0.125).abs() < 0.002);
         assert_eq!(found.warning().map(|w| w.id), Some(WarningId::DensityOff));
+    }
+
+    #[test]
+    fn what_the_limit_of_the_slope_adds_to_a_file_is_an_error_that_is_told_with_its_cause() {
+        let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 20.0));
+        let stack =
+            LayerStack::new(vec![Layer::new(0.2, 0.2, section()).expect("a layer")]).expect("a stack");
+        // Squares of 5 mm at 0.9 and 0.1 by turns, with a mean of 0.5.
+        let at = |p: DVec3| if ((p.x / 5.0).floor() + (p.y / 5.0).floor()) % 2.0 == 0.0 { 0.9 } else { 0.1 };
+        let mut map = DensityMap::new(DVec3::ZERO, DVec3::new(20.0, 20.0, 0.2), 1.0, true, at);
+        map.limit(0.4);
+        // Beads of half a millimetre, 0.5 mm apart, that lay the limited densities to the dot.
+        let bead = |k: usize| {
+            let p = 0.5 * DVec2::new((k % 40) as f64 + 0.5, (k / 40) as f64 + 0.5);
+            let width = grainpath_core::units::bead_width_mm(0.5 * map.at(p.extend(0.1)), 0.2);
+            let ends = [p - DVec2::new(0.25, 0.0), p + DVec2::new(0.25, 0.0)];
+            Toolpath::new(ends.to_vec(), width, Role::SparseFill, false)
+        };
+        let island = Island { walls: Vec::new(), fills: (0..1600).map(bead).collect() };
+        let layers = [LayerPaths { islands: vec![island], ..LayerPaths::default() }];
+        let areas = [section()];
+        let measured = |by: DensityBy| {
+            let asked = AskedDensity { map: &map, range: [0.1, 0.9], by, fall_mm: 7.1, areas: &areas };
+            LaidDensity::measure(&asked, &stack, &layers)
+        };
+        let by_file = measured(DensityBy::File);
+        assert!((by_file.asked - 0.5).abs() < 0.05 && by_file.slope_added > 0.1, "{by_file:?}");
+        assert!((by_file.asked + by_file.slope_added - by_file.laid).abs() < 0.01, "{by_file:?}");
+        assert!(by_file.mean_error > 0.1 && by_file.worst_error > 0.2, "{by_file:?}");
+        let warning = by_file.warning().expect("far off");
+        assert_eq!(warning.id, WarningId::DensityOff);
+        assert!(warning.text.contains("fall faster"), "{}", warning.text);
+        assert!(format!("{warning:?}").contains("over 8 mm or more"), "{warning:?}");
+        // Stress may fall off steeply: there the limited densities are asked for.
+        let by_stress = measured(DensityBy::Stress);
+        assert!(
+            by_stress.warning().is_none() && by_stress.slope_added == by_file.slope_added,
+            "{by_stress:?}"
+        );
     }
 }

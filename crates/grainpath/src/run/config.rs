@@ -21,7 +21,7 @@ use grainpath_io::{OutlineOptions, PaintedSupports};
 
 use crate::fibre::FibreSettings;
 use crate::fill::shift::{self, Ends};
-use crate::fill::{Continuous, SideBySide, TreeKind};
+use crate::fill::{Continuous, LineFit, SideBySide, TreeKind};
 use crate::guide::given_field::FieldSettings;
 use crate::guide::graded_density::DensitySettings;
 use crate::guide::grain::GrainSettings;
@@ -584,6 +584,7 @@ fn infill(s: &Settings) -> InfillSettings {
             pattern: f.pattern,
             beads: f.lines,
             continuous: continuous(s),
+            fit: LineFit::NONE,
         }),
         guide_angle_rad: match s.guide.kind {
             GuideKind::Angle => Some(s.guide.angle_deg.to_radians()),

@@ -4,17 +4,23 @@
 //! Lengths are in mm. Skins over sparse infill are always straight lines without fibre. A part that
 //! is dense throughout is filled with the pattern of the job.
 
+use std::collections::BTreeSet;
+use std::sync::PoisonError;
+
+use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, edges};
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
+use grainpath_core::{
+    DVec2, Density, Diagnostics, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath,
+};
 use grainpath_job::choices::{BeadWidths, Pattern};
 
 use super::steps::Steps;
 use crate::fibre::{FibrePlace, FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, Solid, Stripes, between_beads, bridge_angle_rad,
+    Concentric, FillContext, Infill, SeedLines, SideBySide, Solid, Stripes, between_beads, bridge_angle_rad,
     graded_infill, infill, join_rings,
 };
 use crate::guide::graded_density::DensityMap;
@@ -22,6 +28,10 @@ use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::region::on_border;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
+
+/// Number of layers over which lines of several beads are fitted. Source: derived; enough for a gyroid of eight beads, whose
+/// waves repeat after tens of mm, on parts up to a few of those high.
+const FITTED_LAYERS: usize = 8;
 
 /// How an infill region is filled.
 struct RegionFill<'a> {
@@ -215,7 +225,8 @@ impl Steps<'_> {
             return tally;
         }
         let role = if density.is_dense() { Role::SolidFill } else { Role::SparseFill };
-        let pattern = match &self.settings.infill.several {
+        let several = self.several(density);
+        let pattern = match &several {
             Some(several) => several,
             None => self.pattern(self.settings.infill.pattern),
         };
@@ -237,6 +248,70 @@ impl Steps<'_> {
             paths.drain(..).for_each(|p| add(regions[0].0, p));
         }
         tally
+    }
+
+    /// Lines of several beads at this density.
+    fn several(&self, density: Density) -> Option<SideBySide> {
+        let fitted = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+        fitted.get(&density.fraction().to_bits()).copied().or(self.settings.infill.several)
+    }
+
+    /// Fits the distance and the place of lines of several beads to the density, over layers that are spread over the height of the
+    /// part. They depend on the part alone, so lines of all windows lie on each other. Where the job asks for a mass, the
+    /// density has been fitted to it.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub(super) fn fit_lines(&self, density: Density) -> Result<(), Interrupted> {
+        let all = || {
+            std::iter::once((self, density))
+                .chain(self.regions.iter().map(move |r| (r, self.density_in(r, density))))
+        };
+        let wanted = |(steps, density): &(&Self, Density)| {
+            let infill = &steps.settings.infill;
+            let fitted = steps.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+            infill.several.is_some_and(|several| !several.pattern.follows_field())
+                && steps.grain.is_none()
+                && steps.fibre.is_none()
+                && matches!(density, Density::Sparse(share) if *share > 0.0)
+                && !fitted.contains_key(&density.fraction().to_bits())
+        };
+        if self.settings.infill.mass_g.is_some() || !all().any(|one| wanted(&one)) {
+            return Ok(());
+        }
+        // Walls and skins of these layers are found once more, and their progress was counted before.
+        let quiet = Diagnostics::default();
+        let last = self.stack.layers().len().saturating_sub(1);
+        let layers: BTreeSet<usize> = (0..FITTED_LAYERS).map(|k| k * last / (FITTED_LAYERS - 1)).collect();
+        let mut splits = Vec::new();
+        for &i in &layers {
+            let mut walls = self.walls(i..i + 1, &quiet)?;
+            splits.extend(self.skins(i..i + 1, &mut walls, &quiet)?.into_iter().map(|split| (i, split)));
+        }
+        for (k, (steps, density)) in all().enumerate().filter(|(_, one)| wanted(one)) {
+            let own = |split: &SkinSplit| -> Vec<IslandPolygon> {
+                let own = match k.checked_sub(1) {
+                    None => Some(split),
+                    Some(region) => split.regions.get(region),
+                };
+                own.map_or_else(Vec::new, |own| own.sparse.clone())
+            };
+            let areas: Vec<(usize, Vec<IslandPolygon>)> =
+                splits.iter().map(|(i, split)| (*i, own(split))).collect();
+            let mut regions: Vec<(FillContext<'_>, &Polygon)> = Vec::new();
+            for (i, region) in areas.iter().flat_map(|(i, areas)| areas.iter().map(move |area| (*i, &area.1)))
+            {
+                let context = steps.context(i, density, Role::SparseFill);
+                let border_mm = steps.border_of(i, context.border_mm, region);
+                regions.push((FillContext { border_mm, ..context }, region));
+            }
+            if let Some(several) = steps.settings.infill.several {
+                let fitted = several.fitted(&regions);
+                let mut all = steps.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+                all.insert(density.fraction().to_bits(), fitted);
+            }
+        }
+        Ok(())
     }
 
     /// Fills the infill regions of an island: with fibre where the job asks for fibre, and with matrix

@@ -539,7 +539,7 @@ fn plan_stack(
         let slicing = placing.slicing;
         let unit_of_file = placing.unit_of_file;
         let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
-        Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)
+        Some(RegionAreas::new(settings, &source.regions, &part, diagnostics)?)
     };
     // Fixtures and loads are resolved once, so that the guide and the strength test use the same
     // places.
@@ -643,6 +643,7 @@ fn plan_stack(
                     map: &graded.of_mean(density.fraction()),
                     range: graded.range(),
                     by: graded.by(),
+                    fall_mm: graded.fall_mm(),
                     areas: &areas,
                 };
                 LaidDensity::measure(&asked, &stack, &filled.layers)
@@ -691,7 +692,8 @@ fn plan_stack(
         scan,
     };
     planned.empty_warning().into_iter().for_each(|warning| diagnostics.push(warning));
-    warn_if_far(&planned, settings.fill.pattern, diagnostics);
+    let density_by = graded.as_ref().map(GradedDensity::by);
+    warn_if_far(&planned, settings.fill.pattern, density_by, diagnostics);
     Ok(planned)
 }
 

@@ -243,9 +243,11 @@ pub struct Steps<'a> {
     /// The areas of the regions in each layer.
     pub(super) areas: Option<&'a RegionAreas>,
     /// The steps of each region, for their infill.
-    regions: Vec<Steps<'a>>,
+    pub(super) regions: Vec<Steps<'a>>,
     /// Reasons why islands could not be laid as one path, by layer and role.
     notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
+    /// Lines of several beads, fitted to the volume of a density (the bits of the number).
+    pub(super) fitted: Mutex<BTreeMap<u64, SideBySide>>,
     /// Material of infill regions beside what their density asks for.
     pub(super) short_fill: ShortFill,
 }
@@ -303,6 +305,7 @@ impl<'a> Steps<'a> {
             areas: None,
             regions: Vec::new(),
             notes: Mutex::default(),
+            fitted: Mutex::default(),
             short_fill: ShortFill::default(),
         }
     }
@@ -540,7 +543,7 @@ impl<'a> Steps<'a> {
     /// #     unit_of_file: true,
     /// #     slicing: config::placing(&settings).slicing,
     /// # };
-    /// let areas = RegionAreas::new(&settings.regions, &Default::default(), &part, &diagnostics).unwrap();
+    /// let areas = RegionAreas::new(&settings, &Default::default(), &part, &diagnostics).unwrap();
     /// let steps = config::steps(&settings);
     /// let steps = Steps::new(&steps, &stack).with_regions(Some(&areas));
     /// let walls = steps.walls(0..12, &diagnostics).unwrap();
@@ -821,6 +824,7 @@ impl<'a> Steps<'a> {
         below: &mut LinesBelow,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
+        self.fit_lines(density)?;
         let first = window.start;
         let goes_on = self.goes_on(density);
         let lay = |(k, split): (usize, SkinSplit)| {
