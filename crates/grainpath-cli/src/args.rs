@@ -114,6 +114,15 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// Whether the command serves until a signal, which it waits for itself.
+    pub(crate) fn serves(&self) -> bool {
+        match self {
+            #[cfg(feature = "studio")]
+            Self::Studio(_) => true,
+            _ => false,
+        }
+    }
+
     /// Whether the user asked for JSON output.
     pub(crate) fn json(&self) -> bool {
         match self {

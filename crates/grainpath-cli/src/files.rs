@@ -107,6 +107,10 @@ pub(crate) fn write_atomically<T>(
         Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
         _ => PathBuf::from("."),
     };
+    if let Some(file) = folder.ancestors().find(|a| a.is_file()) {
+        let what = format!("{} is a file, not a folder", file.display());
+        return Err(Failure::usage(format!("cannot write {}: {what}", path.display())));
+    }
     fs::create_dir_all(&folder).map_err(|e| wrong(&e))?;
     remove_leftovers(&folder);
     // From the process number in the name, a later run can find out whether the writer still runs.

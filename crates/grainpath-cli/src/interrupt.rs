@@ -27,6 +27,8 @@ const GRACE: Duration = Duration::from_millis(60);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whether failures are also printed as JSON.
 static JSON: AtomicBool = AtomicBool::new(false);
+/// The run that is going on.
+static RUNNING: Mutex<Option<Arc<Diagnostics>>> = Mutex::new(None);
 /// Temporary files that have not been renamed yet, and the number of files that have.
 static OUTPUTS: Mutex<Outputs> = Mutex::new(Outputs { temporary: Vec::new(), n_written: 0 });
 
@@ -44,15 +46,27 @@ pub(crate) fn set_json(json: bool) {
     JSON.store(json, Ordering::Relaxed);
 }
 
-/// Ends the run on Ctrl-C and SIGTERM.
-pub(crate) fn watch(diagnostics: Arc<Diagnostics>) {
+/// Ends the program on Ctrl-C and SIGTERM from now on, also while it waits for a pipe.
+pub(crate) fn watch() {
     // The error for a second handler is ignored: the first handler stays.
-    let _ = ctrlc::set_handler(move || {
+    let _ = ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::SeqCst);
-        diagnostics.stop();
+        if let Some(run) = running().as_ref() {
+            run.stop();
+        }
         std::thread::sleep(GRACE);
         end();
     });
+}
+
+/// Lets a signal stop this run; it takes the place of an earlier one.
+pub(crate) fn stops(run: Arc<Diagnostics>) {
+    *running() = Some(run);
+    watch();
+}
+
+fn running() -> MutexGuard<'static, Option<Arc<Diagnostics>>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Removes the temporary files of runs that are still going on when the program ends.

@@ -118,6 +118,9 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     // Read before the arguments move into the command: a failure must be printed as JSON too.
     let json = args.command.json();
     interrupt::set_json(json);
+    if !args.command.serves() {
+        interrupt::watch();
+    }
     let outcome = match args.command {
         Command::Run(a) => commands::run::run(&a),
         Command::Slice(a) => commands::slice::slice(&a),

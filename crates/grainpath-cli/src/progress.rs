@@ -51,6 +51,6 @@ pub(crate) fn diagnostics() -> Arc<Diagnostics> {
     } else {
         Diagnostics::default()
     });
-    interrupt::watch(Arc::clone(&diagnostics));
+    interrupt::stops(Arc::clone(&diagnostics));
     diagnostics
 }

@@ -153,6 +153,7 @@ fn an_output_replaces_neither_an_input_nor_another_output() {
     }
     fails(&dir, &["slice", "part.stl", "-o", "part.stl"], "never replaces an input");
     fails(&dir, &["support", "other.stl", "-o", "other.stl"], "never replaces an input");
+    fails(&dir, &["slice", "part.stl", "-o", "other.stl/deep/x.gcode"], "other.stl is a file, not a folder");
     works(&grainpath(&dir, &["slice", "part.stl"]));
     fails(&dir, &["render", "part.gcode", "-o", "part.gcode"], "never replaces an input");
     fails(&dir, &["inspect", "part.stl", "--sheet", "part.stl"], "never replaces an input");

@@ -137,3 +137,33 @@ fn an_interrupted_run_leaves_whole_files_or_none_and_names_their_number() {
         assert!(n_interrupted > 0, "{args:?}: no run was interrupted");
     }
 }
+
+/// Commands that wait for a pipe nobody writes end with the same line and code.
+#[test]
+fn a_program_that_waits_for_a_pipe_can_be_stopped() {
+    let dir = folder("interrupts pipe");
+    assert!(Command::new("mkfifo").arg(dir.join("pipe.stl")).status().expect("mkfifo").success());
+    let job = ["run", "block.toml", "--set", "shape.mesh=pipe.stl"];
+    for (k, args) in [&["inspect", "pipe.stl"][..], &["orient", "pipe.stl"], &job].into_iter().enumerate() {
+        let mut child = started(&dir, args);
+        // Two seconds are long enough to begin on a busy machine too.
+        let deadline = Instant::now() + Duration::from_secs(60);
+        std::thread::sleep(Duration::from_secs(2));
+        let signal = if k % 2 == 0 { "-TERM" } else { "-INT" };
+        let _ = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
+        while child.try_wait().expect("a child").is_none() {
+            if Instant::now() > deadline {
+                let _ = child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let out = child.wait_with_output().expect("ended");
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(130), "{args:?}: {} {text}", out.status);
+        assert_eq!(
+            text.lines().last(),
+            Some("grainpath: interrupted; nothing was written"),
+            "{args:?}: {text}"
+        );
+    }
+}

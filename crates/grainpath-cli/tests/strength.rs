@@ -363,6 +363,45 @@ fn a_bar_on_two_rollers_is_as_stiff_as_a_beam_that_turns_freely_there() {
     assert!((found / want - 1.0).abs() < 0.05, "{found} {want}");
 }
 
+/// A program with too much flow carries little more than a full one, and is told; numbers of weak parts have digits; a skirt
+/// without a role is no part of the mass.
+#[test]
+fn a_program_with_too_much_flow_carries_no_more_and_is_told() {
+    let dir = folder("strength flow");
+    bar(&dir);
+    let quick = ["--set", "strength.corners=false", "--set", "strength.check=false"];
+    let run = grainpath(&dir, &["run", "along.toml", "--json", "--set", "output.gcode=bar.gcode"]);
+    assert!(run.status.success(), "{}", json(&run));
+    let text = fs::read_to_string(dir.join("bar.gcode")).expect("G-code");
+    let word = |w: &str| match w.strip_prefix('E').and_then(|e| e.parse::<f64>().ok()) {
+        Some(e) => format!("E{:.6}", 1.5 * e),
+        None => w.to_owned(),
+    };
+    let line = |l: &str| l.split(' ').map(word).collect::<Vec<_>>().join(" ");
+    let much: Vec<String> =
+        text.lines().map(|l| if l.starts_with("G1 ") { line(l) } else { l.to_owned() }).collect();
+    fs::write(dir.join("much.gcode"), much.join("\n")).expect("written");
+    let plain: Vec<&str> = text.lines().filter(|l| !l.starts_with(';')).collect();
+    fs::write(dir.join("plain.gcode"), plain.join("\n")).expect("written");
+    let test = |name: &str| {
+        let args: Vec<&str> =
+            ["strength", name, "--job", "along.toml", "--json"].into_iter().chain(quick).collect();
+        json(&grainpath(&dir, &args))
+    };
+    let (right, much, plain) = (test("bar.gcode"), test("much.gcode"), test("plain.gcode"));
+    let peak = |v: &Value| number(&v["strength"], "peak_load_n");
+    // Beads at the border are wider, so that cells there are fuller.
+    assert!((0.97..1.2).contains(&(peak(&much) / peak(&right))), "{} {}", peak(&much), peak(&right));
+    let is_told = |v: &Value| v["warnings"].to_string().contains("strength-overfilled");
+    assert!(is_told(&much) && !is_told(&right), "{} {}", much["warnings"], right["warnings"]);
+    assert!((number(&plain, "mass_g") / number(&right, "mass_g") - 1.0).abs() < 1e-3, "{plain} {right}");
+    let weak = ["--set", "material.e_mpa=[0.3, 0.2, 0.2]", "--set", "material.g_mpa=[0.08, 0.08, 0.08]"];
+    let args: Vec<&str> = ["strength", "along.toml"].into_iter().chain(quick).chain(weak).collect();
+    let said = String::from_utf8(grainpath(&dir, &args).stdout).expect("text");
+    let stiffness = said.split("stiffness ").nth(1).and_then(|s| s.split(' ').next()).unwrap_or_default();
+    assert_eq!(stiffness.trim_start_matches(['0', '.']).replace('.', "").len(), 3, "{said}");
+}
+
 #[test]
 fn test_pieces_come_with_a_drawing_and_a_job() {
     let dir = folder("test pieces");

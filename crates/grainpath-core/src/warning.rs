@@ -299,6 +299,9 @@ warning_ids! {
     StrengthLooseMaterial = "strength-loose-material",
         "Some printed material is not connected to a fixture and was left out of the strength test.",
         "check the fixtures and the gaps between beads";
+    StrengthOverfilled = "strength-overfilled",
+        "A program extrudes more than 1.05 times the part's volume; material that finds no room was left out of the strength test.",
+        "check the flow of the program, and that it prints the job's part";
     StrengthUnfinished = "strength-unfinished",
         "The load was still rising when the strength test ended, so the peak is a lower bound.",
         "take the peak as a lower bound; a test with a load that bends the part less may reach the peak";

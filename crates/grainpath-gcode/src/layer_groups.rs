@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
+use grainpath_core::math::{atan2, cross};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{DVec2, Role};
 
@@ -95,7 +96,7 @@ pub(crate) enum LayerMark {
     ChangeLayer,
     /// `;LAYER:12`: Cura, ideaMaker.
     LayerNumber,
-    /// `; layer 12, Z = 2.4`: Simplify3D.
+    /// `; layer 12, Z = 2.4`: Simplify3D. `; Layer #12`: CraftWare. `;; --- layer 12 (0.200 @ 2.400) ---`: Kiri:Moto.
     LayerText,
 }
 
@@ -113,7 +114,7 @@ impl LayerMark {
             "LAYER_CHANGE" => Some(Self::LayerChange),
             "CHANGE_LAYER" => Some(Self::ChangeLayer),
             _ if number_after("LAYER:") => Some(Self::LayerNumber),
-            _ if number_after("layer ") => Some(Self::LayerText),
+            _ if ["layer ", "layer #", "; --- layer "].into_iter().any(number_after) => Some(Self::LayerText),
             _ => None,
         }
     }
@@ -143,6 +144,19 @@ impl Marked {
     }
 }
 
+/// Largest slope of a spiral, mm of height per mm of way. Source: derived. A layer of 0.3 mm over a turn of 3 mm, around a
+/// pin of 1 mm. Beads that rise more steeply are not planar on purpose.
+const SPIRAL_SLOPE: f64 = 0.1;
+
+/// A turn of a spiral.
+struct Turn {
+    /// The direction of the last bead.
+    along: DVec2,
+    /// How far directions have turned since its beginning, rad; 2 pi either way for a closed curve of any shape that does
+    /// not cross itself.
+    turned_rad: f64,
+}
+
 /// Collects layers while a program is replayed.
 #[derive(Default)]
 pub(crate) struct LayerCollector {
@@ -154,6 +168,8 @@ pub(crate) struct LayerCollector {
     starts_marked: bool,
     /// Parts of layers so far.
     n_parts: usize,
+    /// The turn of a spiral to which the last part belongs.
+    turn: Option<Turn>,
 }
 
 impl LayerCollector {
@@ -162,8 +178,44 @@ impl LayerCollector {
         self.starts_marked |= self.kind.is_none() && self.marked.is_empty();
         if *self.kind.get_or_insert(kind) == kind {
             self.end_part();
+            self.end_turn();
             self.marked.push(Marked::default());
         }
+    }
+
+    /// Ends the turn of a spiral: the next bead begins a new one, or lies in a flat layer.
+    pub(crate) fn end_turn(&mut self) {
+        self.turn = None;
+    }
+
+    /// Follows a spiral. The next bead goes along `way` to the height `z_mm`, with this slope. A spiral begins with a bead
+    /// that rises gently, and goes on until a bead falls or is steep, or the nozzle travels; level beads belong to it, since
+    /// heights are rounded. Each turn is one part.
+    pub(crate) fn turn(&mut self, z_mm: f64, slope: f64, way: DVec2) {
+        if !(0.0..SPIRAL_SLOPE).contains(&slope) || (slope == 0.0 && self.turn.is_none()) {
+            return self.end_turn();
+        }
+        if let Some(turn) = &mut self.turn {
+            turn.turned_rad += atan2(cross(turn.along, way), turn.along.dot(way));
+            turn.along = way;
+            if turn.turned_rad.abs() < std::f64::consts::TAU {
+                if let Some((at, _)) = self.current().parts.last_mut() {
+                    *at = key(z_mm);
+                }
+                return;
+            }
+            // The rest is kept, so that turns do not drift by the rounding of coordinates.
+            turn.turned_rad -= std::f64::consts::TAU * turn.turned_rad.signum();
+        } else {
+            self.turn = Some(Turn { along: way, turned_rad: 0.0 });
+        }
+        self.begin_part(z_mm);
+    }
+
+    fn begin_part(&mut self, z_mm: f64) {
+        self.end_part();
+        self.n_parts += 1;
+        self.current().parts.push((key(z_mm), BeadLayer::default()));
     }
 
     fn current(&mut self) -> &mut Marked {
@@ -197,9 +249,7 @@ impl LayerCollector {
     pub(crate) fn layer_at(&mut self, z_mm: f64) -> &mut BeadLayer {
         // Only the last part is compared: heights change seldom, and a spiral never returns to an earlier one.
         if self.current().parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
-            self.end_part();
-            self.n_parts += 1;
-            self.current().parts.push((key(z_mm), BeadLayer::default()));
+            self.begin_part(z_mm);
         }
         let parts = &mut self.current().parts;
         let last = parts.len() - 1;
@@ -290,11 +340,13 @@ mod tests {
 
     #[test]
     fn marks_of_every_slicer_are_layers() {
-        let marks: [fn(usize) -> String; 5] = [
+        let marks: [fn(usize) -> String; 7] = [
             |_| ";LAYER_CHANGE\n;Z:0.2\n;HEIGHT:0.2".into(),
             |_| "; CHANGE_LAYER\n; Z_HEIGHT: 0.2".into(),
             |i| format!(";LAYER:{i}"),
             |i| format!("; layer {}, Z = 0.2", i + 1),
+            |i| format!("; Layer #{}", i + 1),
+            |i| format!(";; --- layer {i} (0.200 @ 0.200) ---"),
             |_| String::new(),
         ];
         for mark in marks {
@@ -317,6 +369,46 @@ mod tests {
         let odd = squares(&[0.2, 0.4], |_| ";LAYER_CHANGE".into());
         let odd = format!("{odd}G1 Z0.45\nG1 X1 E0.04\n");
         assert_eq!(heights_of(&odd), [0.2, 0.4]);
+    }
+
+    /// Two level layers and a spiral of 0.2 mm a turn, around a circle, a square or a star, written with three decimals.
+    fn vase(n: usize, radius_mm: impl Fn(usize) -> f64, turns: usize, mark: &str) -> String {
+        let mut text = format!("M83\n{mark}G1 Z0.2 F600\nG1 X10 Y0\n");
+        for k in 1..=(turns + 2) * n {
+            let (level, turn) = (k.div_ceil(n), 2 * n);
+            let z = if k <= turn { 0.2 * level as f64 } else { 0.4 + 0.2 * (k - turn) as f64 / n as f64 };
+            if k > 1 && k % n == 1 {
+                text.push_str(mark);
+            }
+            let (s, c) = grainpath_core::math::sin_cos(std::f64::consts::TAU * (k % n) as f64 / n as f64);
+            let r = radius_mm(k % n);
+            let _ = writeln!(text, "G1 X{:.3} Y{:.3} Z{z:.3} E0.1", r * c, r * s);
+        }
+        text
+    }
+
+    #[test]
+    fn turns_of_unmarked_spirals_are_layers() {
+        let expected: Vec<f64> = (1..=20).map(|k| 0.2 * f64::from(k)).collect();
+        let star = |k: usize| if k.is_multiple_of(2) { 10.0 } else { 6.0 };
+        // A circle of so many pieces that most of them do not rise by what is written.
+        for (n, mark, heights) in [
+            (4, "", vase(4, |_| 10.0, 18, "")),
+            (60, "", vase(60, |_| 10.0, 18, "")),
+            (700, "", vase(700, |_| 10.0, 18, "")),
+            (16, "", vase(16, star, 18, "")),
+            (60, ";LAYER_CHANGE\n", vase(60, |_| 10.0, 18, ";LAYER_CHANGE\n")),
+        ]
+        .map(|(n, mark, text)| (n, mark, heights_of(&text)))
+        {
+            assert_eq!(heights.len(), 20, "{n} {mark}: {heights:?}");
+            // Where a turn ends, and with it the layer, is a piece of the turn.
+            let off = heights.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 0.06, "{n} {mark}: {heights:?}");
+        }
+        // Two vases one after the other, with marks that do not rise.
+        let one = vase(60, |_| 10.0, 18, ";LAYER_CHANGE\n");
+        assert_eq!(heights_of(&format!("{one}G1 Z30\n{one}")).len(), 20);
     }
 
     /// Objects one after the other begin at the plate again: layers are by height.

@@ -21,7 +21,7 @@ pub struct Line<'a> {
     pub comment: &'a [u8],
     /// The line without its comment, for commands that are not a letter with a number.
     pub text: &'a [u8],
-    /// Whether a part of the line could not be read.
+    /// Whether a part of the line could not be read, or its words contradict each other.
     pub broken: bool,
 }
 
@@ -31,13 +31,29 @@ impl Line<'_> {
         self.words[..self.n_words].iter().find(|w| w.0 == letter).map(|w| w.1)
     }
 
+    /// Whether the line has one of X, Y, Z and E.
+    pub(crate) fn has_axis(&self) -> bool {
+        self.words().iter().any(|w| b"XYZE".contains(&w.0))
+    }
+
+    /// Whether words of a G command contradict each other: a second command in the line, an axis without a command (which
+    /// CNC machines take for the last one), or a word of a move twice (as in `X1e4 E1`).
+    fn contradicts(&self) -> bool {
+        let twice = |letter: &u8| self.words().iter().filter(|w| w.0 == *letter).count() > 1;
+        match self.command {
+            None => self.has_axis(),
+            Some((b'G', code)) => self.word(b'G').is_some() || (code <= 30 && b"XYZEFIJR".iter().any(twice)),
+            Some(_) => false,
+        }
+    }
+
     /// Letters and numbers after the command, in order.
     pub fn words(&self) -> &[(u8, f64)] {
         &self.words[..self.n_words]
     }
 }
 
-/// The lines of a program; LF, CRLF and bare CR end them.
+/// The lines of a program; LF, CRLF and bare CR end them. A byte order mark before the first is passed over.
 ///
 /// ```
 /// use grainpath_gcode::Lines;
@@ -68,6 +84,9 @@ impl<'a> Iterator for Lines<'a> {
     type Item = Line<'a>;
 
     fn next(&mut self) -> Option<Line<'a>> {
+        if self.number == 0 {
+            self.rest = self.rest.strip_prefix(b"\xef\xbb\xbf").unwrap_or(self.rest);
+        }
         if self.rest.is_empty() {
             return None;
         }
@@ -102,6 +121,7 @@ fn parse(line: &[u8], number: usize) -> Line<'_> {
     let extended = text.len() > 1 && text[..2].iter().all(|b| b.is_ascii_alphabetic() || *b == b'_');
     if !extended {
         words(text, &mut out);
+        out.broken |= out.contradicts();
     }
     out
 }
@@ -213,6 +233,8 @@ mod tests {
         assert_eq!(line(";TYPE:Perimeter").comment, b"TYPE:Perimeter");
         assert_eq!(line("G28 X Y").words().len(), 2);
         assert_eq!(Lines::new(b"G1\r\nG2\rG3\n").count(), 3);
+        let marked = line("\u{feff}G1 X10");
+        assert!(!marked.broken && marked.command == Some((b'G', 10)), "{marked:?}");
     }
 
     proptest! {

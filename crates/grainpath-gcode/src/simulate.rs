@@ -1,13 +1,15 @@
 //! A G-code interpreter: replays a program and collects beads, filament and time.
 //!
 //! The interpreter keeps the position, the feed and the modes (absolute or relative, mm or inch, linear or volumetric E)
-//! of the machine and turns every move into beads or travels. Any bytes are accepted. Lines that cannot be understood are
-//! counted, and the first five cause a warning each.
+//! of the machine and turns every move into beads or travels. Any bytes are accepted. A line that cannot be understood is
+//! skipped as a whole, whatever words it has. Such lines are counted, and the first five cause a warning each. The same is
+//! said of motion that is not read (splines, arcs out of the xy plane, arcs that no circle makes): it prints nothing, but
+//! the machine goes on from its end, since absolute E would otherwise be extruded by the next move.
 //!
 //! *Layers.* Slicers mark where a layer begins: `;LAYER_CHANGE` (PrusaSlicer, SuperSlicer, OrcaSlicer), `; CHANGE_LAYER`
-//! (Bambu Studio), `;LAYER:n` (Cura, ideaMaker), `; layer n` (Simplify3D). The first kind found counts. Beads are grouped
-//! by their height if there are no marks, or if marked layers do not rise (objects printed one after the other). Marks are
-//! preferred, because by height alone a spiral vase would have thousands of layers.
+//! (Bambu Studio), `;LAYER:n` (Cura, ideaMaker), `; layer n` (Simplify3D), `; Layer #n` (CraftWare) and
+//! `;; --- layer n` (Kiri:Moto). The first kind found counts. Beads are grouped by their height if there are no marks, or
+//! if marked layers do not rise (objects printed one after the other); each turn of a spiral is a layer then.
 //!
 //! *Time.* Moves go through the [`TimeEstimator`], arcs in the pieces into which the firmware divides them.
 //!
@@ -198,6 +200,10 @@ struct Machine {
     feed: f64,
     absolute: bool,
     absolute_e: bool,
+    /// Whether I and J are the centre itself (G90.1) instead of its distance from the start.
+    absolute_centres: bool,
+    /// Whether arcs lie in the xy plane (G17).
+    plane_is_xy: bool,
     scale: f64,
     role: Role,
     filament_mm2: f64,
@@ -233,6 +239,8 @@ impl Machine {
             feed: 25.0,
             absolute: true,
             absolute_e: true,
+            absolute_centres: false,
+            plane_is_xy: true,
             scale: 1.0,
             role: Role::OuterWall,
             filament_mm2,
@@ -257,12 +265,17 @@ impl Machine {
             self.comment(line.comment);
         }
         if line.broken {
-            self.broken(line);
+            return self.not_read(line, "");
         }
         let Some((letter, code)) = line.command else { return };
         self.program.commands += 1;
         match (letter, code) {
             (b'G', 0 | 10 | 20 | 30) => self.motion(line, code / 10),
+            // G5 and G5.1: splines.
+            (b'G', 50 | 51) => {
+                let (to, _) = self.target(line);
+                self.unread_motion(line, to, ": splines are not read");
+            }
             // G4: S is in seconds, P in milliseconds. A pause of more than an hour means that the printer
             // waits for its user.
             (b'G', 40) => {
@@ -272,6 +285,8 @@ impl Machine {
             // Retraction by the firmware. With P or L, G10 sets temperatures and offsets of a tool instead.
             (b'G', 100) if line.word(b'P').or(line.word(b'L')).is_none() => self.pull(-1.0),
             (b'G', 110) => self.pull(1.0),
+            (b'G', 170) => self.plane_is_xy = true,
+            (b'G', 180 | 190) => self.plane_is_xy = false,
             // G20 and G21: inches and millimetres.
             (b'G', 200) => self.scale = 25.4,
             (b'G', 210) => self.scale = 1.0,
@@ -280,6 +295,8 @@ impl Machine {
             // G90 and G91 set E as well; M82 and M83 set E alone.
             (b'G', 900) => (self.absolute, self.absolute_e) = (true, true),
             (b'G', 910) => (self.absolute, self.absolute_e) = (false, false),
+            (b'G', 901) => self.absolute_centres = true,
+            (b'G', 911) => self.absolute_centres = false,
             (b'M', 820) => self.absolute_e = true,
             (b'M', 830) => self.absolute_e = false,
             // G92 sets positions without motion; without words it sets all to 0.
@@ -300,16 +317,19 @@ impl Machine {
             (b'M', 1400 | 1900) => {
                 self.program.bed_temp_c = self.program.bed_temp_c.max(line.word(b'S').unwrap_or(0.0));
             }
+            (b'G', _) if !PRINTS_NOTHING.contains(&(code / 10)) && line.has_axis() => {
+                self.not_read(line, "");
+            }
             _ => {}
         }
     }
 
-    fn broken(&mut self, line: &Line<'_>) {
+    fn not_read(&mut self, line: &Line<'_>, why: &str) {
         self.n_broken += 1;
         // Five examples show the kind of damage; a binary file would give thousands.
         if self.n_broken <= 5 {
             let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
-            let text = format!("cannot understand {text:?}");
+            let text = format!("cannot understand {text:?}{why}");
             let warning = Warning::new(WarningId::GcodeNotRead, text).in_line(line.number);
             self.program.warnings.push(warning);
         }
@@ -325,7 +345,7 @@ impl Machine {
                 self.volumetric_mm2 = section_mm2(d);
                 asked.unwrap_or(true)
             }
-            Some(_) => return self.broken(line),
+            Some(_) => return self.not_read(line, ""),
             None => asked.unwrap_or(self.volumetric),
         };
     }
@@ -392,7 +412,8 @@ impl Machine {
         }
     }
 
-    fn motion(&mut self, line: &Line<'_>, code: u32) {
+    /// Where a move ends, and how much E it extrudes. Feed and E are taken over.
+    fn target(&mut self, line: &Line<'_>) -> ([f64; 3], f64) {
         let from = self.at;
         let mut to = from;
         for (k, axis) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
@@ -409,12 +430,31 @@ impl Machine {
             de = if self.absolute_e { value - self.e } else { value };
             self.e = if self.absolute_e { value } else { self.e + value };
         }
+        (to, de)
+    }
+
+    /// Motion that prints nothing here, though the machine may move.
+    fn unread_motion(&mut self, line: &Line<'_>, to: [f64; 3], why: &str) {
+        self.not_read(line, why);
+        self.at = to;
+        self.path_open = false;
+        self.layers.end_turn();
+    }
+
+    fn motion(&mut self, line: &Line<'_>, code: u32) {
+        let from = self.at;
+        let (to, de) = self.target(line);
         let end = DVec2::new(to[0], to[1]);
         let start = DVec2::new(from[0], from[1]);
         let (mut points, mut timed) = (vec![end], vec![end]);
         if code >= 2 {
+            if !self.plane_is_xy {
+                return self.unread_motion(line, to, ": arcs are read in the xy plane (G17) alone");
+            }
+            let Some(arc) = Arc::new(start, end, line, self.scale, code == 2, self.absolute_centres) else {
+                return self.unread_motion(line, to, ": no circle goes through its start and its end");
+            };
             self.program.arcs += 1;
-            let arc = Arc::new(start, end, line, self.scale, code == 2);
             points = arc.points(((arc.length_mm() / ARC_CHORD_MM) as usize).clamp(2, 20_000));
             timed = arc.points(arc_pieces(arc.length_mm(), self.time.limits().arc_segment_mm));
         }
@@ -443,12 +483,10 @@ impl Machine {
         if !prints {
             self.pull(de);
         }
-        // A move of E alone, backwards, is a retraction. Firmware retraction (G10) is not counted.
-        if length == 0.0 && dz == 0.0 {
-            self.program.retractions += usize::from(de < 0.0);
-        } else if !prints {
+        if !prints && (length > 0.0 || dz != 0.0) {
             self.program.travel_mm += length;
             self.path_open = false;
+            self.layers.end_turn();
         }
         let mut p = start;
         for &q in points {
@@ -459,6 +497,7 @@ impl Machine {
                 self.program.filament_mm += de * share * mm;
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
+                self.layers.turn(z, dz / length, q - p);
                 // Beads with a raised upper edge do not count for the height of their layer.
                 if self.raise_mm[1] == 0.0 {
                     self.layers.count(z, p.distance(q));
@@ -489,13 +528,15 @@ impl Machine {
         }
     }
 
-    /// Keeps where filament is pulled back (`de` below 0) or pushed again. The first pull of several counts, as of a wipe.
+    /// Keeps where filament is pulled back (`de` below 0) or pushed again, by a move of E alone, while the nozzle travels
+    /// (a wipe), or by the firmware. The first pull of several counts.
     fn pull(&mut self, de: f64) {
         // A second pull in a row and a push without one change nothing: wipes pull in several moves, and programs prime
         // the nozzle before they begin.
         let is_push = de > 0.0;
         if de != 0.0 && self.is_pulled == is_push {
             self.is_pulled = !is_push;
+            self.program.retractions += usize::from(!is_push);
             let at = [self.at[0] as f32, self.at[1] as f32];
             self.pulls.push(Pull { at, bead: 0, is_push });
         }
@@ -537,6 +578,19 @@ impl Machine {
 /// of radius r by c^2 / (8 r): 0.25 um for 5 mm, a quarter of what G-code rounds.
 const ARC_CHORD_MM: f64 = 0.1;
 
+/// Distance by which the end of an arc may miss its circle, mm. Source: derived. Coordinates of two decimals round start,
+/// end and centre by up to 0.007 mm each, which moves the radii by 0.03 mm together.
+const OFF_CIRCLE_MM: f64 = 0.03;
+/// The same as a share of the radius, added to it. Source: LinuxCNC's documentation, G2 and G3: 0.1 % of the radius.
+const OFF_CIRCLE_SHARE: f64 = 1e-3;
+/// Most turns of an arc (P). Source: Marlin, `G2_G3.cpp`.
+const MAX_TURNS: f64 = 100.0;
+
+/// Groups of G codes whose words X, Y, Z and E are no motion that prints: offsets of tools (10), cleaning (12), parking
+/// (27), homing, levelling, calibration and probing (28 to 30, 32 to 35, 38, 80, 425), positions (92). Source: the
+/// references of Marlin, RepRapFirmware and Prusa.
+const PRINTS_NOTHING: [u32; 14] = [10, 12, 27, 28, 29, 30, 32, 33, 34, 35, 38, 80, 92, 425];
+
 /// An arc of G2 or G3.
 struct Arc {
     centre: DVec2,
@@ -548,19 +602,41 @@ struct Arc {
 }
 
 impl Arc {
-    fn new(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> Self {
-        let centre = match line.word(b'R') {
+    /// `None` if no arc has this start, end and centre or radius.
+    fn new(
+        from: DVec2,
+        to: DVec2,
+        line: &Line<'_>,
+        scale: f64,
+        clockwise: bool,
+        absolute_centre: bool,
+    ) -> Option<Self> {
+        let centre = match (line.word(b'R'), line.word(b'I'), line.word(b'J')) {
             // The R form: the centre lies on the perpendicular bisector. A negative R means the longer arc.
-            Some(r) => {
+            (Some(r), ..) => {
                 let (r, d) = (r * scale, to - from);
                 let length = d.length().max(1e-12);
+                if 0.5 * length > r.abs() + OFF_CIRCLE_MM {
+                    return None;
+                }
                 let h = (r * r - 0.25 * length * length).max(0.0).sqrt();
                 let side = if clockwise == (r > 0.0) { -1.0 } else { 1.0 };
                 from + 0.5 * d + DVec2::new(-d.y, d.x) * (side * h / length)
             }
-            None => from + DVec2::new(line.word(b'I').unwrap_or(0.0), line.word(b'J').unwrap_or(0.0)) * scale,
+            (None, Some(i), Some(j)) if absolute_centre => DVec2::new(i, j) * scale,
+            (None, ..) if absolute_centre => return None,
+            (None, i, j) => from + DVec2::new(i.unwrap_or(0.0), j.unwrap_or(0.0)) * scale,
         };
         let (u, v) = (from - centre, to - centre);
+        let radius_mm = u.length();
+        let off_mm = (v.length() - radius_mm).abs();
+        let turns = line.word(b'P').unwrap_or(0.0).round();
+        if radius_mm < 1e-9
+            || off_mm > OFF_CIRCLE_MM + OFF_CIRCLE_SHARE * radius_mm
+            || !(0.0..=MAX_TURNS).contains(&turns)
+        {
+            return None;
+        }
         let start_rad = atan2(u.y, u.x);
         let mut sweep_rad = atan2(v.y, v.x) - start_rad;
         let turn = std::f64::consts::TAU;
@@ -571,7 +647,10 @@ impl Arc {
         if !clockwise && sweep_rad <= 1e-12 {
             sweep_rad += turn;
         }
-        Self { centre, radius_mm: u.length(), start_rad, sweep_rad, end: to }
+        // P is the number of full circles before the arc (Marlin), but `P1` of a circle is that circle (OrcaSlicer's lifts).
+        let more = if from.distance(to) < 1e-9 { (turns - 1.0).max(0.0) } else { turns };
+        sweep_rad += sweep_rad.signum() * turn * more;
+        Some(Self { centre, radius_mm, start_rad, sweep_rad, end: to })
     }
 
     fn length_mm(&self) -> f64 {

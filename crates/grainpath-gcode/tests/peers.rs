@@ -107,6 +107,101 @@ fn e_counts_volume_where_the_program_says_so() {
     assert!((inches.extruded_mm3 - 16.387_064).abs() < 1e-9, "{}", inches.extruded_mm3);
 }
 
+/// A program around some lines, with E relative and absolute.
+fn around(lines: &str) -> [Program; 2] {
+    let of = |e: [&str; 3]| {
+        let text =
+            format!("{}\nG1 Z0.2 F600\nG1 X0 Y0\nG1 X30 {} F1200\n{lines}\nG1 X0 Y20 {}\n", e[0], e[1], e[2]);
+        simulate(text.as_bytes(), 1.75, &Limits::default()).expect("a program")
+    };
+    [of(["M83", "E1", "E1"]), of(["M82", "E1", "E5"])]
+}
+
+#[test]
+fn lines_that_are_not_understood_are_skipped_whole() {
+    let plain = &around("")[0];
+    for line in [
+        "/G1 X40 E7",
+        "@pause G1 E9",
+        "?G1 X9 E1",
+        "G1 X[foo] E3",
+        "G1 X1e400 E1",
+        "G1 X1234567890123456789012 E4",
+        "X40 Y3 E9",
+        "G90 G1 X40 E9",
+        "G7 X40 E9",
+        "!M83",
+        "{G91}",
+    ] {
+        let p = &around(line)[0];
+        assert_eq!((&p.layers, p.filament_mm), (&plain.layers, plain.filament_mm), "{line}");
+        assert_eq!(p.warnings.len(), 1, "{line}: {:?}", p.warnings);
+    }
+    for line in ["N4 G1 (X9 E9) F1200*33", "G29 P9 X10 Y10 W3", "M1006 A0 E9 X4", "M117 X9 E4", "\"X4\" ; X9"]
+    {
+        let p = &around(line)[0];
+        assert!(p.layers == plain.layers && p.warnings.is_empty(), "{line}: {:?}", p.warnings);
+    }
+}
+
+/// Splines, arcs in other planes and arcs that no circle makes print nothing, and the program goes on from their end.
+#[test]
+fn motion_that_is_not_read_is_told() {
+    for line in [
+        "G5 I0 J3 P0 Q-3 X30 Y20 E4",
+        "G5.1 I0 J3 X30 Y20 E4",
+        "G18\nG2 X30 Y20 I5 K0 E4",
+        "G19\nG3 X30 Y20 J5 K0 E4",
+        "G2 X30 Y20 R9.9 E4",
+        "G2 X30 Y20 I3 J0 E4",
+        "G2 X30 Y20 E4",
+        "G90.1\nG2 X30 Y20 J10 E4",
+        "G2 X30 Y20 I0 J10 P101 E4",
+    ] {
+        for p in around(line) {
+            assert_eq!(p.warnings.len(), 1, "{line}: {:?}", p.warnings);
+            assert!((p.printed_mm - 60.0).abs() < 1e-9 && p.arcs == 0, "{line}: {}", p.printed_mm);
+        }
+        assert!((around(line)[0].filament_mm - 2.0).abs() < 1e-9, "{line}");
+        assert!((around(line)[1].filament_mm - 2.0).abs() < 1e-9, "{line}");
+    }
+    // Half a circle, with its end rounded to two decimals too; centres that are absolute; turns.
+    let half = 10.0 * std::f64::consts::PI;
+    for (line, mm) in [
+        ("G2 X30 Y20 I0 J10 E4", half),
+        ("G17\nG3 X30 Y20 R10 E4", half),
+        ("G2 X30 Y20 I0 J9.99 E4", half),
+        ("G90.1\nG2 X30 Y20 I30 J10 E4", half),
+        ("G90.1\nG91.1\nG2 X30 Y20 I0 J10 E4", half),
+        ("G3 X30 Y20 I0 J10 P2 E4", 5.0 * half),
+        ("G3 I0 J10 E4\nG1 Y20", 2.0 * half),
+        ("G3 I0 J10 P1 E4\nG1 Y20", 2.0 * half),
+        ("G2 I0 J10 P3 E4\nG1 Y20", 6.0 * half),
+    ] {
+        for p in around(line) {
+            assert!(p.warnings.is_empty() && p.arcs == 1, "{line}: {:?}", p.warnings);
+            assert!((p.printed_mm - 60.0 - mm).abs() < 0.1, "{line}: {}", p.printed_mm);
+        }
+    }
+}
+
+/// However filament is drawn back, once it is drawn back it counts once.
+#[test]
+fn retractions_are_counted_once_each() {
+    for (lines, n) in [
+        ("G1 E-1\nG1 X40\nG1 E1", 1),
+        ("G1 X25 E-.5\nG1 X20 E-.3\nG1 E.8", 1),
+        ("G1 E-.2\nG1 X25 E-.5\nG1 E-.3\nG1 X40\nG1 E1", 1),
+        ("G1 Z1 E-1\nG1 Z0.2 E1", 1),
+        ("G10\nG1 X40\nG11", 1),
+        ("G10\nG11\nG1 X35 E1\nG1 E-1\nG1 E1", 2),
+        ("G10 P0 S200", 0),
+        ("", 0),
+    ] {
+        assert_eq!(around(&format!("M83\n{lines}"))[0].retractions, n, "{lines}");
+    }
+}
+
 proptest! {
     #[test]
     fn any_program_is_survived(lines in proptest::collection::vec("([GMT][0-9]{1,3}|M200)( [XYZEFIJRSPNOD][-+]?[0-9.e]{0,9}){0,5}", 0..60)) {

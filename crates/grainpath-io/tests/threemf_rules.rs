@@ -17,13 +17,16 @@ const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
 </resources>
 <build><item objectid="2" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/></build></model>"##;
 
-fn package(types: Option<&str>, relationships: &str, model: &str) -> Vec<u8> {
+fn package(types: Option<&str>, relationships: &str, model: impl AsRef<[u8]>) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-    let parts =
-        [("[Content_Types].xml", types), ("_rels/.rels", Some(relationships)), ("3D/m.model", Some(model))];
+    let parts = [
+        ("[Content_Types].xml", types.map(str::as_bytes)),
+        ("_rels/.rels", Some(relationships.as_bytes())),
+        ("3D/m.model", Some(model.as_ref())),
+    ];
     for (name, text) in parts.into_iter().filter_map(|(n, t)| Some((n, t?))) {
         zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("memory");
-        zip.write_all(text.as_bytes()).expect("memory");
+        zip.write_all(text).expect("memory");
     }
     zip.finish().expect("memory").into_inner()
 }
@@ -39,6 +42,24 @@ fn a_package_that_keeps_the_rules_is_read_without_a_word() {
     assert_eq!(told(&package(Some(TYPES), RELATIONSHIPS, MODEL)), [""; 0]);
 }
 
+/// UTF-16 with and without a byte order mark, in either byte order; characters of one and two units.
+#[test]
+fn utf_16_is_read_as_utf_8_is() {
+    let model = MODEL.replace("UTF-8", "UTF-16").replace("name=\"a\"", "name=\"\u{e9}\u{1f600}\"");
+    for mark in ["", "\u{feff}"] {
+        let units: Vec<u16> = format!("{mark}{model}").encode_utf16().collect();
+        for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+            let text: Vec<u8> = units.iter().flat_map(|u| bytes(*u)).collect();
+            let whole = package(Some(TYPES), RELATIONSHIPS, &text);
+            assert_eq!(told(&whole), [""; 0]);
+            let file = parse_mesh(&whole, Some("a.3mf")).expect("a model");
+            assert_eq!(file.bodies[0].mesh.triangles.len(), 4);
+            let cut = package(Some(TYPES), RELATIONSHIPS, &text[..text.len() / 2 + 1]);
+            assert!(parse_mesh(&cut, Some("a.3mf")).is_err());
+        }
+    }
+}
+
 #[test]
 fn each_broken_rule_of_the_model_names_its_section() {
     let second = "<object id=\"3\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/></vertices><triangles/></mesh></object></resources>";
@@ -47,6 +68,9 @@ fn each_broken_rule_of_the_model_names_its_section() {
         ("encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\"", "core 2.3.2"),
         ("<model ", "<!DOCTYPE model><model ", "core 2.3.2"),
         ("core/2015/02", "core/2030/02", "core 2.3.3.1"),
+        ("xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"", "", "core 2.3.3.1"),
+        ("vertex x=\"1\"", "vertex x=\"5,0\"", "x is \"5,0\""),
+        ("object id=\"1\"", "object id=\"1\" type=\"support\"", "core 4"),
         ("<metadata ", "<q:thing/><metadata ", "core 2.3.3.1"),
         ("<metadata ", "<thing/><metadata ", "core 2.3.2"),
         ("<metadata ", "<metadata xsi:type=\"a\" ", "core 2.3.2"),

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 
 use crate::layer::{Canvas, Ramp};
-use grainpath::measure::strength::{Map, StrengthReport, Tested};
+use grainpath::measure::strength::{Map, StrengthReport, Tested, three_digits};
 
 /// A picture of a value of each element. A plate has one tile, a solid one tile for each height that is shown.
 /// The text lists these heights.
@@ -154,7 +154,7 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         out,
         "<polyline points=\"{}\" fill=\"none\" stroke=\"#1f5fbf\" stroke-width=\"2.5\"/>\n\
          <path d=\"M{left} {3:.1}H{4}\" stroke=\"#c33\" stroke-dasharray=\"5 4\"/>\n\
-         <text x=\"{4}\" y=\"{5:.1}\" text-anchor=\"end\" fill=\"#c33\">{6:.0} N ({7})</text>\n\
+         <text x=\"{4}\" y=\"{5:.1}\" text-anchor=\"end\" fill=\"#c33\">{6} N ({7})</text>\n\
          <text x=\"{1}\" y=\"{2}\" text-anchor=\"middle\">displacement, mm</text>\n\
          <text x=\"14\" y=\"{8}\" transform=\"rotate(-90 14 {8})\" text-anchor=\"middle\">load, N</text>\n</svg>",
         line.join(" "),
@@ -163,7 +163,7 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         y(report.peak_load_n),
         w - 16.0,
         y(report.peak_load_n) - 6.0,
-        report.peak_load_n,
+        three_digits(report.peak_load_n),
         report.over(),
         0.5 * (h - bottom),
     );

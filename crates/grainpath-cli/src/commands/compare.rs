@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use grainpath::measure::strength::three_digits;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -54,7 +55,7 @@ pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
         // The beads take most of a program's memory, and the table does not need them.
         done.program.layers = Vec::new();
         let report = &done.tested.report;
-        note(&format!("{:.0} N ({})", report.peak_load_n, report.over()));
+        note(&format!("{} N ({})", three_digits(report.peak_load_n), report.over()));
         if let Some(folder) = &args.preview {
             for (name, picture) in outputs::strength_pictures(&done.tested) {
                 let path: PathBuf = folder.join(format!("{}-{name}", done.name));
@@ -175,20 +176,21 @@ fn table(all: &[Done], rows: &[Value]) -> String {
         "{:<width$}  {:>7}  {:>9}  {:>17}  {:>8}  {:>6}  {:>18}  fails mostly\n",
         "", "g", "time", "peak N", "N/mm", "N/g", "ratio to the first"
     );
+    let three = three_digits;
     for (d, row) in all.iter().zip(rows) {
         let r = &d.tested.report;
         let number = |key: &str| row[key].as_f64().unwrap_or(0.0);
         let _ = writeln!(
             out,
-            "{:<width$}  {:>7.2}  {:>9}  {:>5.0} ({:>4.0}-{:>4.0})  {:>8.0}  {:>6.1}  {:>5.3} ({:.3}-{:.3})  {}{}",
+            "{:<width$}  {:>7.2}  {:>9}  {:>5} ({:>4}-{:>4})  {:>8}  {:>6}  {:>5.3} ({:.3}-{:.3})  {}{}",
             d.name,
             r.mass_g,
             format!("{:.0} min", d.program.time_s / 60.0),
-            r.peak_load_n,
-            r.low_n,
-            r.high_n,
-            r.stiffness_n_per_mm,
-            r.load_per_gram_n_g,
+            three(r.peak_load_n),
+            three(r.low_n),
+            three(r.high_n),
+            three(r.stiffness_n_per_mm),
+            three(r.load_per_gram_n_g),
             number("ratio"),
             number("ratio_low"),
             number("ratio_high"),

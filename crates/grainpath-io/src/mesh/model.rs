@@ -174,6 +174,8 @@ pub enum MeshProblem {
     Transform(String),
     #[error("components of object {id} are nested deeper than {max}, or in a circle (3MF core 3.4)")]
     Nested { id: u32, max: usize },
+    #[error("{axis} is {text:?}, which is not a number such as 5.0")]
+    NotNumber { axis: char, text: String },
     #[error("object {0} is used and does not exist (3MF core 3.4.3.1, 4.2.1)")]
     NoObject(u32),
 }

@@ -67,6 +67,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         modifiers: Vec::new(),
         in_modifier: false,
         n_triangles: 0,
+        supports: Vec::new(),
         warnings: Vec::new(),
     };
     for item in &root.items {
@@ -74,6 +75,13 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         let mut body = MeshBody::default();
         assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
         assembly.bodies.push(body);
+    }
+    // Supports beside a part are dropped without a word, but not where nothing else is there.
+    if assembly.bodies.iter().all(|b| b.mesh.triangles.is_empty()) {
+        for (path, id) in std::mem::take(&mut assembly.supports) {
+            let text = format!("object {id} is a support of another program and is left out (3MF core 4)");
+            assembly.warn(&path, text);
+        }
     }
     let (bodies, modifiers) = (assembly.bodies, assembly.modifiers);
     warnings.extend(assembly.warnings);
@@ -95,6 +103,8 @@ struct Assembly<'a> {
     /// Whether the objects that are being added belong to a modifier.
     in_modifier: bool,
     n_triangles: u64,
+    /// Supports that are left out: part and object.
+    supports: Vec<(String, u32)>,
     /// Warnings of broken rules that are found only where objects are used.
     warnings: Vec<Warning>,
 }
@@ -128,7 +138,10 @@ impl Assembly<'_> {
         match object.kind {
             ObjectType::Solid => {}
             // Supports of other programs are dropped; grainpath generates its own.
-            ObjectType::Support => return Ok(()),
+            ObjectType::Support => {
+                self.supports.push((path.to_owned(), id));
+                return Ok(());
+            }
             ObjectType::Surface => {
                 self.warn(
                     path,
@@ -145,9 +158,10 @@ impl Assembly<'_> {
             }
         }
         let place = use_of.transform.then(&place);
-        // A flat body has no volume, so the slicer would find nothing and the user is warned.
+        // A flat body has no volume, and no slice.
         if place.is_singular() {
-            self.warn(path, format!("a transform presses object {id} flat (3MF core 3.3)"));
+            self.warn(path, format!("a transform presses object {id} flat; it is left out (3MF core 3.3)"));
+            return Ok(());
         }
         if body.name.is_none() {
             body.name.clone_from(&object.name);

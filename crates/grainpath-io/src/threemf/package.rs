@@ -253,12 +253,63 @@ impl<R: Read> Read for Counted<R> {
     }
 }
 
+/// The units of UTF-16 text. Bytes that cannot be read end the text, which then ends in the middle.
+struct Units<R> {
+    inner: R,
+    unit: fn([u8; 2]) -> u16,
+}
+
+impl<R: BufRead> Iterator for Units<R> {
+    type Item = u16;
+
+    fn next(&mut self) -> Option<u16> {
+        let mut bytes = [0; 2];
+        self.inner.read_exact(&mut bytes).ok().map(|()| (self.unit)(bytes))
+    }
+}
+
+/// UTF-16 text as UTF-8.
+struct Utf8<R: BufRead> {
+    characters: std::char::DecodeUtf16<Units<R>>,
+    /// The rest of a character that did not fit into the last buffer.
+    rest: Vec<u8>,
+}
+
+impl<R: BufRead> Read for Utf8<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        while self.rest.len() < buffer.len() {
+            let Some(c) = self.characters.next() else { break };
+            let c = c.unwrap_or(char::REPLACEMENT_CHARACTER);
+            self.rest.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes());
+        }
+        let n = self.rest.len().min(buffer.len());
+        buffer[..n].copy_from_slice(&self.rest[..n]);
+        self.rest.drain(..n);
+        Ok(n)
+    }
+}
+
+/// XML as UTF-8. UTF-16, which 3MF core 2.3.2 allows too, is known by its byte order mark or by the `<` at its beginning.
+fn as_utf8<'r>(mut reader: impl BufRead + 'r) -> std::io::Result<Box<dyn BufRead + 'r>> {
+    let (unit, mark): (fn([u8; 2]) -> u16, usize) = match reader.fill_buf()? {
+        [0xff, 0xfe, ..] => (u16::from_le_bytes, 2),
+        [0xfe, 0xff, ..] => (u16::from_be_bytes, 2),
+        [b'<', 0, ..] => (u16::from_le_bytes, 0),
+        [0, b'<', ..] => (u16::from_be_bytes, 0),
+        _ => return Ok(Box::new(reader)),
+    };
+    reader.consume(mark);
+    let characters = char::decode_utf16(Units { inner: reader, unit });
+    Ok(Box::new(BufReader::new(Utf8 { characters, rest: Vec::new() })))
+}
+
 /// Reads the events of an XML part, one at a time. Memory stays bounded by the longest element.
 pub(crate) fn events(
     reader: impl BufRead,
     path: &str,
     mut each: impl FnMut(&Event<'_>) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
+    let reader = as_utf8(reader).map_err(|e| invalid(path, MeshProblem::Reader(e.to_string())))?;
     let mut xml = Reader::from_reader(reader);
     xml.config_mut().check_end_names = true;
     let mut buffer = Vec::new();

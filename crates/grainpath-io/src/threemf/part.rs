@@ -179,9 +179,10 @@ impl Builder {
             }
             Event::Decl(decl) => {
                 let encoding = decl.encoding().and_then(Result::ok);
-                // The text is always decoded as UTF-8, even if another encoding is declared.
-                if encoding.is_some_and(|e| !e.eq_ignore_ascii_case("utf-8")) {
-                    self.warn("core 2.3.2", "an XML encoding other than UTF-8 is declared");
+                // UTF-16 is known by its first bytes; all other text is decoded as UTF-8, whatever is declared.
+                let is_allowed = |e: &str| ["utf-8", "utf-16"].iter().any(|a| e.eq_ignore_ascii_case(a));
+                if encoding.is_some_and(|e| !is_allowed(e.as_ref())) {
+                    self.warn("core 2.3.2", "an XML encoding other than UTF-8 and UTF-16 is declared");
                 }
             }
             _ => {}
@@ -273,6 +274,10 @@ impl Builder {
                     format!("<model> is in the namespace {uri:?}, which is not that of 3MF"),
                 );
             }
+        }
+        // Without a prefix or a default namespace, `<model>` and all in it is not 3MF's.
+        if e.name().prefix().is_none() && attribute(e, "xmlns").is_none() {
+            self.warn("core 2.3.3.1", format!("<model> is in no namespace; 3MF's is {CORE:?}"));
         }
         for (key, word) in [("requiredextensions", "requires"), ("recommendedextensions", "recommends")] {
             for prefix in attribute(e, key).unwrap_or_default().split_whitespace() {
@@ -519,14 +524,17 @@ impl Builder {
 
     fn vertex(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         let Some(current) = &mut self.current else { return Ok(()) };
-        // A missing or unreadable coordinate stays NaN and is refused by `checked`.
+        let place = || format!("{}, object {}, vertex {}", self.path, current.id, current.vertices.len());
+        // A missing coordinate stays NaN and is refused by `checked`.
         let mut p = [f64::NAN; 3];
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             if let [axis @ b'x'..=b'z'] = a.key.as_ref().as_bytes() {
-                p[usize::from(axis - b'x')] = number(a.value.as_bytes().trim_ascii()).unwrap_or(f64::NAN);
+                let text: String = a.value.chars().take(40).collect();
+                p[usize::from(axis - b'x')] = number(a.value.as_bytes().trim_ascii()).ok_or_else(|| {
+                    invalid(&place(), MeshProblem::NotNumber { axis: char::from(*axis), text })
+                })?;
             }
         }
-        let place = || format!("{}, object {}, vertex {}", self.path, current.id, current.vertices.len());
         let p: DVec3 = checked(p, place)?;
         current.vertices.push(current.soup.index(p)?);
         Ok(())

@@ -17,6 +17,7 @@ use grainpath_core::{DVec2, Role};
 
 use crate::layer::{LayerPicture, Ramp, role_colour};
 use grainpath::measure::report::{Report, StressReport, hours};
+use grainpath::measure::strength::three_digits;
 
 /// A picture on the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -341,13 +342,13 @@ fn fibre_table(f: &grainpath::measure::laid_fibre::FibreReport) -> String {
 
 fn strength_rows(s: &grainpath::measure::strength::StrengthReport) -> Vec<(&'static str, String)> {
     let modes: Vec<String> = s.modes.iter().map(|(m, share)| format!("{m} {:.0} %", 100.0 * share)).collect();
-    let corners: Vec<String> = s.corners.iter().map(|(c, n)| format!("{c} {n:.0} N")).collect();
+    let corners: Vec<String> = s.corners.iter().map(|(c, n)| format!("{c} {} N", three_digits(*n))).collect();
     vec![
-        ("breaks at", format!("{:.0} N ({})", s.peak_load_n, s.over())),
+        ("breaks at", format!("{} N ({})", three_digits(s.peak_load_n), s.over())),
         ("weakest", s.weakest.words.clone()),
-        ("first ply", format!("{:.0} N", s.first_n)),
-        ("stiffness", format!("{:.0} N/mm", s.stiffness_n_per_mm)),
-        ("load per gram", format!("{:.0} N/g", s.load_per_gram_n_g)),
+        ("first ply", format!("{} N", three_digits(s.first_n))),
+        ("stiffness", format!("{} N/mm", three_digits(s.stiffness_n_per_mm))),
+        ("load per gram", format!("{} N/g", three_digits(s.load_per_gram_n_g))),
         ("modes, by energy", modes.join(", ")),
         ("corners of the card", corners.join(", ")),
         (
@@ -369,8 +370,11 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     let mut all = Vec::new();
     // The breaking load comes first, because most readers look for it.
     if let Some(s) = &r.strength {
-        all.push((format!("{:.0} N", s.peak_load_n), "breaks at"));
-        all.push((format!("{:.0} to {:.0} N", s.low_n, s.high_n), "interval of the breaking load"));
+        all.push((format!("{} N", three_digits(s.peak_load_n)), "breaks at"));
+        all.push((
+            format!("{} to {} N", three_digits(s.low_n), three_digits(s.high_n)),
+            "interval of the breaking load",
+        ));
     }
     if let Some(StressReport { max_von_mises_mpa, .. }) = &r.stress {
         all.push((format!("{max_von_mises_mpa:.2} MPa"), "peak stress (von Mises)"));

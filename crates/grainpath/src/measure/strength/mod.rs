@@ -13,18 +13,18 @@ use std::collections::BTreeMap;
 
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::hash::splitmix64;
-use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Warning, WarningId};
 use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::first_failure::{IndexScale, Judged};
 use grainpath_fea::strength::grid_turn::Frame;
-use grainpath_fea::strength::laminate::{BeadSheet, CellError};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
 use grainpath_fea::strength::reserve_map::ReserveMap;
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
-use grainpath_gcode::{Bead, Program};
+use grainpath_gcode::Program;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -260,7 +260,8 @@ pub struct StrengthReport {
     pub low_n: f64,
     pub high_n: f64,
     pub stiffness_n_per_mm: f64,
-    /// Load at which the first ply begins to fail.
+    /// Load at which the first ply begins to fail. It is the value of a single cell, and uncertain in thin and leaning walls
+    /// (see `docs/strength.md`).
     pub first_n: f64,
     pub peak_displacement_mm: f64,
     /// The load in the job; the test scales it up to the peak.
@@ -277,6 +278,9 @@ pub struct StrengthReport {
     pub load_per_gram_n_g: f64,
     pub fidelity: &'static str,
     pub cell_mm: f64,
+    /// Thickness of the walls that bend most, mm, where they are fewer than [`CELLS_ACROSS`] cells thick.
+    #[serde(skip)]
+    pub thin_wall_mm: Option<f64>,
     /// Relative change of the peak load when the cells were halved to this size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_change: Option<f64>,
@@ -628,6 +632,9 @@ fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
 /// Largest plausible ratio of extruded volume to the part's volume. A larger ratio means that the program's
 /// E words have another unit.
 const MAX_VOLUME_RATIO: f64 = 1.6;
+/// Ratio of extruded volume to the part's volume above which the test warns. Source: derived. Between the sections of a
+/// part with facets and its beads lie up to 2 %; flow is tuned to within 3 %.
+const OVERFILLED: f64 = 1.05;
 /// If the cells are halved, no warning is given up to this relative change of the peak load.
 const CONVERGED: f64 = 0.03;
 
@@ -710,6 +717,7 @@ fn test_case(
         let (part_mm3, filament_mm) = (setup.volume_mm3, settings.filament_mm);
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
     }
+    let mass_g = part_g(&sheets, settings);
     let limits = &Limits { max_mib: settings.max_mib, cancel: diagnostics.cancel_flag() };
     let chosen = ChosenCells::new(setup, &sheets, settings.bead_mm, settings.cell_mm, &nominal, limits)?;
     let cell_mm = chosen.cell_mm;
@@ -719,7 +727,8 @@ fn test_case(
     let first = |peak_n: f64| {
         let case = &setup.case().name;
         note(&format!(
-            "{case}: about {peak_n:.0} N on cells of {coarse_mm:.3} mm; going on with {cell_mm:.3} mm"
+            "{case}: about {} N on cells of {coarse_mm:.3} mm; going on with {cell_mm:.3} mm",
+            three_digits(peak_n)
         ));
     };
     // The run on larger cells serves two purposes: the comparison of cell sizes, and the corners of
@@ -740,12 +749,19 @@ fn test_case(
     let mesh_change =
         others.first().filter(|_| settings.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
     warn(&outcome, &prepared, mesh_change, cell_mm, diagnostics);
+    if laid_mm3 > OVERFILLED * setup.volume_mm3 {
+        let text = format!(
+            "strength: the program extrudes {laid_mm3:.0} mm3, {:.2} times the part's {:.0} mm3; what does not fit into its cells carries nothing",
+            laid_mm3 / setup.volume_mm3,
+            setup.volume_mm3
+        );
+        diagnostics.warn(WarningId::StrengthOverfilled, text);
+    }
     if chosen.bending.share > RESOLVED {
         diagnostics.warn(WarningId::StrengthThinWalls, thin_walls(&chosen.bending, cell_mm));
     }
     let unresolved = if chosen.bending.share > RESOLVED { chosen.bending.share } else { 0.0 };
     let grid_share = mesh_change.unwrap_or(0.0).max(placing_change).max(unresolved).min(0.99);
-    let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
     // The displacement is taken at the highest point, because the curve continues after the peak.
     let at_peak =
@@ -773,6 +789,7 @@ fn test_case(
         load_per_gram_n_g: digits(outcome.peak_load_n / mass_g.max(1e-12)),
         fidelity: setup.fidelity.name(),
         cell_mm: digits(cell_mm),
+        thin_wall_mm: Some(chosen.bending.wall_mm).filter(|mm| (1e-9..CELLS_ACROSS * cell_mm).contains(mm)),
         mesh_change: mesh_change.map(digits),
         grid_share: digits(grid_share),
         cases: Vec::new(),
@@ -795,14 +812,14 @@ fn test_case(
     Ok(Tested { report, outcome, map: prepared.map(), model, frame, program_from_part_mm, heights_mm })
 }
 
-/// Mass of the part's beads, without skirt, brim and support, g.
-fn part_g(program: &Program, settings: &StrengthSettings) -> f64 {
-    let beads = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
-    let density = |b: &Bead| match (b.role, &settings.fibre) {
-        (Role::Fibre, Some(fibre)) => fibre.density_g_cm3,
+/// Mass of the beads that are tested, g: without skirt, brim and support, also where a program does not say which beads
+/// these are.
+fn part_g(sheets: &[BeadSheet], settings: &StrengthSettings) -> f64 {
+    let density = |b: &BeadPiece| match (b.material, &settings.fibre) {
+        (1.., Some(fibre)) => fibre.density_g_cm3,
         _ => settings.material.density_g_cm3,
     };
-    beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
+    sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3 * 1e-3 * density(b)).sum()
 }
 
 fn run(prepared: &Prepared, cards: &[StrengthCard], limits: &Limits) -> Result<Outcome, TestError> {
@@ -967,14 +984,30 @@ pub(crate) fn digits(v: f64) -> f64 {
     format!("{v:.4e}").parse().unwrap_or(v)
 }
 
+/// A number for people, with three significant digits; digits before the point are never cut.
+///
+/// ```
+/// use grainpath::measure::strength::three_digits;
+///
+/// let shown = [0.47424, 2.9966, 9.999, 66.02, 1066.4, 0.0].map(three_digits);
+/// assert_eq!(shown, ["0.474", "3.00", "10.0", "66.0", "1066", "0"]);
+/// ```
+pub fn three_digits(v: f64) -> String {
+    // The exponent of the rounded number: 9.999 is 10.0.
+    let power = format!("{v:.2e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
+    let decimals = if v == 0.0 { 0 } else { (2 - power.unwrap_or(0)).clamp(0, 9) as usize };
+    format!("{v:.decimals$}")
+}
+
 impl StrengthReport {
     /// The interval of the peak load, in words.
     pub fn over(&self) -> String {
         match self.corners.len() {
             0 | 1 => "nominal card alone".to_owned(),
             _ => format!(
-                "{:.0} to {:.0} N over the card of the material and the grid",
-                self.low_n, self.high_n
+                "{} to {} N over the card of the material and the grid",
+                three_digits(self.low_n),
+                three_digits(self.high_n)
             ),
         }
     }
@@ -984,21 +1017,31 @@ impl StrengthReport {
         let mesh =
             self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % change when halved", 100.0 * c));
         let over = self.over();
+        let walls = self.thin_wall_mm.map_or(String::new(), |wall_mm| {
+            format!(
+                "\nthe first failure, at {} N, is uncertain: walls {wall_mm:.2} mm thick bend and are fewer than four cells across",
+                three_digits(self.first_n)
+            )
+        });
         let cases: String = (self.cases.iter())
             .map(|c| {
                 format!(
-                    "\nload case {:?}: {:.0} N ({:.0} to {:.0} N), {:.2} times the job's load",
-                    c.case, c.peak_load_n, c.low_n, c.high_n, c.factor
+                    "\nload case {:?}: {} N ({} to {} N), {} times the job's load",
+                    c.case,
+                    three_digits(c.peak_load_n),
+                    three_digits(c.low_n),
+                    three_digits(c.high_n),
+                    three_digits(c.factor)
                 )
             })
             .collect();
         format!(
-            "breaks at {:.0} N ({over}), stiffness {:.0} N/mm, {:.0} N per gram\n\
+            "breaks at {} N ({over}), stiffness {} N/mm, {} N per gram\n\
              fails mostly {}; weakest at {}\n\
-             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s{cases}",
-            self.peak_load_n,
-            self.stiffness_n_per_mm,
-            self.load_per_gram_n_g,
+             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s{walls}{cases}",
+            three_digits(self.peak_load_n),
+            three_digits(self.stiffness_n_per_mm),
+            three_digits(self.load_per_gram_n_g),
             self.mode,
             self.weakest.words,
             self.fidelity,
