@@ -199,13 +199,10 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
 /// The commands that take a file, for someone who named the file alone.
 fn takers(file: &Path) -> String {
     let name = file.display();
-    let ending = file.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    match &*ending {
-        "toml" => format!("`grainpath run {name}` plans a job"),
-        "gcode" | "gco" | "g" => {
-            format!("`grainpath inspect {name}` describes a program, `grainpath render {name}` draws it")
-        }
-        _ => format!("`grainpath slice {name}` plans a part, `grainpath inspect {name}` describes it"),
+    match commands::slice::no_shape(file) {
+        // A job and a program have commands of their own, which the answer of `slice` names.
+        Some(what) => format!("it is {what}"),
+        None => format!("`grainpath slice {name}` plans a part, `grainpath inspect {name}` describes it"),
     }
 }
 

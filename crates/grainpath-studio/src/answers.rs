@@ -5,8 +5,10 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde_json::json;
 
-use crate::api::MAX_JOB_BYTES;
 use crate::refusal::Refusal;
+
+/// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
+pub(crate) const MAX_JOB_BYTES: u64 = 4 << 20;
 
 /// An error as JSON, with its status.
 pub(crate) fn refused(status: StatusCode, message: &str) -> Response {

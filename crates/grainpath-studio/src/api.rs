@@ -24,7 +24,7 @@ use grainpath_gcode::{Limits, simulate};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::answers::{Problem, accepts_gzip, binary, fault, in_words, packed, refused};
+use crate::answers::{MAX_JOB_BYTES, Problem, accepts_gzip, binary, fault, in_words, packed, refused};
 use crate::engine::{CaseValues, Finished, JobText, StressSurface};
 use crate::file_kind::FileKind;
 use crate::gate::check;
@@ -185,9 +185,6 @@ async fn files(
     let read = tokio::task::spawn_blocking(move || listing(&roots, FilePath::new(&query.path))).await;
     Ok(Json(read.map_err(fault)??))
 }
-
-/// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
-pub(crate) const MAX_JOB_BYTES: u64 = 4 << 20;
 
 fn job_text(roots: &Roots, path: &FilePath) -> Result<JobText, Refusal> {
     let real = roots.readable(path)?;

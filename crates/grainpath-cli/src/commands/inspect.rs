@@ -112,7 +112,7 @@ fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
         let image =
             decode(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
         let (mut value, grain) = image_json(&name, &image);
-        value["guide_field"] = json!(as_field(&bytes));
+        value["guide_field"] = json!(scan::as_field(&bytes));
         if let Some(path) = &args.image {
             outputs::save(path, &grain.png())?;
             let told = "directions of the grain; yellow clear, violet unclear";
@@ -198,19 +198,6 @@ fn directions_json(name: &str, samples: &DirectionSamples) -> Value {
         "strength": s.has_strength, "spacing": s.has_spacing,
         "low_mm": bounds.map(|b| b.0.to_array()), "high_mm": bounds.map(|b| b.1.to_array()),
         "warnings": samples.warnings(),
-    })
-}
-
-/// How `guide.field` reads a picture, or why it does not; `None` for other files. A picture does not say whether its grey is
-/// angles.
-pub(super) fn as_field(bytes: &[u8]) -> Option<String> {
-    sniff_image(bytes)?;
-    Some(match parse_directions(&[("", bytes)], &DirectionOptions::default()) {
-        Ok(samples) => {
-            let s = samples.summary();
-            format!("{}; {}; {}", s.layout, s.directions, s.axis_order)
-        }
-        Err(e) => format!("not read: {e}"),
     })
 }
 

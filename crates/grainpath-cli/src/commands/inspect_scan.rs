@@ -114,7 +114,7 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         info.stored.iter().map(|(what, value)| ((*what).to_owned(), json!(value))).collect();
     // A single slice may be a picture of angles as well.
     let guide_field = if raw.is_none() && info.size[2] == 1 && args.file.is_file() {
-        super::inspect::as_field(&files::read(&args.file)?)
+        as_field(&files::read(&args.file)?)
     } else {
         None
     };
@@ -135,4 +135,17 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         )),
         "warnings": warnings,
     }))
+}
+
+/// How `guide.field` reads a picture, or why it does not; `None` for other files. A picture does not say whether its grey is
+/// angles.
+pub(super) fn as_field(bytes: &[u8]) -> Option<String> {
+    sniff_image(bytes)?;
+    Some(match parse_directions(&[("", bytes)], &DirectionOptions::default()) {
+        Ok(samples) => {
+            let s = samples.summary();
+            format!("{}; {}; {}", s.layout, s.directions, s.axis_order)
+        }
+        Err(e) => format!("not read: {e}"),
+    })
 }

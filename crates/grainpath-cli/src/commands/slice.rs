@@ -47,7 +47,7 @@ const NO_SHAPES: [(&[&str], &str); 5] = [
 ];
 
 /// What a file is that holds no shape, and what takes it; `None` for all that may hold one.
-fn no_shape(file: &Path) -> Option<String> {
+pub(crate) fn no_shape(file: &Path) -> Option<String> {
     let row = NO_SHAPES.iter().find(|(endings, _)| has_ending(file, endings));
     row.map(|(_, what)| (*what).to_owned()).or_else(|| saved_report::what_it_is(file))
 }

@@ -200,10 +200,19 @@ impl SideBySide {
             return *context;
         }
         let density = Density::new(context.density.fraction() * self.fit.density);
+        // Lines that cross within a layer share its material.
         let directions = match self.pattern {
             Pattern::Grid => 2.0,
             Pattern::Triangles => 3.0,
-            _ => 1.0,
+            Pattern::Rectilinear
+            | Pattern::Aligned
+            | Pattern::Gyroid
+            | Pattern::Honeycomb
+            | Pattern::Concentric
+            | Pattern::Stripes
+            | Pattern::Streamlines
+            | Pattern::SeedLines
+            | Pattern::Continuous => 1.0,
         };
         let step_mm = self.beads as f64 * directions * context.spacing_mm() / density.fraction();
         let by = rotated(DVec2::splat(self.fit.moved * step_mm), direction(context.angle_rad));

@@ -30,10 +30,11 @@ pub(super) struct Geometry {
 
 impl Geometry {
     /// The elements of a geometry: thickness, distance of slices, position, orientation, pixel spacing, intercept, slope.
+    /// Source: DICOM PS3.6.
     const TAGS: [u32; 7] =
         [0x0018_0050, 0x0018_0088, 0x0020_0032, 0x0020_0037, 0x0028_0030, 0x0028_1052, 0x0028_1053];
     /// The sequences of functional groups that hold them: pixel measures, plane orientation, plane position, pixel value
-    /// transformation (PS3.3, C.7.6.16.2).
+    /// transformation. Source: DICOM PS3.3, C.7.6.16.2.
     const GROUPS: [u32; 4] = [0x0028_9110, 0x0020_9116, 0x0020_9113, 0x0028_9145];
 
     /// Takes the value of one of [`Self::TAGS`].
