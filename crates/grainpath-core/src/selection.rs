@@ -242,6 +242,7 @@ impl Selection {
             };
             (0..3).flat_map(slab).collect()
         };
+        // Shapes between planes have an area that is cut exactly; round ones would need pieces of arcs.
         let sides = match self {
             Self::Box { low, high } => slabs(0.5 * (*low + *high), DMat3::IDENTITY, 0.5 * (*high - *low)),
             Self::TurnedBox { centre, half, axes } => slabs(*centre, *axes, *half),
@@ -277,6 +278,7 @@ impl Selection {
             Self::Sphere { centre, .. } => Some(*centre),
             _ => None,
         };
+        // A round shape touches the surface where its middle is nearest to it, or around a corner that it holds.
         let nearest = middle.and_then(|p| Bvh::new(surface).closest_point(p, f64::INFINITY));
         nearest.is_some_and(|found| self.contains(found.point))
             || surface.vertices.iter().any(|p| self.contains(*p))

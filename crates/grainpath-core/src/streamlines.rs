@@ -244,6 +244,7 @@ pub fn evenly_spaced(
         let separation = (seeding.separation_mm)(seed);
         // Between two places that ask for different separations, their mean counts.
         let is_near = |p: DVec2, share: f64| {
+            // Lines further away than the separation here are too far, whatever separation they ask for.
             let own = (seeding.separation_mm)(p);
             let close = |q: DVec2| p.distance(q) < 0.5 * share * (own + (seeding.separation_mm)(q));
             near.within(p, share * own).any(|(q, ())| close(q))
@@ -259,6 +260,7 @@ pub fn evenly_spaced(
             hit
         };
         let line = cut_at_itself(trace_line(seed, axis, &stop, settings), separation * seeding.end_share);
+        // A line that met no other ends on the border at both ends, where walls hold it.
         let shortest_mm = if met.get() { seeding.shortest_mm } else { seeding.shortest_across_mm };
         if line.length_mm() < shortest_mm || (seeding.whole && met.get()) {
             continue;

@@ -363,6 +363,7 @@ impl BoundaryConditions {
                 next_mm -= length_mm;
             }
         }
+        // Loads on the volume and fixtures inside the section catch no border, so the inside is looked up too.
         let bounds = section.bounds()?;
         let (clipper, size) = (LineClipper::new(section), bounds.size());
         let pitch_mm = (size.x * size.y / inside).sqrt().max(step_mm);
@@ -371,6 +372,7 @@ impl BoundaryConditions {
             .map(|k| bounds.min + pitch_mm * (DVec2::new((k % nx) as f64, (k / nx) as f64) + 0.5));
         points.extend(grid.filter(|p| clipper.contains(*p)));
         let z_mm = |k: usize| self.low.z + (self.high.z - self.low.z) * k as f64 / (HEIGHTS - 1) as f64;
+        // Points that a place catches at no height do not belong to it, and the others count each height that it leaves out.
         let share = |on: &Selection| {
             let at = |p: &DVec2| (0..HEIGHTS).filter(|k| on.contains(p.extend(z_mm(*k)))).count();
             let caught: Vec<usize> = points.iter().map(at).filter(|n| *n > 0).collect();
@@ -381,6 +383,7 @@ impl BoundaryConditions {
         let loads = loads.filter_map(|load| Some((&load.name, load.action.on()?)));
         self.fixtures.iter().map(|fixture| (&fixture.name, &fixture.on)).chain(loads).find_map(
             |(name, on)| {
+                // A roller touches the border at a point that may lie between two that were looked up.
                 let share = share(on).or_else(|| share(&on.grown(step_mm))).unwrap_or(0.0);
                 let short = PartOfHeight { name: name.clone(), shape: on.name(), share };
                 (share < LEAST_SHARE_OF_HEIGHT).then_some(short)

@@ -192,6 +192,7 @@ impl LayerCollector {
     /// that rises gently, and goes on until a bead falls or is steep, or the nozzle travels; level beads belong to it, since
     /// heights are rounded. Each turn is one part.
     pub(crate) fn turn(&mut self, z_mm: f64, slope: f64, way: DVec2) {
+        // A level piece belongs to a spiral only within one: coordinates of few decimals do not rise with every move.
         if !(0.0..SPIRAL_SLOPE).contains(&slope) || (slope == 0.0 && self.turn.is_none()) {
             return self.end_turn();
         }

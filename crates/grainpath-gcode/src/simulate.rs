@@ -271,7 +271,7 @@ impl Machine {
         self.program.commands += 1;
         match (letter, code) {
             (b'G', 0 | 10 | 20 | 30) => self.motion(line, code / 10),
-            // G5 and G5.1: splines.
+            // G5 and G5.1: splines. The next move begins at their end, so that they are not skipped as a line is.
             (b'G', 50 | 51) => {
                 let (to, _) = self.target(line);
                 self.unread_motion(line, to, ": splines are not read");
@@ -616,6 +616,7 @@ impl Arc {
             (Some(r), ..) => {
                 let (r, d) = (r * scale, to - from);
                 let length = d.length().max(1e-12);
+                // No circle of this radius reaches from one end of the chord to the other.
                 if 0.5 * length > r.abs() + OFF_CIRCLE_MM {
                     return None;
                 }

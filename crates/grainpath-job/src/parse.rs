@@ -594,7 +594,7 @@ pull_n = [0, 1, 0]
 density = {{ least = 0.1, max = 1, by = \"stress\" }}
 [[region]]
 on = {{ layers = [[1, 2]] }}
-guide = false
+process = {{ walls = 3 }}
 [[region]]
 where = {{ layers = [[3, 4]] }}
 fill = {{ share = 0.6 }}

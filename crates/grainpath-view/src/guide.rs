@@ -135,6 +135,7 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
         let colour = ramp.colour(first + u * (second - first) + v * (third - first));
         Some(colour.map(|part| (bright * f64::from(part)).round() as u8))
     };
+    // All colours are found before the first is painted, since the picture lends its measures to them.
     let painted: Vec<_> = canvas.pixels().zip(&shown).map(colour).collect();
     canvas.paint(painted.into_iter());
     let edges = bent_edges(&surface);
@@ -171,6 +172,7 @@ fn bent_edges(surface: &ResultSurface) -> Vec<Edge> {
     sides.sort_unstable();
     let of = |t: usize| normal(surface.triangles[t].map(|i| surface.points[i as usize]));
     let of_edge = sides.chunk_by(|a, b| a.0 == b.0);
+    // An edge of one triangle is the end of the surface; one of more than two is where bodies touch.
     let bends = |same: &&[([u32; 2], usize)]| !matches!(same, [one, other] if of(one.1).dot(of(other.1)) >= EDGE_COSINE);
     let edge = |same: &[([u32; 2], usize)]| Edge {
         points: same[0].0,
@@ -193,6 +195,7 @@ fn visible(
     let (width, height) = canvas.size();
     let is_seen = |edge: &Edge, p: DVec2| {
         let at = canvas.pixel_of(p);
+        // An edge lies between pixels, and its own triangles may show a pixel beside it.
         let around = |v: f64, n: usize| {
             let v = v.max(0.0) as usize;
             v.saturating_sub(1)..(v + 2).min(n)

@@ -53,10 +53,9 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     }
     // A name that two faces share selects neither.
     if let Some(first) = rows.iter().find(|row| row["doubtful"] == json!(false)) {
-        let (face, line) = (word(first, "name"), word(first, "line"));
+        let face = word(first, "name");
         let _ =
             writeln!(text, "to plan along a load, N: grainpath slice {name} --hold {face} --load FACE=X,Y,Z");
-        let _ = writeln!(text, "in a job: {line}");
     }
     files::print(&text);
     Ok(())
@@ -143,17 +142,15 @@ fn line(row: &Value) -> String {
         }
     }
     let hollow = if row["hollow"] == json!(true) { " (hollow)" } else { "" };
-    let doubtful = if row["doubtful"] == json!(true) {
-        "; another face is alike, so select it by its shape"
-    } else {
-        ""
-    };
+    let doubtful =
+        if row["doubtful"] == json!(true) { "  # another face is alike: select it by its shape" } else { "" };
     format!(
-        "{:>4}  {:<8} {}{hollow} {} mm2{measures}{doubtful}\n",
+        "{:>4}  {:<8} {}{hollow} {} mm2{measures}\n      {}{doubtful}\n",
         row["number"],
         word(row, "name"),
         word(row, "kind"),
         measure(&row["area_mm2"]),
+        word(row, "line"),
     )
 }
 

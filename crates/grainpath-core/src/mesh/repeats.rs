@@ -28,12 +28,14 @@ pub fn find_repeats(bodies: &[Examined]) -> Repeats {
     if n_shells < 2 && bodies.iter().all(|b| b.health.nonmanifold_edges == 0) {
         return none();
     }
+    // Copies may lie in different bodies, so all are looked at together.
     let Some(whole) = joined(bodies) else { return none() };
     let copies = copies(&whole);
     if !copies.contains(&true) {
         return none();
     }
     let edges = EdgeUses::count(&whole);
+    // Copies that share an edge go or stay as one: a hole in the middle of a doubled surface would help nobody.
     let mut patches = DisjointSets::new(copies.len());
     for edge in edges.edges() {
         let mut at_edge = edge.map(|(t, _)| t).filter(|&t| copies[t]);
@@ -55,6 +57,7 @@ pub fn find_repeats(bodies: &[Examined]) -> Repeats {
                 patch = patch_of[t] as usize;
             }
         }
+        // An even number of copies leaves the edge as even or odd as it was.
         if n_copies % 2 == 1 {
             gain[patch] += if n % 2 == 1 { 1 } else { -1 };
         }
@@ -101,6 +104,7 @@ fn copies(mesh: &TriMesh) -> Vec<bool> {
     let same = || keyed.chunk_by(|a, b| a.0 == b.0);
     let has_opposites =
         |group: &[([u32; 3], bool, u32)]| 2 * group.iter().filter(|f| f.1).count() == group.len();
+    // A surface that is there once for each side has no inside, so that its copies are no faces where bodies touch.
     let is_doubled = same().all(has_opposites);
     let mut copies = vec![false; mesh.triangles.len()];
     for group in same().filter(|group| group.len() > 1) {

@@ -220,6 +220,7 @@ impl<'a> LoadedSolid<'a> {
     pub fn badly_caught(&self, load: &Load, share: f64) -> Result<Option<(f64, f64)>, SolidError> {
         let Action::Pressure { on, .. } = &load.action else { return Ok(None) };
         let caught_mm2 = nodal_forces::area_mm2(self.mesh, &self.caught(&load.name, on)?);
+        // Elements are caught whole, so their area differs from that of the place by up to half an element along its border.
         let place_mm2 = on.area_on(self.surface).filter(|a| (caught_mm2 - a).abs() > share * a);
         Ok(place_mm2.map(|a| (caught_mm2, a)))
     }
@@ -258,6 +259,8 @@ impl<'a> LoadedSolid<'a> {
         if !faces.is_empty() || matches!(on, Selection::Points(_)) {
             return Ok(faces);
         }
+        // What lies on the part but catches no element is smaller than the elements, which is another mistake than a place
+        // beside the part.
         Err(match on.touches(self.surface) {
             true => SolidError::PlaceTooSmall {
                 name: name.to_owned(),
@@ -303,6 +306,8 @@ fn centre_of_forces(forces: impl Iterator<Item = (DVec3, DVec3)> + Clone) -> DVe
     /// Forces are parallel if their components across the resultant are at most this share of them. Source: derived: rounding
     /// errors are 1e-15 of a force, and forces of a turning part lie across each other.
     const PARALLEL: f64 = 1e-9;
+    // The centre of parallel forces is where their resultant acts. Others, as of a spinning part, may cancel, and their
+    // resultant then acts nowhere.
     let along = forces.clone().map(|f| f.1).sum::<DVec3>().normalize_or_zero();
     let amount = |(_, f): (DVec3, DVec3)| f.length();
     let across: f64 = forces.clone().map(|(_, f)| (f - along * f.dot(along)).length()).sum();

@@ -208,6 +208,7 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
     let centres: Vec<DVec2> = seen.iter().map(Seen::centre).collect();
     // A marker has nothing in it that reads as a marker; the ground around a sheet has four.
     seen.retain(|m| centres.iter().filter(|c| m.contains(**c)).count() < 2);
+    // The largest are kept: a photograph of the sheet shows its markers larger than the print on anything beside it.
     seen.sort_by(|a, b| b.area().total_cmp(&a.area()));
     seen.truncate(MOST_SEEN);
     let fitting = rings(&seen).into_iter().filter_map(|(ring, sheet)| {
@@ -215,6 +216,7 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
         let off = out_of_line(&ring, corners);
         (off < OUT_OF_LINE).then_some((off, ring, corners, sheet))
     });
+    // Of several rings that could be a sheet, the one whose sides are straightest.
     let Some((_, ring, corners, sheet)) = fitting.min_by(|a, b| a.0.total_cmp(&b.0)) else {
         let count = |index: usize| seen.iter().filter(|m| m.index == index).count();
         let named = (0..4).filter(|&index| count(index) > 0).count();
@@ -242,6 +244,7 @@ fn rings(seen: &[Seen]) -> Vec<([Seen; 4], Sheet)> {
         }
         // One white and three black squares are those of the older sheet. Only the order tells which corner a black
         // square belongs to.
+        // An older sheet has one marker with a white square and three black ones.
         let black: Vec<Seen> = named(2).collect();
         for (i, &a) in black.iter().enumerate() {
             for (j, &b) in black.iter().enumerate().skip(i + 1) {
@@ -259,6 +262,7 @@ fn inner_corners(ring: &[Seen; 4]) -> Option<[DVec2; 4]> {
     // Sides of the ring from a marker to the next and to the one before.
     let sides = |k: usize| (centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
     let turns: [f64; 4] = std::array::from_fn(|k| cross(sides(k).0, sides(k).1));
+    // A ring that turns both ways crosses itself or has a dent, which no view of a sheet has.
     if !(turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0)) {
         return None;
     }

@@ -112,9 +112,11 @@ pub fn oriented(corners: [DVec2; 4], size_mm: DVec2, size_px: DVec2) -> Result<O
     let off = |r: &Ratios| r.off(asked).min(r.off(-asked));
     let found = fitting(corners, size_px, &off);
     let (as_found, turned) = (found.off(asked), found.off(-asked));
+    // A size that no credible camera explains is a mistake in the job, or the corners are not those of the board.
     if as_found.min(turned) > ln(RATIO_TOLERANCE) {
         return Err(CornersNotFound::Ratio { found: exp(found.likely.abs()), asked: exp(asked.abs()) });
     }
+    // Twice the error of a ratio separates the turns: each of them may be off by one.
     let turn = if asked.abs() < ln(NEARLY_SQUARE) {
         Turn::NearlySquare
     } else if (as_found - turned).abs() < 2.0 * ln(NEARLY_SQUARE) {
@@ -171,8 +173,10 @@ fn fitting(corners: [DVec2; 4], size_px: DVec2, off: &dyn Fn(&Ratios) -> f64) ->
 
 /// The ratios of the cameras with these axes that make the sides perpendicular.
 fn ratios(corners: [DVec2; 4], size_px: DVec2, (n_steps, step): Axes) -> Ratios {
+    // Lengths are shares of the diagonal, so that the same cameras are tried for pictures of all sizes.
     let diagonal = size_px.length();
     let sides = Sides::of(corners, size_px);
+    // Each corner moved by its error in x and in y, from which the error of the angle between the sides follows.
     let moved: [Sides; 8] = std::array::from_fn(|k| {
         let mut corners = corners;
         corners[k / 2] += if k % 2 == 0 { DVec2::X } else { DVec2::Y } * CORNER_ERROR_PX;

@@ -86,6 +86,7 @@ fn clip(rows: &[Vec<f64>]) -> (f64, f64) {
     if low > high {
         return (f64::NEG_INFINITY, f64::INFINITY);
     }
+    // Real edges of a scan may lie somewhat beyond what the medians keep of it.
     let beyond = BEYOND * (high - low);
     (low - beyond, high + beyond)
 }

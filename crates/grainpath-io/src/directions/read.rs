@@ -183,6 +183,8 @@ fn from_arrays(
         });
         return Ok(read?.with_axes(table.axis_order, table.warning));
     }
+    // A single array of a few columns and many rows is nearly always a table that lost its names. Read as a grid it would be
+    // stretched over the part, and the beads would follow x and y as if these were angles.
     if let [array] = &arrays[..]
         && let [rows, columns] = array.1.shape[..]
         && options.axes.is_none()
@@ -192,6 +194,7 @@ fn from_arrays(
     {
         return Err(invalid("", DirectionProblem::Nameless { shape: vec![rows, columns] }));
     }
+    // What remains is a grid without places of its own, which is laid over the part.
     let find = |names: &[&str]| arrays.iter().find(|a| names.contains(&base(a).as_str()));
     let of_grid = |names: &[&str]| find(names).filter(|(_, a)| a.shape.len() == 2);
     let wanted = match &options.array {
@@ -252,6 +255,7 @@ fn with_positions(arrays: &[Named], options: &DirectionOptions) -> Result<Option
             return Err(missing(MissingDirections::Position(names)));
         }
     };
+    // Names may repeat in an archive, so arrays are told apart by where they are and not by name.
     let is_other = |a: &&Named| !std::ptr::eq(x, *a) && !std::ptr::eq(y, *a);
     let grids = || arrays.iter().filter(is_other).filter(|a| a.1.shape.len() > 1);
     let found = grids().find(|a| is_known(&a.0)).or_else(|| grids().next());
@@ -265,6 +269,7 @@ fn with_positions(arrays: &[Named], options: &DirectionOptions) -> Result<Option
     {
         return Ok(Some(table(columns)));
     }
+    // The lengths of both axes tell which index of the grid runs along which; a square grid fits both ways.
     let (shape, places) = (&wanted.1.shape, [x.1.shape[0], y.1.shape[0]]);
     let (rows, columns) = (shape[0], shape[1]);
     let fits = [[columns, rows] == places, [rows, columns] == places];
@@ -289,6 +294,7 @@ fn with_positions(arrays: &[Named], options: &DirectionOptions) -> Result<Option
         let found = (rows * columns) as u64;
         return Err(DirectionError::TooMany { what: "points", found, limit: MAX_POINTS });
     }
+    // Each cell gets its own place, so that a grid with uneven axes is read like scattered points.
     let along = |a: &Named, by_row: bool| -> Named {
         let place = |i: usize| a.1.fields[0].1[if by_row { i / columns } else { i % columns }];
         let values = (0..rows * columns).map(place).collect();

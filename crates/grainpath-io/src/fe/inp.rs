@@ -384,6 +384,7 @@ impl Inp {
             period: 1.0,
             ..OpenStep::default()
         };
+        // Loads of the step before act on until they are given anew.
         if let Some(before) = self.steps.last().filter(|_| !open.is_perturbation) {
             open.points.clone_from(&before.points);
             open.faces.clone_from(&before.faces);
@@ -445,6 +446,7 @@ impl Inp {
             }
         }
         is_table &= !points.is_empty() && points.is_sorted_by(|a, b| a.0 <= b.0);
+        // What is not read keeps its name, so that a load that uses it is refused by this name.
         let index = is_table.then_some(self.amplitudes.len());
         if is_table {
             self.amplitudes.push(Amplitude { in_total_time, points });
@@ -912,6 +914,7 @@ impl Inp {
     fn close_steps(&mut self) {
         let steps = std::mem::take(&mut self.steps);
         let periods: Vec<f64> = steps.iter().map(|open| open.period).collect();
+        // Factors are known only now: a table may follow the loads that name it, and total time adds up over the steps.
         let mut total_time = 0.0;
         for open in steps {
             total_time += open.period;

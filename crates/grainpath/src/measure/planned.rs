@@ -48,6 +48,7 @@ pub struct Planned {
 impl Planned {
     /// Numbers of the layers of the part in which no bead of it was laid.
     pub fn empty_layers(&self) -> impl Iterator<Item = usize> {
+        // Skirt, brim and supports are no part of the piece, and may be all that a layer prints.
         let of_part = |planned: &PlannedPath| {
             !matches!(planned.path.role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
         };

@@ -48,6 +48,7 @@ impl ShortFill {
         let asked_mm3: f64 = regions.iter().map(|region| context.wanted_mm3(region)).sum();
         let laid_mm3: f64 = laid.iter().map(|path| path.volume_mm3(context.height_mm)).sum();
         let bounds = regions.iter().filter_map(|region| region.bounds()).reduce(Bounds2::union);
+        // Dense and sparse fill of a layer are added up apart: a skin would hide that the infill below it is missing.
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let share = all.entry((layer_idx, context.density.is_dense())).or_default();
         share.asked_mm3 += asked_mm3;
@@ -74,6 +75,7 @@ impl ShortFill {
             if laid_mm3 >= LEAST_LAID * asked_mm3 || asked_mm3 - laid_mm3 < least_mm3 {
                 continue;
             }
+            // The first of equal places counts, so that the warning is the same on every run.
             let found = layers().filter_map(|(key, share)| share.worst.map(|(mm3, at)| (mm3, key.0, at)));
             let Some((_, k, at)) = found.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { continue };
             let kind = if dense { "dense" } else { "sparse" };

@@ -146,6 +146,7 @@ fn assume_orientation(slices: &mut [Slice], info: &mut VolumeInfo) {
     if slices.iter().any(|s| s.geometry.orientation.is_some()) {
         return;
     }
+    // Slices are stacked along the axis in which their positions differ most.
     let extent = [0, 1, 2].map(|axis| {
         let along = positions.iter().map(|p| p[axis]);
         along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
@@ -181,6 +182,7 @@ fn arrange_unplaced(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), V
         (n, _) if n < slices.len() => "do not all state positions (ImagePositionPatient)",
         _ => "do not all state directions (ImageOrientationPatient)",
     };
+    // SliceLocation is no place in space, but it orders the slices and gives their distance.
     let locations: Option<Vec<f64>> = slices.iter().map(|s| s.location_mm).collect();
     let distinct = |mm: &Vec<f64>| {
         let mut sorted = mm.clone();

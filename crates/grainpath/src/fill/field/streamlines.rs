@@ -28,7 +28,7 @@ use grainpath_core::tuned::Tuned;
 /// A line ends where another line is nearer than this share of the wanted distance.
 /// Measured: row `fill.field.streamlines.END_SHARE` of `cargo xtask bench constants`.
 static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.55);
-/// The same where a guide or a graded density asks for distances. Source: derived. Where the wanted distance grows along the
+/// The same where a guide or a graded density asks for distances, in layers of their own. Source: derived. Where the wanted distance grows along the
 /// lines, every other line ends at this share, and the rest are then twice as far apart: from 0.71 to 1.41 of the wanted
 /// distance the mean density is 1.02 of the asked one. Measured: with 0.55 a distance that grows from 1 to 3 mm over 40 mm
 /// got 1.21 times its length of lines, and 1.14 with this share.
@@ -82,7 +82,12 @@ pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &m
     let own = |p: DVec2| asked(p).map_or(separation, |mm| mm.max(context.spacing_mm()));
     let seeding = Seeding {
         separation_mm: &own,
-        end_share: if asked(bounds.centre()).is_some() { END_SHARE_ASKED } else { END_SHARE.value() },
+        // Lines that go on from those below end as late as they can: where they end early, the next layer's hang over air.
+        end_share: if asked(bounds.centre()).is_some() && context.below.is_empty() {
+            END_SHARE_ASKED
+        } else {
+            END_SHARE.value()
+        },
         shortest_mm: SHORTEST_SHARE.value() * separation,
         shortest_across_mm: context.bead_width_mm,
         seed_share: SEED_SHARE,
