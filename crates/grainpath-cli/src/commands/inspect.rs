@@ -15,7 +15,7 @@ use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::structure_tensor::{AxisGrid, TensorSettings, grain_axes};
-use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions, sniff_directions};
+use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
 use grainpath_io::volume::RawHeader;

@@ -7,6 +7,8 @@ use grainpath_core::{DVec3, Warning, WarningId};
 use grainpath_imaging::scan::{
     ContactSheet, Histogram, Implausible, Plausibility, Replaced, SAMPLED, ScanError, is_sampled,
 };
+use grainpath_io::directions::{DirectionOptions, parse_directions};
+use grainpath_io::image::sniff_image;
 use grainpath_io::volume::RawHeader;
 use grainpath_view::histogram::{Mark, histogram_png};
 use serde_json::{Value, json};
