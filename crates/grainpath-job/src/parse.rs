@@ -619,10 +619,10 @@ fill = {{ style = \"lines\" }}
             "job.toml, line 6: guide.case[1].importance is now called guide.case[1].weight",
             "job.toml, line 9: guide.case[1].load[1].pull_n is now called guide.case[1].load[1].force_n",
             "job.toml, line 11: fill.density.least is now called fill.density.min",
-            "job.toml, line 15: region[2].where is now called region[2].on",
-            "job.toml, line 16: region[2].fill.share is now called region[2].fill.density",
-            "job.toml, line 19: region[3].fill.style is now called region[3].fill.pattern",
-            "job.toml, line 19: region[3].fill.pattern = \"lines\" is now called \"rectilinear\"",
+            "job.toml, line 16: region[2].where is now called region[2].on",
+            "job.toml, line 17: region[2].fill.share is now called region[2].fill.density",
+            "job.toml, line 20: region[3].fill.style is now called region[3].fill.pattern",
+            "job.toml, line 20: region[3].fill.pattern = \"lines\" is now called \"rectilinear\"",
         ];
         assert_eq!(found.len(), expect.len(), "{found:#?}");
         for (found, expect) in found.iter().zip(expect) {

@@ -42,10 +42,11 @@ use grainpath_core::{
 use grainpath_job::choices::Pattern;
 
 use super::continuous::necks;
+use super::field::streamlines;
 use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
 use super::hatch::{Hatch, Joints, Lines};
 use super::rectilinear::sparse;
-use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, Streamlines, gyroid};
+use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, gyroid};
 use crate::guide::graded_density::DensityMap;
 
 /// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at a
@@ -304,7 +305,7 @@ fn along_field(
     let sparse =
         FillContext { field: Some(&field), density: Density::Sparse(most.min(DENSE_FROM)), ..*context };
     let mut lines = Vec::new();
-    rest.polygons.iter().for_each(|polygon| Streamlines.fill(&sparse, polygon, &mut lines));
+    rest.polygons.iter().for_each(|polygon| streamlines::graded(&sparse, polygon, &mut lines));
     out.extend(lines.into_iter().filter(|line| line.length_mm() > SHORTEST * context.bead_width_mm));
     for polygon in &dense.polygons {
         let Some(bounds) = polygon.bounds() else { continue };

@@ -80,7 +80,7 @@ const DISTANCES: usize = 7;
 const LAID_AT: [f64; 2] = [0.02, 0.95];
 
 /// How often lines along a field are laid, to come nearer to the density each time.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 
 impl Infill for SideBySide {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {

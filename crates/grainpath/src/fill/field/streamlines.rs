@@ -28,10 +28,10 @@ use grainpath_core::tuned::Tuned;
 /// A line ends where another line is nearer than this share of the wanted distance.
 /// Measured: row `fill.field.streamlines.END_SHARE` of `cargo xtask bench constants`.
 static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.55);
-/// The same where a guide or a graded density asks for distances, in layers of their own. Source: derived. Where the wanted distance grows along the
+/// The same where the field itself asks for distances. Source: derived. Where the wanted distance grows along the
 /// lines, every other line ends at this share, and the rest are then twice as far apart: from 0.71 to 1.41 of the wanted
 /// distance the mean density is 1.02 of the asked one. Measured: with 0.55 a distance that grows from 1 to 3 mm over 40 mm
-/// got 1.21 times its length of lines, and 1.14 with this share.
+/// got 1.21 times its length of lines, and 1.14 with this share and the separation below.
 const END_SHARE_ASKED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Lines that end beside another are left out where they are shorter than this multiple of the separation. Lines from border
 /// to border are held by walls at both ends and stay from a bead's width on: without them a rib narrower than the separation
@@ -71,23 +71,43 @@ pub(crate) fn places_on<'a>(lines: impl Iterator<Item = &'a [DVec2]> + Clone) ->
 
 /// Lays evenly spaced lines of one bead width along the field.
 pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+    let asks = |p: &DVec2| context.field.is_some_and(|f| f.spacing_mm(p.extend(context.z_mid_mm)).is_some());
+    let shares = if infill_region.outer.first().is_some_and(asks) {
+        Shares { end: END_SHARE_ASKED, separation: 1.0 }
+    } else {
+        Shares { end: END_SHARE.value(), separation: SEPARATION.value() }
+    };
+    lay(context, infill_region, &shares, out);
+}
+
+/// Lays lines at the distances of a graded density, whose widths are fitted afterwards. They end as late as those of an even
+/// density: where a line ends early, that of the next layer hangs over air.
+pub(crate) fn graded(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+    let shares = Shares { end: END_SHARE.value(), separation: SEPARATION.value() };
+    lay(context, infill_region, &shares, out);
+}
+
+/// Distances of lines as shares of what is wanted.
+struct Shares {
+    /// A line ends where another is nearer than this.
+    end: f64,
+    /// Lines are laid this far apart.
+    separation: f64,
+}
+
+fn lay(context: &FillContext<'_>, infill_region: &Polygon, shares: &Shares, out: &mut Vec<Toolpath>) {
     let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
     let inside = LineClipper::new(&Region::from(infill_region.clone()));
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
     // Converging lines end and leave gaps, so the mean distance is a little larger than the
     // separation.
-    let separation = SEPARATION.value() * context.spacing_mm() / context.density.fraction();
+    let separation = shares.separation * context.spacing_mm() / context.density.fraction();
     // A field may ask for distances of its own. They are at least the bead spacing, so that beads do not overlap.
     let asked = |p: DVec2| field.spacing_mm(p.extend(context.z_mid_mm));
-    let own = |p: DVec2| asked(p).map_or(separation, |mm| mm.max(context.spacing_mm()));
+    let own = |p: DVec2| asked(p).map_or(separation, |mm| shares.separation * mm.max(context.spacing_mm()));
     let seeding = Seeding {
         separation_mm: &own,
-        // Lines that go on from those below end as late as they can: where they end early, the next layer's hang over air.
-        end_share: if asked(bounds.centre()).is_some() && context.below.is_empty() {
-            END_SHARE_ASKED
-        } else {
-            END_SHARE.value()
-        },
+        end_share: shares.end,
         shortest_mm: SHORTEST_SHARE.value() * separation,
         shortest_across_mm: context.bead_width_mm,
         seed_share: SEED_SHARE,
