@@ -126,7 +126,7 @@ fn each_broken_rule_of_the_model_names_its_section() {
         ("color=\"#112233\"/></m", "/></m", "materials 2"),
     ] {
         assert!(MODEL.contains(from), "{from}");
-        let found = told(&package(Some(TYPES), RELATIONSHIPS, &MODEL.replacen(from, to, 1)));
+        let found = told(&package(Some(TYPES), RELATIONSHIPS, MODEL.replacen(from, to, 1)));
         assert!(found.iter().any(|t| t.contains(section)), "{from} -> {to}: {found:?}, {section} expected");
     }
 }
