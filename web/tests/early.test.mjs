@@ -63,9 +63,9 @@ test("a page that is loaded anew during a run shows how far it is, and what came
   await page.waitForFunction(() => /^(Shape|Walls and fill) /.test(document.querySelector("#progress").textContent));
   await page.reload();
   await page.waitForFunction(() => /^(Shape|Walls and fill|Ordering|Writing)/.test(document.querySelector("#progress").textContent));
-  await page.waitForFunction(() => document.documentElement.dataset.shown, null, { timeout: 240_000 });
+  // The part is shown before its layers are.
+  await page.waitForFunction((n) => window.studio.viewer?.beads?.index.layers.length === n, LAYERS, { timeout: 240_000 });
   assert.match(await page.textContent("#title"), /high\.toml$/);
-  assert.equal(await page.evaluate(() => window.studio.viewer.beads.index.layers.length), LAYERS);
   assert.equal(await page.getAttribute("#tab-paths", "aria-selected"), "true");
   assert.deepEqual(wrong, []);
   await close();
