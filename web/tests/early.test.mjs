@@ -65,7 +65,7 @@ test("a page that is loaded anew during a run shows how far it is, and what came
   await page.waitForFunction(() => /^(Shape|Walls and fill|Ordering|Writing)/.test(document.querySelector("#progress").textContent));
   // The part is shown before its layers are.
   await page.waitForFunction((n) => window.studio.viewer?.beads?.index.layers.length === n, LAYERS, { timeout: 240_000 });
-  assert.match(await page.textContent("#title"), /high\.toml$/);
+  await page.waitForFunction(() => /high\.toml$/.test(document.querySelector("#title").textContent), null, { timeout: 60_000 });
   assert.equal(await page.getAttribute("#tab-paths", "aria-selected"), "true");
   assert.deepEqual(wrong, []);
   await close();
