@@ -231,7 +231,7 @@ warning_ids! {
         "Of the length of sparse infill, 0.2 % or more hangs over air: ends of lines with nothing below for more than 1 mm, or whole lines.",
         "use another pattern, or grade the density less with the height; ends of 1 to 2 mm print with little harm";
     FillMissing = "fill-missing",
-        "Infill got less than three quarters of the material that its density asks for, or no bead of the part was laid.",
+        "Infill along a guide got less than three quarters of the material that its density asks for, or layers of the part got no bead.",
         "raise fill.density, use a pattern of straight lines, or lay more walls, which fill narrow places";
     DensityAssumed = "density-assumed",
         "A file of densities has a single value whose name does not say that it is a density; it was taken for one.",

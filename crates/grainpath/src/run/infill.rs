@@ -437,7 +437,9 @@ impl Steps<'_> {
         let asks = at
             .zip(context.field)
             .is_some_and(|(p, field)| field.spacing_mm(p.extend(context.z_mid_mm)).is_some());
-        if self.fibre.is_none() && self.grain.is_none() && !asks {
+        // Patterns without a guide vary from part to part: a small part may hold one cell of a grid, or none.
+        let is_told = self.settings.infill.pattern.follows_field() && self.fibre.is_none();
+        if is_told && self.grain.is_none() && !asks {
             self.short_fill.add(i, context, regions, laid);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Lines do not fit everywhere: a place narrower than the distance of sparse lines, or than a few beads where lines of one
 //! width follow a field, may stay empty while the rest of the part is filled. Mass and strength then differ from what the
-//! density promises.
+//! density promises. Patterns that follow a guide are looked at; the others vary with every small part.
 //!
 //! Method: the volume of the beads of each infill region is set beside the area to be filled, times height and density, and
 //! both are added up over the part, dense and sparse fill apart. Layers that the run copies count once. Fibre, bridges and
