@@ -81,6 +81,12 @@ impl FillContext<'_> {
         grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
     }
 
+    /// Whether the field asks for distances of its own in an area; these then decide the density.
+    pub(crate) fn field_asks(&self, infill_region: &Polygon) -> bool {
+        let at = infill_region.outer.first().zip(self.field);
+        at.is_some_and(|(p, field)| field.spacing_mm(p.extend(self.z_mid_mm)).is_some())
+    }
+
     /// The volume that beads along a field should have in an area for centrelines, mm3: the share of the area to be
     /// filled, which reaches `border_mm` further, that the density asks for.
     pub(crate) fn wanted_mm3(&self, infill_region: &Polygon) -> f64 {

@@ -243,10 +243,7 @@ impl SideBySide {
             beads
         };
         // A field that asks for distances decides the density, so that there is nothing to correct.
-        let asks = |field: &dyn DirectionField| {
-            infill_region.outer.first().and_then(|p| field.spacing_mm(p.extend(context.z_mid_mm))).is_some()
-        };
-        let wanted_mm3 = (!field.is_some_and(asks)).then(|| context.wanted_mm3(infill_region));
+        let wanted_mm3 = (!context.field_asks(infill_region)).then(|| context.wanted_mm3(infill_region));
         let mut density = self.share(context);
         let mut best = (f64::INFINITY, Vec::new());
         for _ in 0..ROUNDS {

@@ -1,7 +1,7 @@
 //! The result of planning a job.
 
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::{Density, LayerStack, Plan, PlannedPath, Role, TriMesh, Warning, WarningId};
+use grainpath_core::{Density, LayerStack, Plan, PlannedPath, TriMesh, Warning, WarningId};
 use grainpath_gcode::WriteConfig;
 use grainpath_imaging::scan::CtReport;
 
@@ -49,9 +49,7 @@ impl Planned {
     /// Numbers of the layers of the part in which no bead of it was laid.
     pub fn empty_layers(&self) -> impl Iterator<Item = usize> {
         // Skirt, brim and supports are no part of the piece, and may be all that a layer prints.
-        let of_part = |planned: &PlannedPath| {
-            !matches!(planned.path.role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
-        };
+        let of_part = |planned: &PlannedPath| planned.path.role.is_part();
         let layers = self.plan.layers.iter().zip(self.stack.layers()).enumerate();
         layers
             .filter(move |(_, (plan, part))| !part.region().is_empty() && !plan.paths.iter().any(of_part))

@@ -433,10 +433,7 @@ impl Steps<'_> {
     /// Counts the material of infill regions. Fibre tells its gaps apart, and lines along the grain and in fields that ask
     /// for distances do not keep to the density of the job.
     fn count(&self, i: usize, context: &FillContext<'_>, regions: &[&Polygon], laid: &[Toolpath]) {
-        let at = regions.first().and_then(|region| region.outer.first());
-        let asks = at
-            .zip(context.field)
-            .is_some_and(|(p, field)| field.spacing_mm(p.extend(context.z_mid_mm)).is_some());
+        let asks = regions.first().is_some_and(|region| context.field_asks(region));
         // Patterns without a guide vary from part to part: a small part may hold one cell of a grid, or none.
         let is_told = self.settings.infill.pattern.follows_field() && self.fibre.is_none();
         if is_told && self.grain.is_none() && !asks {

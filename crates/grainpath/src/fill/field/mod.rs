@@ -71,13 +71,9 @@ pub(crate) fn is_streamlines(density: Density) -> bool {
 /// Fills a region for both patterns, at any density from lines far apart to beads that touch.
 fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let density = context.density;
-    let asks = |field: &dyn DirectionField| {
-        let at = infill_region.outer.first().copied().unwrap_or(DVec2::ZERO);
-        field.spacing_mm(at.extend(context.z_mid_mm)).is_some()
-    };
     if density.is_dense() {
         stripes::dense(context, infill_region, out)
-    } else if !is_streamlines(density) && !context.field.is_some_and(asks) {
+    } else if !is_streamlines(density) && !context.field_asks(infill_region) {
         stripes::spaced(context, infill_region, density.fraction(), out)
     } else {
         streamlines::sparse(context, infill_region, out)

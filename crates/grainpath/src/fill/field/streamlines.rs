@@ -71,8 +71,7 @@ pub(crate) fn places_on<'a>(lines: impl Iterator<Item = &'a [DVec2]> + Clone) ->
 
 /// Lays evenly spaced lines of one bead width along the field.
 pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-    let asks = |p: &DVec2| context.field.is_some_and(|f| f.spacing_mm(p.extend(context.z_mid_mm)).is_some());
-    let shares = if infill_region.outer.first().is_some_and(asks) {
+    let shares = if context.field_asks(infill_region) {
         Shares { end: END_SHARE_ASKED, separation: 1.0 }
     } else {
         Shares { end: END_SHARE.value(), separation: SEPARATION.value() }
