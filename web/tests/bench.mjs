@@ -120,10 +120,18 @@ async function forget(context, address) {
   for (const { path, kind } of (await (await context.request.get(drafts)).json()).drafts) await context.request.put(drafts, { data: { path, kind, text: "", from: "" } });
 }
 
+/** Waits until the server works on nothing: a new page follows the run that an earlier test left. */
+async function idle(context, address) {
+  const jobs = new URL("v1/jobs", address).href;
+  await context.request.get(address);
+  while ((await (await context.request.get(jobs)).json()).jobs.some(({ phase }) => phase === "waiting" || phase === "running")) await new Promise((done) => setTimeout(done, 50));
+}
+
 /** A page with what went wrong in it. */
-export async function visit(browser, address, { isFirst = false, keepsDrafts = false, routes = {}, ...options } = {}, first = null) {
+export async function visit(browser, address, { isFirst = false, keepsDrafts = false, isAlone = false, routes = {}, ...options } = {}, first = null) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "light", ...options });
   if (!keepsDrafts) await forget(context, address);
+  if (isAlone) await idle(context, address);
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   // The tour of the first visit is asked for by the tests that look at it.

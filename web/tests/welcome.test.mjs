@@ -54,12 +54,7 @@ after(async () => { await browser?.close(); await server?.end(); files?.remove()
 
 const job = (page) => page.$eval("#panel-job textarea", (area) => area.value);
 async function opened(name) {
-  const visited = await visit(browser, server.address);
-  // A page follows the run that an earlier test left; it is loaded anew once that has ended.
-  const { request } = visited.page.context();
-  const isBusy = async () => (await (await request.get(new URL("v1/jobs", server.address).href)).json()).jobs.some(({ phase }) => phase === "waiting" || phase === "running");
-  while (await isBusy()) await visited.page.waitForTimeout(100);
-  await visited.page.reload();
+  const visited = await visit(browser, server.address, { isAlone: true });
   await visited.page.waitForSelector("#welcome h2");
   await visited.page.click("#open");
   await visited.page.click(`#chooser .files button:has-text("${name}")`);
