@@ -11,7 +11,8 @@ const out = resolve(process.argv[2] ?? dist);
 await mkdir(out, { recursive: true });
 
 const options = { absWorkingDir: here, bundle: true, minify: true, format: "esm", target: "es2022", legalComments: "none", charset: "utf8", metafile: true };
-const result = await build({ ...options, entryPoints: { app: "src/main.ts", worker: "src/worker.ts" }, outdir: out });
+// What the page and its worker both use is one file: the browser loads it once.
+const result = await build({ ...options, entryPoints: { app: "src/main.ts", worker: "src/worker.ts" }, splitting: true, chunkNames: "shared", outdir: out });
 await build({ absWorkingDir: here, entryPoints: { app: "src/app.css" }, outdir: out, bundle: true, minify: true, charset: "utf8" });
 for (const file of ["index.html", "icon.svg"]) await copyFile(join(here, "src", file), join(out, file));
 

@@ -44,7 +44,7 @@ const address = new URL(server.address);
 const api = (path, init = {}) => fetch(`${address.origin}/v1/${path}`, { ...init, headers: { authorization: `Bearer ${address.searchParams.get("token")}`, "content-type": "application/json", ...init.headers } });
 try {
   const dist = new URL("../../crates/grainpath-studio/dist/", import.meta.url);
-  const bytes = ["app.js", "worker.js", "app.css", "index.html"].reduce((sum, f) => sum + gzipSync(readFileSync(new URL(f, dist)), { level: 9 }).length, 0);
+  const bytes = ["app.js", "shared.js", "worker.js", "app.css", "index.html"].reduce((sum, f) => sum + gzipSync(readFileSync(new URL(f, dist)), { level: 9 }).length, 0);
   row("page, gzip", `${(bytes / 1000).toFixed(0)} kB`, "<= 300 kB");
 
   const plans = [["plate of 60 x 40 x 4 mm", files.at("plate.stl"), "<= 1.0 s"]];

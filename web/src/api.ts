@@ -79,7 +79,7 @@ export const picture = (path: string) => `v1/picture?path=${encodeURIComponent(p
 /** Writes the text of a job under a new name; a relative one is below the working folder. */
 export const save = (path: string, text: string) => json<{ path: string }>(`v1/text?path=${encodeURIComponent(path)}`, { method: "POST", headers: { "content-type": "text/plain" }, body: text });
 /** Reads the text of a job without running it; the sentence of its first error, or none. */
-export const check = (text: string): Promise<string> => answered("v1/check", { method: "POST", headers: { "content-type": "text/plain" }, body: text }).then(() => "", (e: Error) => e.message);
+export const check = (text: string): Promise<string> => json<{ error: string | null }>("v1/check", { method: "POST", headers: { "content-type": "text/plain" }, body: text }).then((told) => told.error ?? "", (e: Error) => e.message);
 /** The job that the command line would make of a file or of the folder of a scan. */
 export const jobFor = (path: string) => json<{ text: string; folder: string }>(`v1/job?path=${encodeURIComponent(path)}`);
 export const examples = () => json<{ examples: { name: string; about: string }[] }>("v1/examples");
@@ -94,9 +94,13 @@ export const drafts = async () => (await json<{ drafts: Draft[] }>("v1/drafts"))
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
 export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);
 
+/** Names this page to the server, with the number of its next change: the last change of a page that is left may overtake
+ * the one before it. */
+const PAGE = Math.random().toString(36).slice(2);
+let changes = 0;
 /** Keeps changes of a file that were not saved. A browser ends the request with its page where it is large. */
 export async function keep(draft: Omit<Draft, "at_s">): Promise<void> {
-  const body = JSON.stringify(draft);
+  const body = JSON.stringify({ ...draft, page: PAGE, change: changes++ });
   await answered("v1/drafts", { method: "PUT", headers: { "content-type": "application/json" }, body, keepalive: body.length < KEPT_ALIVE });
 }
 

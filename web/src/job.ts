@@ -48,6 +48,8 @@ export class JobPanel {
   /** The photograph of the job with its corners; null for jobs of other shapes. */
   private picture: BoardPicture | null = null;
   private isActive = false;
+  /** The choice of the printer and the material, with what the material's card rests on, for the panel of the shape. */
+  readonly printerAndMaterial = el("div", { id: "printer-and-material" });
   /** Texts before and after the present one. */
   private before: string[] = [];
   private after: string[] = [];
@@ -177,7 +179,6 @@ export class JobPanel {
     this.editor = editor;
     [this.before, this.after, this.isTyping, this.shown] = [[], [], false, this.saved];
     const form = new SettingsForm(schema, profiles, () => editor.value, (text) => this.put(text));
-    const tier = el("p", { class: "note" });
     const wrong = el("p", { class: "error", id: "job-error", role: "alert", hidden: true });
     let rest: ReturnType<typeof setTimeout> | undefined;
     const check = async () => {
@@ -192,13 +193,17 @@ export class JobPanel {
       if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: editor.value, from: this.saved }).catch((e: Error) => this.parts.say(e.message, true));
       this.shown = editor.value;
       form.refresh();
-      tier.textContent = this.tier(profiles, editor.value);
       selects.forEach((u) => u());
       clearTimeout(rest);
       rest = setTimeout(() => void check(), REST_MS);
       this.onText(editor.value);
     };
     this.changed = changed;
+    const tier = () => {
+      const words = el("p", { class: "note tier" });
+      selects.push(() => { words.textContent = this.tier(profiles, editor.value); });
+      return words;
+    };
     const choice = (kind: string) => {
       const select = el("select", { onchange: () => this.put(set(editor.value, kind, "profile", quoted(select.value))) },
         ...profiles.filter((p) => p.kind === kind).map((r) => el("option", { value: r.name, title: r.about }, r.name)));
@@ -216,9 +221,10 @@ export class JobPanel {
     const board = this.board();
     if (board) selects.push(board.fill);
     this.showPicture();
+    this.printerAndMaterial.replaceChildren(el("h2", {}, "Printer and material"), el("div", { class: "row" }, choice("printer"), choice("material")), tier());
     this.panel.replaceChildren(
       ...(board ? [board.box] : []),
-      el("h2", {}, "Printer, material, process"), el("div", { class: "row" }, choice("printer"), choice("material"), choice("process")), tier,
+      el("h2", {}, "Printer, material, process"), el("div", { class: "row" }, choice("printer"), choice("material"), choice("process")), tier(),
       el("h2", {}, "Settings"), form.element,
       el("h2", {}, "Job file"), editor, wrong,
       el("p", { class: "note" }, "What runs is this text, saved as a job file: the command line gives the same bytes from it."),

@@ -14,7 +14,7 @@ import { plainNumber, type ShapePanel } from "./shape";
 import { blocks, change, get, insert, remove, set, value, type Block, type Value } from "./toml";
 import type { Gesture, Viewer } from "./viewer";
 
-interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; shape: ShapePanel; test: () => void }
+interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; shape: ShapePanel; /** Takes a picture that the server draws, with its words. */ pictured: (address: string, words: string) => void; test: () => void }
 
 type LoadKind = "force_n" | "pressure_mpa" | "moment_nmm" | "torque_nmm" | "bearing_n" | "acceleration_mm_s2";
 /** Key in the job, words, and whether it has three components. */
@@ -629,6 +629,8 @@ export class LoadsPanel {
     const { proposed } = this.stress.view.colour(this.shown.what);
     const scale = (this.shown.scale ??= proposed);
     this.stress.view.setScale(...scale);
+    const { id, cases } = this.stress;
+    this.parts.pictured(`v1/jobs/${id}/stress/${this.shown.case}/picture`, `Von Mises stress of ${cases[this.shown.case] ?? "the loads"} from in front and from behind: blue 0, red the largest.`);
     for (const [id, k] of [["scale-low", 0], ["scale-high", 1]] as const) {
       const input = document.getElementById(id) as HTMLInputElement | null;
       if (input) showValue(input, Number(scale[k].toPrecision(4)));
@@ -642,8 +644,9 @@ export class LoadsPanel {
     if (!this.isActive) return;
     const legend = document.getElementById("legend")!;
     const isShown = this.stress !== null && this.shown.isOn && this.shown.scale !== null;
-    legend.hidden = !isShown;
-    if (!isShown) return;
+    // The server's pictures have colours of their own.
+    legend.hidden = !isShown || !this.parts.viewer();
+    if (legend.hidden) return;
     const [, name, unit] = QUANTITIES.find(([key]) => key === this.shown.what)!;
     const bar = el("div", { class: "ramp" });
     bar.style.background = gradient(ramp);

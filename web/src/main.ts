@@ -9,6 +9,7 @@ import { drafts, forget } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
 import { beadWords, legend, look, scaleOf, swatch, wordsOfLayer } from "./sight";
+import { Plain } from "./plain";
 import { JobPanel, absolute } from "./job";
 import { LoadsPanel } from "./loads";
 import { ShapePanel, plainNumber } from "./shape";
@@ -30,6 +31,9 @@ let current = 0;
 /** The run whose program is in the view. */
 let onScreen = 0;
 let colourBy: ColourBy = "role";
+const plain = new Plain(() => viewer !== null);
+/** The program of the pictures that the server draws. */
+let pictured: { id: number; index: api.Index } | null = null;
 
 /** What is open: a program, a job or a mesh, and the program that is on screen. */
 export interface Open { path: string; kind: api.FileKind; name: string }
@@ -46,9 +50,9 @@ const to = byId<HTMLInputElement>("to");
 const job = new JobPanel(byId("panel-job"), { run, say, renamed: (path) => entitle(path, "job") });
 const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, printed: () => printed, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id), recolour: () => setColour(colourBy), compare: () => void runs(2) });
 const shape: ShapePanel = new ShapePanel(byId("panel-shape"), { run, say, viewer: () => viewer, job, openLoads: () => tab("loads"), turning: () => loads.turning() });
-const loads: LoadsPanel = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
+const loads: LoadsPanel = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, pictured: (address, words) => plain.take("part", address, words), test: () => { tab("strength"); void strength.testJob(); } });
 job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); shape.showPoses(loads.inFile()); } };
-shape.onPart = () => { loads.partChanged(); shape.showPoses(loads.inFile()); overlays(); };
+shape.onPart = (run) => { if (run !== null) plain.take("part", `v1/jobs/${run}/picture`, "The part from in front and from behind; faces have their numbers in the list."); loads.partChanged(); shape.showPoses(loads.inFile()); overlays(); };
 shape.onChosen = () => { shape.chosenChanged(); loads.chosenChanged(); };
 
 // ---- messages --------------------------------------------------------------------------------------------------
@@ -121,12 +125,15 @@ async function watch(begun: api.JobState, outdated?: AbortSignal): Promise<api.J
 
 // ---- opening ---------------------------------------------------------------------------------------------------
 
+/** Whether the user knows that there is no view in three dimensions. */
+let isTold = false;
 function ensureViewer(): Viewer | null {
   if (viewer) return viewer;
   try {
     viewer = new Viewer(canvas);
   } catch {
-    say("This browser shows no WebGL 2, so there is no view in three dimensions. Numbers and files are all here.", true);
+    if (!isTold) say("This browser shows no WebGL 2, so the studio draws still pictures. Numbers and files are all here.");
+    isTold = true;
     return null;
   }
   viewer.onHover = tellBead;
@@ -153,6 +160,8 @@ function entitle(path: string, kind: api.FileKind): Open {
 async function open(path: string, kind: api.FileKind): Promise<void> {
   const named = entitle(path, kind);
   welcome.hidden = true;
+  plain.clear();
+  pictured = null;
   const box = byId("progress");
   box.hidden = true;
   if (kind === "program") {
@@ -233,7 +242,13 @@ async function show(id: number, isDone = true): Promise<void> {
   if (isWhole) high.value = String(last);
   // A program of another slicer comes to be broken; one of grainpath, and a plan, to be looked at.
   const first = isProgram && !index.generator?.startsWith("grainpath") ? "strength" : "paths";
-  if (!view) { if (isProgram) tab(first); return; }
+  if (!view) {
+    pictured = { id, index };
+    plain.take("program", `v1/jobs/${id}/picture`, `All ${index.layers.length} layers; the slider shows one.`);
+    byId("layer-high").textContent = wordsOfLayer(index, last);
+    tab(isProgram ? first : active === "strength" ? "strength" : "paths");
+    return;
+  }
   const kept = before ? beads.keep(before) : 0;
   view.show(beads, before !== null);
   onScreen = id;
@@ -291,7 +306,7 @@ async function loadValues(id: number, beads: Beads, signal: AbortSignal, result:
   }
 }
 
-const layerWords = (k: number) => wordsOfLayer(viewer?.beads?.index, k);
+const layerWords = (k: number) => wordsOfLayer(viewer?.beads?.index ?? pictured?.index, k);
 
 /** The moves of the highest layer set the ends of the lower slider. */
 function moveRange(): void {
@@ -313,6 +328,7 @@ function rangeChanged(): void {
   high.setAttribute("aria-valuetext", layerWords(Number(high.value)).replace("\n", " at "));
   low.setAttribute("aria-valuetext", layerWords(Number(low.value)).replace("\n", " at "));
   moveRange();
+  if (pictured) plain.take("program", `v1/jobs/${pictured.id}/layers/${high.value}-${high.value}/picture`, `Layer ${Number(high.value) + 1} of ${pictured.index.layers.length}, from above.`);
 }
 
 function movesChanged(): void {
@@ -347,7 +363,12 @@ function tellFace(face: number, at: { clientX: number; clientY: number }): void 
 function overlays(): void {
   const isPart = viewer?.isPartShown ?? false;
   const hasPaths = !isPart && Boolean(viewer?.beads);
-  for (const box of ["layers", "moves"]) byId(box).hidden = !hasPaths;
+  const isOnPart = active === "shape" || active === "loads";
+  plain.show(isOnPart ? "part" : "program");
+  // Of pictures one layer is shown at a time.
+  byId("layers").hidden = !hasPaths && (!pictured || isOnPart);
+  for (const box of ["low", "layer-low"]) byId(box).hidden = pictured !== null;
+  byId("moves").hidden = !hasPaths;
   byId("views").hidden = !isPart && !hasPaths;
   byId("bead").hidden = true;
   if (hasPaths) { byId("legend").hidden = false; setColour(colourBy); }
@@ -387,8 +408,8 @@ function tellPaths(index: api.Index, result: api.Result | null): void {
   const size = [0, 1, 2].map((k) => fixed(b[k]! - a[k]!, 1)).join(" × ");
   const fact = (name: string, value: string) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value));
   byId("panel-paths").replaceChildren(
-    el("h2", {}, "Colour"), el("div", { class: "row" }, el("label", {}, "by", select)),
-    el("h2", {}, "Show"), el("table", {}, ...rows),
+    // Pictures of the server show every bead by its role.
+    ...(viewer ? [el("h2", {}, "Colour"), el("div", { class: "row" }, el("label", {}, "by", select)), el("h2", {}, "Show"), el("table", {}, ...rows)] : []),
     el("h2", {}, "Program"),
     el("table", {}, fact("Written by", index.generator ?? "not stated"), fact("Part", `${size} mm`), fact("Layers", `${index.layers.length}${index.more ? " so far" : ""}`), fact("Beads", String(index.shares.reduce((n, s) => n + s.beads, 0))),
       fact("Time, estimated", duration(index.time_s)), fact("Filament", `${fixed(index.filament_mm / 1000, 2)} m`)),

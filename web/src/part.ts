@@ -4,7 +4,7 @@
 // Each triangle carries the number of its face; a texture holds the colour of each face, so that choosing one uploads four
 // bytes and not the mesh.
 
-import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, Group, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Points, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4, type Ray } from "three";
+import { BufferAttribute, BufferGeometry, CylinderGeometry, ConeGeometry, DataTexture, DoubleSide, GLSL3, GreaterDepth, Group, InstancedBufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, NearestFilter, Points, Quaternion, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4, type Ray } from "three";
 import { ramp, table, type Rgb } from "./colours";
 import { degenerate, type Degenerate } from "./degenerate";
 import { Search, type Hit } from "./search";
@@ -611,14 +611,19 @@ void main() {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
     geometry.setAttribute("colour", new BufferAttribute(new Float32Array(colours), 3));
-    const material = new ShaderMaterial({
-      glslVersion: GLSL3, side: DoubleSide,
+    const material = (opacity: number) => new ShaderMaterial({
+      glslVersion: GLSL3, side: DoubleSide, uniforms: { opacity: { value: opacity } },
       vertexShader: `in vec3 colour; out vec3 at; out vec3 tone; void main() { tone = colour; vec4 eye = modelViewMatrix * vec4(position, 1.0); at = eye.xyz; gl_Position = projectionMatrix * eye; }`,
-      fragmentShader: `in vec3 at; in vec3 tone; out vec4 result; void main() { ${LIGHT} result = vec4(tone * (0.72 + 0.33 * lit), 1.0); }`,
+      fragmentShader: `uniform float opacity; in vec3 at; in vec3 tone; out vec4 result; void main() { ${LIGHT} result = vec4(tone * (0.72 + 0.33 * lit), opacity); }`,
     });
-    const mesh = new Mesh(geometry, material);
-    mesh.frustumCulled = false;
-    this.marks.add(mesh);
+    // What the part hides, such as the load of a hole, shines through it; it is drawn once all that hides it is there.
+    const hidden = Object.assign(material(HIDDEN_ARROW), { transparent: true, depthWrite: false, depthFunc: GreaterDepth });
+    for (const [order, look] of [[0, material(1)], [1, hidden]] as const) {
+      const mesh = new Mesh(geometry, look);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = order;
+      this.marks.add(mesh);
+    }
   }
 
   /** Shows the stress instead of the faces; null shows the faces again. */
@@ -716,4 +721,6 @@ const SHAFT = corners(new CylinderGeometry(0.028, 0.028, 0.76, 10, 1), 0.38);
 const TIP = corners(new ConeGeometry(0.085, 0.26, 14, 1), 0.87);
 const SECOND = corners(new ConeGeometry(0.085, 0.26, 14, 1), 0.66);
 /** A cone whose tip is where it stands. */
+/** Opacity of arrows and cones where the part hides them. Source: chosen by eye. */
+const HIDDEN_ARROW = 0.3;
 const CONE = corners(new ConeGeometry(0.4, 1, 12, 1), -0.5);

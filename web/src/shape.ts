@@ -31,8 +31,9 @@ export class ShapePanel {
   chosen: number[] = [];
   /** The part of the chosen face that is meant, where it was split. */
   side: Side | null = null;
-  /** Called when another part is there, and when other faces are chosen. */
-  onPart: () => void = () => {};
+  /** Called when another part is there, of this run, or none. */
+  onPart: (run: number | null) => void = () => {};
+  /** Called when other faces are chosen. */
   onChosen: () => void = () => {};
   private key = "";
   private warnings: api.Warning[] = [];
@@ -54,7 +55,7 @@ export class ShapePanel {
     this.asked.abort();
     this.parts.viewer()?.setPart(null);
     this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF), a scan or a job file to see its shape here, choose faces, and say where it is held and loaded."));
-    this.onPart();
+    this.onPart(null);
   }
 
   /** Whether the job has a shape that can be shown before it is planned. */
@@ -96,7 +97,7 @@ export class ShapePanel {
     const viewer = this.parts.viewer();
     if (viewer) viewer.setPart(view, isSame);
     this.build();
-    this.onPart();
+    this.onPart(end.id);
     document.documentElement.dataset.shape = String(end.id);
   }
 
@@ -144,6 +145,7 @@ export class ShapePanel {
       const { resolution_mm, voxels, merged } = report.preview;
       const n = merged.reduce((all, by) => all * by, 1);
       this.panel.replaceChildren(
+        this.parts.job.printerAndMaterial,
         el("h2", {}, "Size"), el("table", {}, ...sizes, fact("Voxels", voxels.join(" × "))),
         el("p", { class: "note", id: "preview" }, `A preview at ${fixed(resolution_mm, 2)} mm: ${n === 1 ? "no voxels were merged" : `${merged.join(" × ")} voxels were merged into one`}. Paths are planned from every voxel, under Job.`),
         ...warnings,
@@ -160,6 +162,8 @@ export class ShapePanel {
     const turn = (axis: 0 | 1 | 2) => el("button", { type: "button", id: `turn-${"xyz"[axis]}`, onclick: () => this.turn(new Quaternion().setFromAxisAngle(new Vector3().setComponent(axis, 1), Math.PI / 2)) }, `90° about ${"xyz"[axis]}`);
     const lay = el("button", { type: "button", id: "lay", onclick: () => this.lay() }, "Lay the chosen face on the plate");
     this.panel.replaceChildren(
+      // Supports, build directions and strength depend on them, so they come first.
+      this.parts.job.printerAndMaterial,
       el("h2", {}, "Size"),
       el("table", {}, ...sizes, fact("Bodies, shells", `${report.bodies}, ${report.shells}`), fact("Triangles", String(report.triangles)), fact("Faces", String(report.faces_in_all), "faces-in-all")),
       ...(isDoubtful ? [el("p", { class: "warning", id: "unit-asked" }, `The file states no unit. In mm the part would be ${fixed(Math.max(...size), 2)} mm long, which is small: is it in ${report.likely_unit}? `, el("button", { type: "button", id: "take-likely", onclick: () => this.put("unit", quoted(report.likely_unit!)) }, `It is in ${report.likely_unit}`), " ", el("button", { type: "button", onclick: () => this.put("unit", quoted("mm")) }, "It is in mm"))] : []),

@@ -144,7 +144,7 @@ export async function visit(browser, address, { isFirst = false, keepsDrafts = f
   page.on("request", (request) => requests.push(request.url()));
   // While the page is worked on: its files from a folder instead of from the program.
   if (process.env.DIST) {
-    for (const [file, contentType] of [["app.js", "text/javascript"], ["worker.js", "text/javascript"], ["app.css", "text/css"]]) {
+    for (const [file, contentType] of [["app.js", "text/javascript"], ["shared.js", "text/javascript"], ["worker.js", "text/javascript"], ["app.css", "text/css"]]) {
       await page.route(`**/${file}`, (route) => route.fulfill({ body: readFileSync(join(process.env.DIST, file)), contentType }));
     }
     // The answer of the server brings the cookie.

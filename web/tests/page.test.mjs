@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { boxStl, command, folder, launch, picture, shaped, shown, squares, studio, visit } from "./bench.mjs";
+import { boxStl, command, folder, launch, picture, shaped, shown, squares, studio, vector, visit } from "./bench.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -278,16 +278,38 @@ function withoutWebGl() {
   HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
 }
 
+/** Pixels of each colour of the picture that the server drew, most of them first. */
+const drawn = (page) => page.$eval("#plain img", async (image) => {
+  await image.decode();
+  const canvas = Object.assign(document.createElement("canvas"), { width: image.naturalWidth, height: image.naturalHeight });
+  const context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  const counts = new Map();
+  for (let k = 0; k < data.length; k += 4) { const c = (data[k] << 16) | (data[k + 1] << 8) | data[k + 2]; counts.set(c, (counts.get(c) ?? 0) + 1); }
+  return [...counts.values()].sort((a, b) => b - a).slice(0, 20);
+});
+
 test("without WebGL 2 the numbers, faces and loads of a part are there", async () => {
   const { page, close } = await visit(browser, server.address, {}, withoutWebGl);
   await page.waitForSelector("#welcome h2");
   await choose(page, "box.stl");
   await page.waitForSelector("#size");
   assert.equal(await page.textContent("#size"), "30.00 × 12.00 × 3.00 mm");
+  // Six faces have six colours on a dark ground.
+  const faces = await drawn(page);
+  assert.equal(faces.filter((n) => n > 1000).length >= 7, true, `${faces}`);
   await page.click("#tab-loads");
   await page.click("#all-faces summary");
   await page.click('button.face[data-face="0"]');
   await page.click("#hold-here");
+  await page.click('button.face[data-face="1"]');
+  await page.click("#load-here");
+  await vector(page, "value-1", [0, 0, -5]);
+  await page.click("#solve");
+  await page.waitForFunction(() => /Von Mises/.test(document.querySelector("#plain figcaption").textContent), null, { timeout: 120_000 });
+  assert.match(await page.getAttribute("#plain img", "src"), /stress\/0\/picture$/);
+  assert.notDeepEqual(await drawn(page), faces);
   await page.click("#tab-job");
   assert.match(await page.inputValue("#panel-job textarea"), /\[\[guide\.fixture\]\]\non = \{ face = "f:[0-9a-f]+" \}\nfix = "xyz"/);
   await close();
@@ -297,6 +319,13 @@ test("without WebGL 2 a program is broken between two of its sides", async () =>
   const { page, close } = await visit(browser, server.address, {}, withoutWebGl);
   await page.waitForSelector("#welcome h2");
   await choose(page, "squares.gcode");
+  await page.waitForFunction(() => /All 6 layers/.test(document.querySelector("#plain figcaption").textContent));
+  const whole = await drawn(page);
+  await page.click("#tab-paths");
+  await page.focus("#high");
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction(() => /Layer 5 of 6/.test(document.querySelector("#plain figcaption").textContent));
+  assert.notDeepEqual(await drawn(page), whole);
   await page.click("#tab-strength");
   await page.waitForSelector("#break");
   assert.ok(await page.isHidden("#hold-pick"), "nothing can be picked in a view that is not there");

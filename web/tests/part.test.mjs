@@ -716,3 +716,29 @@ test("loads are put into cases with weights, and the stress is solved for each",
   assert.deepEqual(wrong, []);
   await close();
 });
+
+test("printer and material are chosen before all else, with what the material's card rests on", async () => {
+  const { page, wrong, close } = await opened("bar.stl");
+  assert.equal(await page.textContent("#panel-shape h2"), "Printer and material");
+  const tier = () => page.textContent("#panel-shape .tier");
+  assert.match(await tier(), /^Strength card of pla: tier T\d$/);
+  await page.selectOption("#printer-and-material select >> nth=1", "petg");
+  assert.match(await text(page), /\[material\]\nprofile = "petg"/);
+  assert.match(await tier(), /^Strength card of petg: tier T\d$/);
+  // Both panels show the same choice.
+  assert.equal(await page.inputValue("#panel-job select >> nth=1"), "petg");
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("an arrow behind the part shines through it", async () => {
+  const { page, close } = await opened("bar.stl");
+  await load(page, [30, 8, 2]);
+  await vector(page, "value-0", [0, 10, 0]);
+  await view(page, "front");
+  // Seen from its end: the arrow is behind the middle of the front face, and nothing is behind the place beside it.
+  const warmth = ([r, , b]) => r - b;
+  const [hidden, beside] = (await colours(page, [[30, 0, 2], [20, 0, 2]])).map(warmth);
+  assert.ok(hidden - beside > 25, `${hidden} ${beside}`);
+  await close();
+});

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::answers::{MAX_JOB_BYTES, Problem, accepts_gzip, binary, fault, in_words, packed, refused};
-use crate::engine::{CaseValues, Finished, JobText, StressSurface};
+use crate::engine::{CaseValues, Finished, JobText, Pictured, StressSurface};
 use crate::file_kind::FileKind;
 use crate::gate::check;
 use crate::openapi::{self, Route};
@@ -69,6 +69,9 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::EVENTS, get(events)),
         (openapi::RESULT, get(result)),
         (openapi::LAYERS, get(layer_index)),
+        (openapi::PART_PICTURE, get(part_picture)),
+        (openapi::LAYER_PICTURE, get(layer_picture)),
+        (openapi::CASE_PICTURE, get(case_picture)),
         (openapi::RECORDS, get(layer_records)),
         (openapi::ANGLES, get(layer_angles)),
         (openapi::RESERVE, get(layer_reserve)),
@@ -473,14 +476,18 @@ impl Wanted {
 }
 
 /// Reads the text of a job as a run of it would, and answers with its error.
-async fn check_job(State(studio): Shared, text: Result<String, StringRejection>) -> Answer<StatusCode> {
+async fn check_job(
+    State(studio): Shared,
+    text: Result<String, StringRejection>,
+) -> Answer<Json<serde_json::Value>> {
     let (text, engine, roots) = (text?, Arc::clone(&studio.engine), Arc::clone(&studio.roots));
     let checked = move || {
         let (job, _) = unsaved(&roots, None, Some(text), None)?;
         engine.check(&job, &roots)
     };
-    tokio::task::spawn_blocking(checked).await.map_err(fault)??;
-    Ok(StatusCode::NO_CONTENT)
+    // A job with an error was checked as well as one without: the request succeeded.
+    let error = tokio::task::spawn_blocking(checked).await.map_err(fault)?.err().map(|refusal| refusal.message);
+    Ok(Json(json!({ "ok": error.is_none(), "error": error })))
 }
 
 async fn add(
@@ -679,6 +686,46 @@ async fn bytes_of_beads(
     .await
 }
 
+/// A picture that the engine draws on a blocking thread.
+async fn pictured(
+    draw: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'static,
+) -> Answer<Response> {
+    let png = tokio::task::spawn_blocking(draw).await.map_err(fault)??;
+    Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "no-cache")], png).into_response())
+}
+
+async fn part_picture(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
+    let run = found(&studio, id)?;
+    let engine = Arc::clone(&studio.engine);
+    if let Some(drawn) = run.drawn().filter(|drawn| !drawn.program.layers.is_empty()) {
+        return pictured(move || Ok(engine.picture(Pictured::Part(&drawn.program)))).await;
+    }
+    let result = done(&studio, id)?;
+    pictured(move || {
+        let none = || Problem::new(StatusCode::NOT_FOUND, "this job shows no part");
+        let surface = result.finished.surface.as_ref().ok_or_else(none)?;
+        Ok(engine.picture(Pictured::Shape(surface)))
+    })
+    .await
+}
+
+async fn layer_picture(State(studio): Shared, Path((id, range)): Path<(u64, String)>) -> Answer<Response> {
+    let drawn = drawn(&studio, id)?;
+    let engine = Arc::clone(&studio.engine);
+    let range = layer_range(&range, drawn.program.layers.len())?;
+    pictured(move || Ok(engine.picture(Pictured::Layer(&drawn.program, *range.end())))).await
+}
+
+async fn case_picture(State(studio): Shared, Path((id, number)): CasePath) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let engine = Arc::clone(&studio.engine);
+    pictured(move || {
+        let (stress, case) = case_of(&result.finished, number)?;
+        Ok(engine.picture(Pictured::Stress(stress, case)))
+    })
+    .await
+}
+
 /// Broken elements: x, y, z in mm, the share of stiffness lost and the state in which it broke, as 32-bit floats.
 async fn damage(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
     let result = done(&studio, id)?;
@@ -723,13 +770,14 @@ async fn case_bytes(
     bytes: impl FnOnce(&StressSurface, &CaseValues) -> Vec<u8> + Send + 'static,
 ) -> Answer<Response> {
     let result = done(studio, id)?;
-    made(headers, move || {
-        let stress = result.finished.stress.as_ref();
-        let found = stress.and_then(|stress| Some((stress, stress.cases.get(number)?)));
-        let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
-        found.map(|(stress, case)| bytes(stress, case)).ok_or_else(none)
-    })
-    .await
+    made(headers, move || case_of(&result.finished, number).map(|(stress, case)| bytes(stress, case))).await
+}
+
+/// A load case that a job solved, counted from 0.
+fn case_of(finished: &Finished, number: usize) -> Result<(&StressSurface, &CaseValues), Problem> {
+    let stress = finished.stress.as_ref();
+    let found = stress.and_then(|stress| Some((stress, stress.cases.get(number)?)));
+    found.ok_or_else(|| Problem::new(StatusCode::NOT_FOUND, NO_STRESS))
 }
 
 type CasePath = Path<(u64, usize)>;

@@ -32,9 +32,10 @@ macro_rules! asset {
 pub const LICENCES_OF_PAGE: &str = include_str!("../dist/licences.txt");
 
 /// Every file of the page.
-pub(crate) static ALL: [Asset; 6] = [
+pub(crate) static ALL: [Asset; 7] = [
     asset!("/", "text/html; charset=utf-8", "index.html"),
     asset!("/app.js", "text/javascript; charset=utf-8", "app.js"),
+    asset!("/shared.js", "text/javascript; charset=utf-8", "shared.js"),
     asset!("/worker.js", "text/javascript; charset=utf-8", "worker.js"),
     asset!("/app.css", "text/css; charset=utf-8", "app.css"),
     asset!("/icon.svg", "image/svg+xml", "icon.svg"),

@@ -34,6 +34,13 @@ pub(crate) struct Draft {
     pub text: String,
     /// The text of the file that was changed.
     pub from: String,
+    /// The page that sends it, and the number of the change among those of the page: requests of a page that is left may
+    /// overtake each other. A change without a page takes the place of any other.
+    #[serde(default)]
+    pub page: String,
+    /// Counts from 0.
+    #[serde(default)]
+    pub change: u64,
     /// When it was changed last, seconds since 1970; set by the server.
     #[serde(default, rename = "at_s")]
     pub saved_at: u64,
@@ -68,10 +75,14 @@ pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
     }
 }
 
-/// Keeps a draft in place of an earlier one of its file. A text that is that of the file is no change and is forgotten.
+/// Keeps a draft in place of an earlier one of its file, unless a later one of its page came before it. A text that is that of the file is no change and is forgotten.
 pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     let _held = lock(roots)?;
     let mut all = told(roots)?;
+    let is_later = |d: &Draft| d.path == draft.path && d.page == draft.page && d.change > draft.change;
+    if !draft.page.is_empty() && all.iter().any(is_later) {
+        return Ok(());
+    }
     all.retain(|d| d.path != draft.path);
     // Undoing all changes brings the text of the file back, which needs no draft.
     if draft.text != draft.from {

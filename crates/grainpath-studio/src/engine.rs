@@ -150,6 +150,19 @@ pub struct Example {
 /// A file of an example: name and content.
 pub type ExampleFile = (String, Vec<u8>);
 
+/// What a picture shows that the server draws, for browsers that draw nothing in three dimensions.
+#[derive(Debug, Clone, Copy)]
+pub enum Pictured<'a> {
+    /// All layers of a program.
+    Part(&'a Program),
+    /// A layer of a program, counted from 0.
+    Layer(&'a Program, usize),
+    /// The numbered faces of a part.
+    Shape(&'a Surface),
+    /// The von Mises stress of a load case.
+    Stress(&'a StressSurface, &'a CaseValues),
+}
+
 /// Does the work of runs. The implementation checks every file with [`Roots`] before it is read or written.
 pub trait Engine: Send + Sync {
     /// The exit code of the command line for this kind of failure.
@@ -166,6 +179,9 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// [`Refusal`] with the sentence that a run of it would begin with.
     fn check(&self, job: &JobText, roots: &Roots) -> Result<(), Refusal>;
+
+    /// A picture as PNG.
+    fn picture(&self, of: Pictured<'_>) -> Vec<u8>;
 
     /// The examples.
     fn examples(&self) -> Vec<Example>;

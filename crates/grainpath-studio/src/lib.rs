@@ -32,8 +32,8 @@ mod uploads;
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
 pub use engine::{
-    Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressLine,
-    StressSurface, StressVolume, Surface,
+    Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, Pictured,
+    StressLine, StressSurface, StressVolume, Surface,
 };
 pub use refusal::{Refusal, RefusalKind};
 pub use serve::serve;

@@ -12,6 +12,8 @@ pub(crate) enum Answers {
     Json(&'static str),
     /// Bytes.
     Bytes,
+    /// A picture as PNG.
+    Png,
     /// States of a job as server-sent events.
     Events,
     /// The status alone, without a body.
@@ -128,12 +130,11 @@ pub(crate) const BEGIN: Route = Route {
 pub(crate) const CHECK: Route = Route {
     method: "post",
     body: Takes::Text,
-    status: "204",
     ..Route::get(
         "/v1/check",
         "check",
-        "Reads the text of a job without running it; 422 with its first error.",
-        Answers::Nothing,
+        "Reads the text of a job without running it, and answers with its first error.",
+        Answers::Json("Checked"),
     )
 };
 pub(crate) const ONE: Route =
@@ -178,6 +179,24 @@ pub(crate) const RESERVE: Route = Route::get(
     "reserve",
     "The reserve of each record of these layers, the factor on the loads at which the bead first fails, with nominal strengths, least of all load cases: a byte b for the factor 2^((b - 80) / 20), where 0 is that or less and 254 that or more; 255 where there is none. Of plans that tell a reserve, once they are done.",
     Answers::Bytes,
+);
+pub(crate) const PART_PICTURE: Route = Route::get(
+    "/v1/jobs/{id}/picture",
+    "partPicture",
+    "The part as a picture: the beads of a program, or the numbered faces of a shape.",
+    Answers::Png,
+);
+pub(crate) const LAYER_PICTURE: Route = Route::get(
+    "/v1/jobs/{id}/layers/{range}/picture",
+    "layerPicture",
+    "The last of these layers as a picture, seen from above.",
+    Answers::Png,
+);
+pub(crate) const CASE_PICTURE: Route = Route::get(
+    "/v1/jobs/{id}/stress/{case}/picture",
+    "casePicture",
+    "The von Mises stress of a load case as a picture: blue at 0, red at the largest.",
+    Answers::Png,
 );
 pub(crate) const DAMAGE: Route = Route::get(
     "/v1/jobs/{id}/damage",
@@ -279,6 +298,7 @@ fn operation(route: &Route) -> Value {
         Answers::Bytes => {
             json!({ "description": "Bytes.", "content": content("application/octet-stream", &bytes) })
         }
+        Answers::Png => json!({ "description": "A picture.", "content": content("image/png", &bytes) }),
         Answers::Events => {
             json!({ "description": "Each event is a state.", "content": content("text/event-stream", &reference("State")) })
         }
@@ -340,6 +360,8 @@ fn schemas() -> Value {
     let draft = object(json!({ "path": text, "kind": kind,
         "text": { "type": "string", "description": "The changed text." },
         "from": { "type": "string", "description": "The text of the file that was changed." },
+        "page": { "type": "string", "description": "The page that sends it; empty for none." },
+        "change": { "type": "integer", "description": "The number of the change among those of the page. A change is left out where a later one of its page has come." },
         "at_s": { "type": "integer", "description": "Seconds since 1970; set by the server." } }));
     let mut kept = draft.clone();
     kept["required"] = json!(["path", "kind", "text", "from"]);
@@ -347,6 +369,7 @@ fn schemas() -> Value {
     json!({
         "Draft": kept,
         "Drafts": object(json!({ "drafts": list(&draft) })),
+        "Checked": object(json!({ "ok": { "type": "boolean" }, "error": maybe("string") })),
         "Error": object(json!({ "ok": { "const": false }, "error": text })),
         "Object": { "type": "object" },
         "Studio": object(json!({ "version": text, "work": text, "roots": list(&text), "max_upload_bytes": whole,

@@ -1,4 +1,4 @@
-//! A picture of the numbered faces of a part, seen from two sides.
+//! Pictures of the surface of a part, seen from two sides: its numbered faces, or a value such as the stress.
 //!
 //! There are two parallel projections, one from the front and above, one from behind and below. Together
 //! they show most faces that can be seen from outside.
@@ -7,7 +7,7 @@ use grainpath_core::faces::Faces;
 use grainpath_core::mesh::triangle_normal;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
-use crate::layer::{digits, encode_png as png};
+use crate::layer::{Ramp, digits, encode_png as png};
 use crate::mesh_pixels::nearest;
 
 /// Colour behind the part. Source: that of all pictures of layers.
@@ -17,28 +17,63 @@ const MARGIN: f64 = 0.04;
 /// Least number of visible pixels of a face that is numbered. Source: derived: a number of two digits covers 100.
 const LEAST_PIXELS: usize = 120;
 
-/// A view: which face each pixel shows, and how bright it is.
+/// A view: which triangle each pixel shows, and how bright it is.
 struct View {
-    face: Vec<Option<usize>>,
+    triangle: Vec<Option<usize>>,
     light: Vec<f64>,
     size: usize,
 }
 
 /// A picture of the faces, `width_px` wide and half as high; numbers count from 1.
 pub fn faces_png(mesh: &TriMesh, faces: &Faces, width_px: u32) -> Vec<u8> {
+    numbered_png(mesh, &|t| faces.of_triangle(t), faces.len(), width_px)
+}
+
+/// A picture as [`faces_png`] draws it, of `n_faces` faces; `face_of` tells that of a triangle. Triangles without a face are
+/// left out.
+pub fn numbered_png(
+    mesh: &TriMesh,
+    face_of: &dyn Fn(usize) -> Option<usize>,
+    n_faces: usize,
+    width_px: u32,
+) -> Vec<u8> {
+    let numbers = |view: &View| {
+        let shown: Vec<Option<usize>> = view.triangle.iter().map(|t| t.and_then(face_of)).collect();
+        numbered(&shown, view.size, n_faces)
+    };
+    both_sides(mesh, &|t| face_of(t).is_some(), &|t| colour(face_of(t).unwrap_or_default()), &numbers, width_px)
+}
+
+/// A picture of a value at each vertex, of the same two sides as [`faces_png`]: blue at 0, red at the largest value. Each
+/// triangle has the mean of its corners.
+pub fn values_png(mesh: &TriMesh, value_of_vertex: &[f64], width_px: u32) -> Vec<u8> {
+    let high = value_of_vertex.iter().copied().fold(0.0, f64::max);
+    let ramp = Ramp { low: 0.0, high };
+    let mean = |t: usize| mesh.triangles[t].iter().map(|&v| value_of_vertex[v as usize]).sum::<f64>() / 3.0;
+    both_sides(mesh, &|_| true, &|t| ramp.colour(mean(t)), &|_| Vec::new(), width_px)
+}
+
+/// Both views side by side. `is_drawn` and `colour` ask for triangles; `numbers` are written at pixels of a view.
+fn both_sides(
+    mesh: &TriMesh,
+    is_drawn: &dyn Fn(usize) -> bool,
+    colour: &dyn Fn(usize) -> [u8; 3],
+    numbers: &dyn Fn(&View) -> Vec<(usize, (usize, usize))>,
+    width_px: u32,
+) -> Vec<u8> {
     let size = (width_px / 2).max(8) as usize;
     let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
-    let views = [towards, -towards].map(|t| view(mesh, faces, t, size));
+    let views = [towards, -towards].map(|t| view(mesh, is_drawn, t, size));
     let mut rgba = vec![255u8; 2 * size * size * 4];
     for (side, view) in views.iter().enumerate() {
         let place = |x: usize, y: usize| 4 * (y * 2 * size + side * size + x);
-        for (i, face) in view.face.iter().enumerate() {
+        for (i, triangle) in view.triangle.iter().enumerate() {
             let shade = |c: u8| (f64::from(c) * view.light[i]) as u8;
-            let colour = face.map_or(BACKGROUND, |f| colour(f).map(shade));
+            let colour = triangle.map_or(BACKGROUND, |t| colour(t).map(shade));
             let at = place(i % size, i / size);
             rgba[at..at + 3].copy_from_slice(&colour);
         }
-        for (face, (x, y)) in numbered(view, faces.len()) {
+        for (face, (x, y)) in numbers(view) {
             let mut paint = |x: usize, y: usize, colour: [u8; 3]| {
                 if x < size && y < size {
                     let at = place(x, y);
@@ -65,7 +100,7 @@ fn colour(face: usize) -> [u8; 3] {
 }
 
 /// The part seen from a direction.
-fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
+fn view(mesh: &TriMesh, is_drawn: &dyn Fn(usize) -> bool, towards: DVec3, size: usize) -> View {
     let right = DVec3::Z.cross(towards).normalize();
     let up = towards.cross(right);
     let flat: Vec<DVec3> =
@@ -79,27 +114,27 @@ fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
         let q = (p.truncate() - middle) * scale;
         DVec2::new(0.5 * size as f64 + q.x, 0.5 * size as f64 - q.y)
     };
-    let of_face: Vec<(usize, [DVec3; 3])> = mesh
+    let drawn: Vec<(usize, [DVec3; 3])> = mesh
         .triangles
         .iter()
         .enumerate()
-        .filter_map(|(i, t)| Some((faces.of_triangle(i)?, t.map(|v| flat[v as usize]))))
+        .filter(|(i, _)| is_drawn(*i))
+        .map(|(i, t)| (i, t.map(|v| flat[v as usize])))
         .collect();
-    let shown = nearest(of_face.iter().map(|(_, t)| t.map(|p| pixel(p).extend(p.z))), size, size);
-    let light = |t: usize| 0.45 + 0.55 * triangle_normal(of_face[t].1).dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
+    let shown = nearest(drawn.iter().map(|(_, t)| t.map(|p| pixel(p).extend(p.z))), size, size);
+    let light = |t: usize| 0.45 + 0.55 * triangle_normal(drawn[t].1).dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
     View {
-        face: shown.iter().map(|t| t.map(|t| of_face[t].0)).collect(),
+        triangle: shown.iter().map(|t| t.map(|t| drawn[t].0)).collect(),
         light: shown.iter().map(|t| t.map_or(0.0, light)).collect(),
         size,
     }
 }
 
-/// The faces that are large enough in a view to be numbered. Each has the pixel of the face that is nearest
-/// to the middle of its visible pixels.
-fn numbered(view: &View, n_faces: usize) -> Vec<(usize, (usize, usize))> {
+/// The faces that are large enough to be numbered, of a view with the face `shown` in each of its pixels, `size` a row. Each
+/// has the pixel of the face that is nearest to the middle of its visible pixels.
+fn numbered(shown: &[Option<usize>], size: usize, n_faces: usize) -> Vec<(usize, (usize, usize))> {
     let mut sums = vec![(0usize, 0usize, 0usize); n_faces];
-    let seen =
-        || view.face.iter().enumerate().filter_map(|(i, f)| Some((i % view.size, i / view.size, (*f)?)));
+    let seen = || shown.iter().enumerate().filter_map(|(i, f)| Some((i % size, i / size, (*f)?)));
     for (x, y, f) in seen() {
         sums[f] = (sums[f].0 + 1, sums[f].1 + x, sums[f].2 + y);
     }
@@ -123,15 +158,18 @@ mod tests {
         let cube = TriMesh::cuboid(DVec3::ZERO, DVec3::splat(10.0));
         let faces = Faces::segment(&cube);
         let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
-        let seen = |t: DVec3| -> Vec<usize> {
-            numbered(&view(&cube, &faces, t, 200), faces.len()).into_iter().map(|n| n.0).collect()
+        let shown = |t: DVec3| -> Vec<Option<usize>> {
+            let view = view(&cube, &|_| true, t, 200);
+            view.triangle.iter().map(|t| t.and_then(|t| faces.of_triangle(t))).collect()
         };
+        let seen =
+            |t: DVec3| -> Vec<usize> { numbered(&shown(t), 200, faces.len()).into_iter().map(|n| n.0).collect() };
         let (front, back) = (seen(towards), seen(-towards));
         assert_eq!((front.len(), back.len()), (3, 3));
         assert!(front.iter().all(|f| !back.contains(f)), "{front:?} {back:?}");
         // The number of a face lies on the face.
-        let shown = view(&cube, &faces, towards, 200);
-        assert!(numbered(&shown, 6).into_iter().all(|(f, (x, y))| shown.face[y * 200 + x] == Some(f)));
+        let shown = shown(towards);
+        assert!(numbered(&shown, 200, 6).into_iter().all(|(f, (x, y))| shown[y * 200 + x] == Some(f)));
         assert_eq!(&faces_png(&cube, &faces, 300)[1..4], b"PNG");
     }
 }

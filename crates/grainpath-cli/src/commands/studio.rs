@@ -10,15 +10,19 @@ use std::sync::Arc;
 
 use grainpath::guide::KnownStress;
 use grainpath::measure::Planned;
-use grainpath_core::Diagnostics;
+use grainpath_core::tensor::von_mises;
+use grainpath_core::{DVec3, Diagnostics, TriMesh};
 use grainpath_gcode::Program;
 use grainpath_job::{Settings, parse_job};
 use grainpath_parts::presets;
 use grainpath_studio::records::{NO_VALUE, reserve_byte};
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, RefusalKind, serve,
+    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Pictured, Refusal, RefusalKind,
+    serve,
 };
+use grainpath_view::faces::{numbered_png, values_png};
+use grainpath_view::layer::{Ground, LayerPicture, PictureOptions, layer_png, thumbnail_png};
 use serde_json::json;
 
 use super::render::angles_to_guide;
@@ -29,6 +33,10 @@ use crate::args::Studio;
 use crate::claims::Claims;
 use crate::inputs::{Given, claim_inputs, no_shape, plan_given, shape_of};
 use crate::{ExitCode, Failure, files, interrupt, memory, outputs};
+
+/// Width and height of pictures of the part for browsers without WebGL 2, pixels. Source: chosen: the page's view on a screen of
+/// 1280 pixels has 900.
+const PICTURE_PX: (u32, u32) = (1000, 750);
 
 /// Name of the folder inside the current folder to which the studio writes.
 const WORK: &str = "grainpath-studio";
@@ -117,6 +125,11 @@ fn refusal(failure: Failure) -> Refusal {
     Refusal { message: failure.message.replace('\n', " "), kind }
 }
 
+fn mesh_of(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> TriMesh {
+    let vertices = points.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+    TriMesh { vertices, triangles: triangles.to_vec() }
+}
+
 /// The settings of a job. Profiles and other texts are read only from folders that the studio may read.
 fn settings(job: &JobText, roots: &Roots) -> Result<Settings, Refusal> {
     let load = |path: &str| {
@@ -174,6 +187,31 @@ impl Engine for Commands {
 
     fn check(&self, job: &JobText, roots: &Roots) -> Result<(), Refusal> {
         settings(job, roots).map(drop)
+    }
+
+    fn picture(&self, of: Pictured<'_>) -> Vec<u8> {
+        let (width, height) = PICTURE_PX;
+        match of {
+            Pictured::Part(program) => {
+                let layers: Vec<_> = program.layers.iter().map(LayerPicture::from).collect();
+                thumbnail_png(&layers, width, height, Ground::Paper)
+            }
+            Pictured::Layer(program, layer) => {
+                let options = PictureOptions { size_px: width, ..PictureOptions::default() };
+                layer_png(&LayerPicture::from(&program.layers[layer]), &options)
+            }
+            Pictured::Shape(surface) => {
+                let face_of = |t: usize| Some(surface.face[t]).filter(|f| *f != u32::MAX).map(|f| f as usize);
+                let n_faces = (0..surface.face.len()).filter_map(face_of).max().map_or(0, |last| last + 1);
+                let mesh = mesh_of(&surface.vertices, &surface.triangles);
+                numbered_png(&mesh, &face_of, n_faces, width)
+            }
+            Pictured::Stress(stress, case) => {
+                let value = |v: &[f32; 9]| von_mises(&std::array::from_fn(|k| f64::from(v[k])));
+                let values: Vec<f64> = case.values.iter().map(value).collect();
+                values_png(&mesh_of(&stress.points, &stress.triangles), &values, width)
+            }
+        }
     }
 
     fn examples(&self) -> Vec<Example> {

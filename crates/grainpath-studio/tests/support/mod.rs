@@ -16,7 +16,7 @@ use grainpath_io::parse_mesh;
 use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    Branch, CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal,
+    Branch, CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Pictured, Refusal,
     RefusalKind, StressSurface, StressVolume, Studio, Surface, router,
 };
 use http_body_util::BodyExt;
@@ -47,6 +47,17 @@ impl Engine for Planner {
     fn check(&self, job: &JobText, _: &Roots) -> Result<(), Refusal> {
         let read = parse_job(&job.text, &job.name, &[], &|_| Err("no own profiles".to_owned()));
         read.map(drop).map_err(|e| Refusal::usage(e.to_string()))
+    }
+
+    /// What is asked for, in words.
+    fn picture(&self, of: Pictured<'_>) -> Vec<u8> {
+        let words = match of {
+            Pictured::Part(program) => format!("part of {}", program.layers.len()),
+            Pictured::Layer(_, layer) => format!("layer {layer}"),
+            Pictured::Shape(surface) => format!("shape of {}", surface.triangles.len()),
+            Pictured::Stress(_, case) => format!("stress of {}", case.name),
+        };
+        words.into_bytes()
     }
 
     fn examples(&self) -> Vec<Example> {
