@@ -264,8 +264,8 @@ pub fn report_of(
     report.quality = Some(quality);
     report.reserve = planned.guide.as_ref().map(|guide| {
         let plate_from_part_mm = planned.plan.plate_from_part_mm.truncate();
-        let (stack, uneven) = (&planned.stack, planned.uneven.as_ref());
-        let part = StressedPart { guide, stack, plate_from_part_mm, uneven };
+        let (stack, on_cells) = (&planned.stack, planned.on_cells.as_ref());
+        let part = StressedPart { guide, stack, plate_from_part_mm, on_cells };
         reserve(&grainpath::run::config::strength(settings), part, program, diagnostics)
     });
     report

@@ -154,6 +154,22 @@ fn the_reserve_is_the_first_failure_of_the_test() {
     held.finish();
 }
 
+/// Fibre is 10 to 20 times stiffer than the matrix beside it, so the stress of an even solid does not show what each carries.
+#[test]
+fn the_reserve_of_a_fibre_plate_is_the_first_failure_of_the_test() {
+    let dir = folder("reserve fibre");
+    assert!(grainpath(&dir, &["new", "continuous", "."]).status.success());
+    let mut held = HeldAgainstTest::default();
+    for name in ["plate-stripes.toml", "plate.toml"] {
+        let job = fs::read_to_string(dir.join(name)).expect("a job");
+        assert!(!job.contains("[strength]"), "{job}");
+        let tested = format!("{job}\n[strength]\ncell_mm = 0.9\ncheck = false\ncorners = false\n");
+        fs::write(dir.join(name), tested).expect("written");
+        held.run(&dir, name, name);
+    }
+    held.finish();
+}
+
 /// A bar that stands up, held on a part of its height and pushed aside on another. Its section is the same everywhere and the
 /// force lies in the plane of its layers, but it bends in space.
 const UPRIGHT: Piece = Piece {

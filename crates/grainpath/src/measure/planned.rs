@@ -38,9 +38,10 @@ pub struct Planned {
     pub guide: Option<Guide>,
     /// The inputs of a strength test that come from the part, for jobs that ask for a test.
     pub test: Option<TestSetup>,
-    /// Fixtures and loads for the reserve of a part whose stress was solved but whose beads do not share the load evenly: with
-    /// sparse infill, or without walls. `None` for other parts.
-    pub uneven: Option<Result<TestSetup, StrengthError>>,
+    /// Fixtures and loads for the reserve of a part whose stress was solved and whose reserve is solved on the cells of its beads:
+    /// of plates, and of parts whose beads do not share the load evenly, with sparse infill, fibre, or without walls. `None` for
+    /// other parts.
+    pub on_cells: Option<Result<TestSetup, StrengthError>>,
     /// Report of the scan, if the shape is a scan.
     pub scan: Option<CtReport>,
 }

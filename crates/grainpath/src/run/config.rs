@@ -719,14 +719,14 @@ pub(crate) fn fibre(s: &Settings, n_layers: usize) -> Option<FibreSettings> {
     })
 }
 
-/// Whether beads may not share the load evenly anywhere: infill may be sparse there, or ends of beads lie open at the border
-/// because no wall closes it.
+/// Whether beads may not share the load evenly anywhere: infill may be sparse there, ends of beads lie open at the border
+/// because no wall closes it, or fibre lies beside a matrix that is 10 to 20 times softer.
 pub(crate) fn loads_beads_unevenly(s: &Settings) -> bool {
     let is_open =
         |s: &Settings| !s.fill.density.is_dense() || s.fill.mass_g.is_some() || s.process.walls.least() == 0;
     is_open(s)
         || s.regions.iter().any(|r| is_open(&s.in_region(r)))
-        || (s.fibre.enabled && !s.fibre.matrix_density.is_dense())
+        || s.fibre.enabled
 }
 
 /// Width of beads with fibre, mm, if the whole part is dense. In a dense part the width decides how much

@@ -555,11 +555,16 @@ fn plan_stack(
     config::warn_of_mix(settings, diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;
-    // The reserve of sparse infill needs fixtures and loads as a test does. Where a test cannot have them, only the reserve
-    // is missing.
-    let uneven = guide.as_ref().filter(|_| config::loads_beads_unevenly(settings)).map(|guide| {
+    // The reserve of plates, and of parts whose beads do not share the load evenly, needs fixtures and loads as a test does.
+    // Where a test cannot have them, the reserve of a dense part comes from the stress, and that of others is missing.
+    let is_uneven = config::loads_beads_unevenly(settings);
+    let on_cells = guide.as_ref().filter(|guide| is_uneven || guide.is_plate).and_then(|guide| {
         let setup = test.clone().map_or_else(test_setup, Ok);
-        if guide.is_plate { setup } else { setup.map(TestSetup::into_solid) }
+        match setup {
+            Err(_) if !is_uneven => None,
+            setup if guide.is_plate => Some(setup),
+            setup => Some(setup.map(TestSetup::into_solid)),
+        }
     });
     let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;
     let place = config::field(settings, lowered_mm, plate_from_part_mm);
@@ -688,7 +693,7 @@ fn plan_stack(
         field,
         guide,
         test,
-        uneven,
+        on_cells,
         scan,
     };
     planned.empty_warning().into_iter().for_each(|warning| diagnostics.push(warning));

@@ -4,21 +4,22 @@
 //! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
 //! fails first is found in one of two ways:
 //!
-//! - In a dense part with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
-//!   stress of a cell is the stress at its centre, in solids divided by the contact with the layer below around it
+//! - The cells of a plate are solved once for each case, as the virtual test solves them before anything fails. So are those of
+//!   a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
+//!   where beads touch, which the stress of a solid part does not show. Parts of more than `MOST_CELLS` cells get larger
+//!   ones; their indices are scaled to the cells of the test.
+//! - In a dense solid with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
+//!   stress of a cell is the stress at its centre, divided by the contact with the layer below around it
 //!   ([`first_failure`](grainpath_fea::strength::first_failure)). Cells near fixtures and loads (closer than 1.5 mm plus
-//!   1.75 cells) do not count, because the test does not let them fail.
-//! - With sparse infill, or without walls, load moves from infill to walls and skins and to the few places where beads
-//!   touch, which the stress of a solid part does not show. There the cells are solved once for each case, as the virtual
-//!   test solves them before anything fails. Parts of more than `MOST_CELLS` cells get larger ones; their indices
-//!   are scaled to the cells of the test.
+//!   1.75 cells) do not count, because the test does not let them fail. Dense plates whose loads the test does not have are
+//!   judged in the same way.
 //!
 //! The report states three factors, for the low, nominal and high strengths of the material's card. The low and the high
 //! factor are moved apart by `METHOD`, and by the mesh error of the stress or the size of the cells.
 //!
 //! `crates/grainpath-cli/tests/reserve.rs` compares the reserve with the first failure in the test; `docs/validation.md`
-//! has the table. Cost: linear in cells and beads in dense parts; one solution of the virtual test, which takes hundreds,
-//! in others. Limits: in a dense part, notches of the infill at a curved border are not resolved; no reserve is stated if
+//! has the table. Cost: linear in cells and beads in dense solids; one solution of the virtual test, which takes hundreds,
+//! in others. Limits: in a dense solid, notches of the infill at a curved border are not resolved; no reserve is stated if
 //! the peak of the stress cannot be trusted, or if the cells of an uneven part cannot have its loads.
 
 use grainpath_core::selection::Selection;
@@ -140,9 +141,9 @@ pub struct StressedPart<'a> {
     pub stack: &'a LayerStack,
     /// Vector from part coordinates to program coordinates, mm.
     pub plate_from_part_mm: DVec2,
-    /// Fixtures and loads for a solution on the cells of its beads, for parts whose beads do not share the load evenly:
-    /// with sparse infill, or without walls. `None` for other parts.
-    pub uneven: Option<&'a Result<TestSetup, StrengthError>>,
+    /// Fixtures and loads for a solution on the cells of its beads, for plates and for parts whose beads do not share the load
+    /// evenly: with sparse infill, fibre, or without walls. `None` for other parts.
+    pub on_cells: Option<&'a Result<TestSetup, StrengthError>>,
 }
 
 /// Computes the reserve of a part from its written program.
@@ -153,7 +154,7 @@ pub fn reserve(
     diagnostics: &Diagnostics,
 ) -> ReserveReport {
     let start_s = diagnostics.now_s();
-    let told = LaidCells::new(settings, part, program).and_then(|cells| match part.uneven {
+    let told = LaidCells::new(settings, part, program).and_then(|cells| match part.on_cells {
         None => cells.reserve(part.guide),
         Some(Err(why)) => Err(Untold::Uneven(why.clone())),
         Some(Ok(setup)) => {
@@ -173,7 +174,7 @@ enum Untold {
     Peak,
     #[error("the whole part lies near fixtures and loads, where failure is not evaluated")]
     Nothing,
-    #[error("the infill is sparse or no wall closes it, and the forces in its beads cannot be solved: {0}")]
+    #[error("sparse infill, fibre or open borders share the load unevenly, and the forces in the beads cannot be solved: {0}")]
     Uneven(StrengthError),
     #[error(transparent)]
     Strength(#[from] StrengthError),
@@ -209,13 +210,13 @@ struct LaidCells<'a> {
 
 impl<'a> LaidCells<'a> {
     fn new(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
-        let StressedPart { guide, stack, plate_from_part_mm: shift, uneven } = part;
+        let StressedPart { guide, stack, plate_from_part_mm: shift, on_cells } = part;
         let [low, nominal, high] = TOLD;
         let cards = [settings.cards(low)?, settings.cards(nominal)?, settings.cards(high)?];
         if !guide.is_trusted() {
             return Err(Untold::Peak);
         }
-        let fidelity = match uneven {
+        let fidelity = match on_cells {
             Some(Ok(setup)) => setup.fidelity,
             _ if guide.is_plate => Fidelity::Plane,
             _ => Fidelity::Voxels,
@@ -239,7 +240,7 @@ impl<'a> LaidCells<'a> {
         // A dense part is not solved here, so its cells are those of the test however many there are. A solution on all
         // cells of a large part would take longer than everything else in the run.
         let [of_plate, of_solid] = MOST_CELLS;
-        let cell_mm = match (uneven, fidelity) {
+        let cell_mm = match (on_cells, fidelity) {
             (None, _) => test_mm,
             (Some(_), Fidelity::Plane) => test_mm.max((middle / of_plate).sqrt()),
             (Some(_), Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
