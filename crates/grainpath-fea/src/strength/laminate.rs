@@ -524,6 +524,7 @@ static OVERFULL: Tuned<f32> = Tuned::new("fea.strength.laminate.OVERFULL", 1.000
 
 /// Moves the excess of overfull cells to their neighbours, in proportion to the free space of each.
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
+    let mut own: Vec<(usize, [f32; 3])> = Vec::with_capacity(n_fans);
     for _ in 0..PASSES.value() {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * OVERFULL.value()).collect();
         if over.is_empty() {
@@ -548,15 +549,19 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
                 continue;
             }
             let share = moved / held[cell];
-            let own = fans[cell * n_fans..(cell + 1) * n_fans].to_vec();
+            // Most cells hold beads of one or two directions.
+            own.clear();
+            own.extend(
+                (0..n_fans).map(|k| (k, fans[cell * n_fans + k])).filter(|(_, fan)| *fan != [0.0; 3]),
+            );
             for &(other, free) in &near[..n] {
                 let part = share * if even { 1.0 / n as f32 } else { free / space };
-                for (k, fan) in own.iter().enumerate() {
+                for (k, fan) in &own {
                     (0..3).for_each(|q| fans[other * n_fans + k][q] += fan[q] * part);
                 }
                 held[other] += held[cell] * part;
             }
-            for k in 0..n_fans {
+            for (k, _) in &own {
                 (0..3).for_each(|q| fans[cell * n_fans + k][q] *= 1.0 - share);
             }
             held[cell] *= 1.0 - share;
