@@ -7,7 +7,7 @@
 //!    middle of its space, which its width then fills;
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
-//!    ([`single_beads`]).
+//!    ([`single_beads`]), a wider one rings along its border first ([`rings_in`]).
 //!
 //! Beads of one width stay where they are in step 2 ([`one_width`]).
 //!
@@ -19,9 +19,9 @@
 //!
 //! Where the field runs along the border, a phase is prescribed that puts the outermost bead half a bead
 //! from the border, so that it touches the walls. Method: stripe patterns (`Knoppel2015`); ends are joined
-//! as in hatching. Cost: linear in the length of all beads, plus the phase. Degenerate cases: a region
-//! narrower than a bead gets no line, only the beads of step 4; where the field meets the border at a right
-//! angle, beads end there and are joined by short turns, which deviate from the field.
+//! as in hatching. Cost: linear in the length of all beads, plus the phase. Degenerate cases: strips that are
+//! too narrow for lines along the field get none, only the beads of step 4 ([`thin_places`]); where the field
+//! meets the border at a right angle, beads end there and are joined by short turns, which deviate from the field.
 //!
 //! Tests on spirals, disks, rings and point defects check that nothing crosses, and that gap and overlap
 //! stay within stated bounds.
@@ -46,7 +46,7 @@ use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, 
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
-use crate::wall::single_beads;
+use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
@@ -127,6 +127,11 @@ const STRIP_LONGER: f64 = 0.5;
 /// The smallest cells with which gaps are searched, as a share of those for the narrowest bead of `stripes`. Source: chosen.
 /// Beads narrower than a quarter of that, 0.07 mm, are not laid well, and a mask of 250 x 250 mm takes 7 MB.
 const FINEST_CELL: f64 = 0.25;
+/// Corners of rings in a gap, and of thin places, stay sharp. Source: as for walls, whose tips are cut off likewise.
+const MITER: Join = Join::Miter(2.0);
+/// Strips of up to this many beads are filled by rings and single beads where beads have one width. Source: derived. With `n`
+/// beads up to one over `n + 1` of a strip stays open beside them, a quarter at three.
+const ONE_WIDTH_STRIP: f64 = 3.0;
 /// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
@@ -178,7 +183,10 @@ pub(crate) fn spaced(
         }
         BeadWidths::Constant => infill_region.clone(),
     };
-    let near_border = LineClipper::new(&near_border);
+    let singles = share > CLOSED_FROM && !context.is_one_width();
+    let thin = if singles { thin_places(&border, context) } else { Region::default() };
+    let near_border =
+        LineClipper::new(&if thin.is_empty() { near_border } else { near_border.difference(&thin) });
     let (shortest_mm, step_mm) = (SHORTEST.value() * spacing, STEP_BEADS.value() * spacing);
     let mut lines = Vec::new();
     // Level lines have the zigzag of the triangulation. Resampling and a few rounds of smoothing remove
@@ -234,6 +242,20 @@ pub(crate) fn spaced(
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let centrelines = Centrelines { lines, neighbours, widths };
     lay(centrelines, &infill_region, &border, context, share, out);
+}
+
+/// The strips in an area that beads along the field would leave open in part. Beads of any width do so in a strip that one
+/// single bead fills: those across are shorter than is worth a start. Beads of one width leave a share of a bead open beside
+/// them, which is a tenth or more of a strip of up to [`ONE_WIDTH_STRIP`] beads.
+fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
+    let widest_mm = match context.widths {
+        BeadWidths::Variable => widest_single_mm(context.bead_width_mm, context.height_mm),
+        BeadWidths::Constant => ONE_WIDTH_STRIP * context.spacing_mm(),
+    };
+    let mut thin = border.difference(&border.offset(-0.5 * widest_mm, MITER).offset(0.5 * widest_mm, MITER));
+    // The tips of corners that offsets round off are no strips.
+    thin.polygons.retain(|p| p.area_mm2() > context.spacing_mm() * context.spacing_mm());
+    thin
 }
 
 /// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
@@ -527,9 +549,12 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     }
 }
 
-/// Single beads, at least as wide as the narrowest, in the gaps that `beads` leave open in an area. Their width varies
-/// along the gap. Where the job asks for beads of one width, gaps get one from the width on at which it closes more than it
-/// lays twice.
+/// Beads in the gaps that `beads` leave open in an area. Gaps get single beads, at least as wide as the narrowest, whose width
+/// varies along the gap; gaps too wide for one get rings along their border first ([`rings_in`]).
+///
+/// Where the job asks for beads of one width, gaps get the same, since what is left is narrower than such a bead. Only where
+/// no bead may be narrower, as of fibre, all have the one width; a gap then gets a bead from the width on at which it closes
+/// more than it lays twice.
 pub(crate) fn between_beads<'a>(
     area: &Region,
     beads: impl Iterator<Item = &'a Toolpath>,
@@ -537,17 +562,22 @@ pub(crate) fn between_beads<'a>(
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let one_width = context.is_one_width();
     let narrowest_mm = match context.widths {
         BeadWidths::Variable => narrowest_mm,
-        BeadWidths::Constant => one_width::LEAST_GAP * nominal,
+        BeadWidths::Constant if one_width => one_width::LEAST_GAP * nominal,
+        BeadWidths::Constant => narrowest_mm.min(context.min_bead_width_mm),
     };
     // Narrower gaps need smaller cells.
     let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
     let cell_mm = GAP_CELL * context.spacing_mm() * share;
-    let left = gaps(area, beads, h, cell_mm);
+    let mut left = gaps(area, beads, h, cell_mm);
     let mut singles = Vec::new();
+    if !one_width {
+        rings_in(&mut left, narrowest_mm, context, &mut singles);
+    }
     single_beads(&left, nominal, narrowest_mm, h, context.role, &mut singles);
-    if context.widths == BeadWidths::Constant {
+    if one_width {
         singles.iter_mut().for_each(|single| single.width = BeadWidth::Constant(nominal));
     }
     // Where branches of a gap meet, their beads may cross; of two such beads the later one is dropped.
@@ -561,6 +591,25 @@ pub(crate) fn between_beads<'a>(
         }
     }
     kept
+}
+
+/// Lays rings of whole beads along the border of gaps, where a gap has room for both sides of a ring and a single bead between
+/// them, and takes their strips from the gaps. A strip in which every line along the field would be shorter than
+/// [`SHORTEST`] is such a gap as a whole.
+fn rings_in(gaps: &mut Region, narrowest_mm: f64, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+    let strip_mm = context.spacing_mm();
+    // The single bead of a narrower gap leaves a fraction of a bead open at most.
+    let least_mm = 2.0 * strip_mm + bead_spacing_mm(narrowest_mm, context.height_mm);
+    loop {
+        let wide = gaps.offset(-0.5 * least_mm, MITER).offset(0.5 * least_mm, MITER).intersection(gaps);
+        if wide.is_empty() {
+            return;
+        }
+        for contour in wide.offset(-0.5 * strip_mm, MITER).contours() {
+            out.push(Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true));
+        }
+        *gaps = gaps.difference(&wide).union(&wide.offset(-strip_mm, MITER));
+    }
 }
 
 /// The part of `area` that the beads leave open, where it is wider than about one and a half cells.

@@ -90,9 +90,14 @@ fn filled_along(
     ends: BeadEnds,
     widths: BeadWidths,
 ) -> Vec<Toolpath> {
+    let context = context_along(part, field, density);
+    filled_in(&FillContext { ends, widths, ..context }, infill, part)
+}
+
+fn context_along<'a>(part: &Region, field: &'a dyn DirectionField, density: f64) -> FillContext<'a> {
     let spacing = bead_spacing_mm(WIDTH, HEIGHT);
     let border_mm = 0.28 * spacing + 0.5 * (WIDTH - spacing);
-    let context = FillContext {
+    FillContext {
         z_mid_mm: 0.1,
         height_mm: HEIGHT,
         bead_width_mm: WIDTH,
@@ -102,16 +107,19 @@ fn filled_along(
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,
         border_mm,
-        ends,
+        ends: BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
         fills_wedges: true,
-        widths,
+        widths: BeadWidths::Variable,
         field: Some(field),
-    };
+    }
+}
+
+fn filled_in(context: &FillContext<'_>, infill: &dyn Infill, part: &Region) -> Vec<Toolpath> {
     let mut out = Vec::new();
-    for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
-        infill.fill(&context, &infill_region, &mut out);
+    for infill_region in part.offset(-context.border_mm, Join::Miter(2.0)).polygons {
+        infill.fill(context, &infill_region, &mut out);
     }
     out
 }
@@ -374,12 +382,74 @@ fn seed_lines_are_the_same_in_a_turned_part() {
     }
 }
 
+fn is_of_width(path: &Toolpath) -> bool {
+    (0..path.points.len()).all(|i| (path.width_at(i) - WIDTH).abs() < 1e-12)
+}
+
+/// A strip and a ring of this width, mm, each under a field that meets its borders across, aslant or not at all.
+fn strips(mm: f64) -> [(&'static str, Region, fn(DVec2) -> f64); 5] {
+    let bar = Region::rectangle(DVec2::new(-10.0, -0.5 * mm), DVec2::new(10.0, 0.5 * mm));
+    let disk = |r: f64| {
+        let rim = |k: usize| direction(k as f64 / 144.0 * TAU) * r;
+        Region::from(Polygon { outer: (0..144).map(rim).collect(), holes: Vec::new() })
+    };
+    let ring = disk(5.0 + 0.5 * mm).difference(&disk(5.0 - 0.5 * mm));
+    [
+        ("across", bar.clone(), |_| FRAC_PI_2),
+        ("aslant", bar.clone(), |_| 0.8),
+        ("along", bar, |_| 0.0),
+        ("ring", ring.clone(), |_| 0.6),
+        ("ring of rays", ring, |p| atan2(p.y, p.x)),
+    ]
+}
+
+#[test]
+fn strips_narrower_than_their_lines_are_filled() {
+    let mut wrong = Vec::new();
+    for mm in [0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2] {
+        for (name, part, field) in strips(mm) {
+            for by_deg in [0.0, 37.0] {
+                let (part, field) = turned(&part, field, by_deg);
+                for widths in [BeadWidths::Constant, BeadWidths::Variable] {
+                    let context = FillContext { widths, ..context_along(&part, &field, 1.0) };
+                    let paths = filled_in(&context, &Stripes, &part);
+                    let [gap, overlap, spill] = missed(&part, &paths);
+                    let found = format!(
+                        "{mm} {name} {by_deg} {widths:?}: gap {gap:.3} overlap {overlap:.3} spill {spill:.3}"
+                    );
+                    println!("{found}");
+                    // Short lines aslant of a strip lie on their joints, and the single bead in a strip of two beads and
+                    // a half is not wide enough.
+                    let (most_gap, most_overlap) = match widths {
+                        BeadWidths::Constant => (0.12, 0.03),
+                        BeadWidths::Variable => (0.17, 0.12),
+                    };
+                    if gap > most_gap || overlap > most_overlap || spill > 0.01 {
+                        wrong.push(found);
+                    }
+                    assert_eq!(crossing(&paths), None, "{mm} {name} {by_deg} {widths:?}");
+                }
+                // Where no bead may be narrower than another, as of fibre, all have one width.
+                let only = FillContext {
+                    widths: BeadWidths::Constant,
+                    min_bead_width_mm: WIDTH,
+                    ..context_along(&part, &field, 1.0)
+                };
+                assert!(filled_in(&only, &Stripes, &part).iter().all(is_of_width), "{mm} {name} {by_deg}");
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// Gap, overlap and mean angle in degrees of beads of one width in a part that is turned with its field.
 fn of_one_width(part: &Region, field: fn(DVec2) -> f64, by_deg: f64, ends: BeadEnds) -> [f64; 3] {
     let (part, field) = turned(part, field, by_deg);
     let paths = filled_along(&Stripes, &part, &field, 1.0, ends, BeadWidths::Constant);
-    let mut widths = paths.iter().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
-    assert!(widths.all(|w| (w - WIDTH).abs() < 1e-12), "turned by {by_deg}");
+    // Only single beads in gaps differ.
+    let differ = paths.iter().filter(|p| !is_of_width(p)).map(Toolpath::length_mm).sum::<f64>();
+    let all = paths.iter().map(Toolpath::length_mm).sum::<f64>();
+    assert!(differ < 0.08 * all, "turned by {by_deg}: {differ} of {all} mm");
     assert_eq!(crossing(&paths), None, "turned by {by_deg}");
     let inside = LineClipper::new(&part.offset(0.01, Join::Round));
     assert!(paths.iter().flat_map(|p| &p.points).all(|p| inside.contains(*p)), "turned by {by_deg}");
