@@ -28,7 +28,7 @@
 //!
 #![doc = include_str!("figures/stripes.svg")]
 
-use grainpath_core::buckets::{Buckets, CellGrid};
+use grainpath_core::buckets::{Buckets, CellGrid, PointGrid2};
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
@@ -236,7 +236,8 @@ pub(crate) fn spaced(
         BeadWidths::Constant => {
             let lines = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
-            (lines, widths)
+            let (lines, widths, _) = ended_before_crossings(lines, widths, &border, spacing);
+            lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
         }
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
@@ -283,21 +284,27 @@ fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<
         let points = line.points.iter().enumerate().map(to).collect();
         (Line { points, closed: line.closed }, widths)
     };
-    let (mut out, mut widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    let ended = end_before_crossings(&mut out, &mut widths, border, spacing);
-    let (lines, widths) = out.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
+    let (lines, widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
+    let (lines, widths, ended) = ended_before_crossings(lines, widths, border, spacing);
+    let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
     (lines, widths, ended)
 }
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
 /// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end.
-/// Returns whether there were such lines.
-fn end_before_crossings(lines: &mut [Line], widths: &mut [Vec<f64>], border: &Region, spacing: f64) -> bool {
+/// Returns the lines with their widths, and whether there were such lines. Little is left of a line that is all crossings: it
+/// may have a single point.
+pub(super) fn ended_before_crossings(
+    mut lines: Vec<Line>,
+    mut widths: Vec<Vec<f64>>,
+    border: &Region,
+    spacing: f64,
+) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
     let mut ended = false;
     loop {
-        let crossings = Neighbours::new(lines, border, CELL_BEADS * spacing).crossings();
+        let crossings = Neighbours::new(&lines, border, CELL_BEADS * spacing).crossings();
         if crossings.is_empty() {
-            return ended;
+            return (lines, widths, ended);
         }
         ended = true;
         let mut changed = vec![false; lines.len()];
@@ -708,35 +715,49 @@ impl WideBead {
 }
 
 /// Gives beads the kind of ends that the job asks for: joined or open. Open ones are extended to a border that they meet at
-/// an angle with at least the sine `least_sine`.
+/// an angle with at least the sine `least_sine`, unless another bead lies in between.
 pub(super) fn ended(
-    mut beads: Vec<WideBead>,
+    beads: Vec<WideBead>,
     infill_region: &Region,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
     least_sine: f64,
 ) -> Vec<WideBead> {
-    match context.ends {
+    let (mut beads, joints) = match context.ends {
         BeadEnds::Joined => joined(beads, neighbours, border, context),
-        BeadEnds::Open => {
-            let inside = LineClipper::new(infill_region);
-            let edge = LineClipper::new(border);
-            let contours: Vec<&Contour> = border.contours().collect();
-            for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
-                for first in [true, false] {
-                    if let Some((p, width)) =
-                        at_border(bead, first, [&inside, &edge], &contours, context, least_sine)
-                    {
-                        let at = if first { 0 } else { bead.points.len() };
-                        bead.points.insert(at, p);
-                        bead.widths.insert(at, width);
-                    }
-                }
+        BeadEnds::Open => (beads, Vec::new()),
+    };
+    let Some(bounds) = border.bounds() else { return beads };
+    if context.ends == BeadEnds::Joined {
+        return beads;
+    }
+    let inside = LineClipper::new(infill_region);
+    let edge = LineClipper::new(border);
+    let contours: Vec<&Contour> = border.contours().collect();
+    // Joints and extensions are found by their first points.
+    let reach_mm = REACH * context.border_mm;
+    let far_mm = reach_mm + reach_mm.max(LONGEST_JOINT.value() * context.spacing_mm());
+    let mut laid = joints;
+    let mut starts = PointGrid2::new(bounds, far_mm);
+    laid.iter().enumerate().for_each(|(k, joint)| starts.insert(joint[0], k));
+    for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
+        for first in [true, false] {
+            let found = at_border(bead, first, [&inside, &edge], &contours, context, least_sine);
+            let Some((p, width)) = found else { continue };
+            let end = bead.points[if first { 0 } else { bead.points.len() - 1 }];
+            let meets = |(_, k): (DVec2, usize)| segment::meeting(laid[k], [end, p]) != Meeting::Apart;
+            if neighbours.between(end, p, [end, end]) || starts.within(end, far_mm).any(meets) {
+                continue;
             }
-            beads
+            starts.insert(end, laid.len());
+            laid.push([end, p]);
+            let at = if first { 0 } else { bead.points.len() };
+            bead.points.insert(at, p);
+            bead.widths.insert(at, width);
         }
     }
+    beads
 }
 
 /// The point to which an open bead is extended so that it reaches the border, and its width there, mm. `None`
@@ -772,13 +793,13 @@ fn at_border(
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close
-/// enough and the joint stays inside the region.
-pub(super) fn joined(
+/// enough and the joint stays inside the region. Returns the joints too.
+fn joined(
     beads: Vec<WideBead>,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
-) -> Vec<WideBead> {
+) -> (Vec<WideBead>, Vec<[DVec2; 2]>) {
     let spacing_mm = context.spacing_mm();
     let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);
@@ -829,7 +850,7 @@ pub(super) fn joined(
         out.push(bead);
     }
     out.extend(beads.into_iter().flatten());
-    out
+    (out, joints)
 }
 
 /// A vertex is dropped if it lies within this distance of the line without it, mm. Source: derived. A motor
