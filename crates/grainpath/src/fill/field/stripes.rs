@@ -714,8 +714,9 @@ impl WideBead {
     }
 }
 
-/// Gives beads the kind of ends that the job asks for: joined or open. Open ones are extended to a border that they meet at
-/// an angle with at least the sine `least_sine`, unless another bead lies in between.
+/// Gives beads the kind of ends that the job asks for: joined or open. Ends that stay open are extended to a border that they
+/// meet at an angle with at least the sine `least_sine`, unless another bead or a joint lies in between. Where joined ends are
+/// asked for, the others of fibre stay for turns that fibre can make, and those of sparse lines for the density.
 pub(super) fn ended(
     beads: Vec<WideBead>,
     infill_region: &Region,
@@ -729,7 +730,7 @@ pub(super) fn ended(
         BeadEnds::Open => (beads, Vec::new()),
     };
     let Some(bounds) = border.bounds() else { return beads };
-    if context.ends == BeadEnds::Joined {
+    if context.ends == BeadEnds::Joined && (context.is_one_width() || !context.density.is_dense()) {
         return beads;
     }
     let inside = LineClipper::new(infill_region);

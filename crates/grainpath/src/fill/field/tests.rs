@@ -213,40 +213,28 @@ fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
 fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
     let part = Region::rectangle(DVec2::new(-11.0, -5.5), DVec2::new(11.0, 5.5));
     let border_mm = 0.5 * WIDTH;
-    for degrees in [0.0_f64, 15.0, 37.0, 45.0, 90.0] {
+    for degrees in [0.0_f64, 15.0, 22.0, 26.0, 28.0, 29.0, 37.0, 45.0, 90.0] {
         let field = grainpath_core::UniformField { axis_rad: degrees.to_radians() };
-        let context = FillContext {
-            z_mid_mm: 0.1,
-            height_mm: HEIGHT,
-            bead_width_mm: WIDTH,
-            min_bead_width_mm: 0.2,
-            density: grainpath_core::Density::Dense,
-            angle_rad: field.axis_rad,
-            part: part.bounds().expect("not empty"),
-            role: Role::SolidFill,
-            border_mm,
-            ends: BeadEnds::Joined,
-            shift: crate::fill::Shift::NONE,
-            below: &[],
-            fills_wedges: true,
-            widths: BeadWidths::Variable,
-            field: Some(&field),
-        };
-        let [along, straight] = [&Stripes as &dyn Infill, &Solid].map(|infill| {
-            let mut paths = Vec::new();
-            for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
-                infill.fill(&context, &infill_region, &mut paths);
-            }
+        let context =
+            FillContext { angle_rad: field.axis_rad, border_mm, ..context_along(&part, &field, 1.0) };
+        let measured = |infill: &dyn Infill, widths: BeadWidths| {
+            let paths = filled_in(&FillContext { widths, ..context }, infill, &part);
             let [gap, overlap, spill] = missed(&part, &paths);
             let widest = paths.iter().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
             println!("{degrees}: gap {gap:.4} overlap {overlap:.4} spill {spill:.4}, {} paths", paths.len());
             ([gap, overlap, spill], widest.fold(0.0, f64::max), alignments(&paths, &|_| field.axis_rad).0)
-        });
-        for k in 0..3 {
-            assert!(along.0[k] < straight.0[k] + 0.003, "{degrees}: {:?} {:?}", along.0, straight.0);
+        };
+        let straight = measured(&Solid, BeadWidths::Variable);
+        for widths in [BeadWidths::Variable, BeadWidths::Constant] {
+            let along = measured(&Stripes, widths);
+            for k in 0..3 {
+                let (ours, theirs) = (along.0, straight.0);
+                assert!(ours[k] < theirs[k] + 0.003, "{degrees}, {widths:?}: {ours:?} {theirs:?}");
+            }
+            assert!(along.1 < 1.601 * WIDTH, "{degrees}, {widths:?}: a bead of {} mm", along.1);
+            let (ours, theirs) = (along.2, straight.2);
+            assert!(ours < theirs + 0.5, "{degrees}, {widths:?}: {ours} and {theirs} degrees");
         }
-        assert!(along.1 < 1.601 * WIDTH, "{degrees}: a bead of {} mm", along.1);
-        assert!(along.2 < straight.2 + 0.5, "{degrees}: {} and {} degrees", along.2, straight.2);
     }
 }
 
