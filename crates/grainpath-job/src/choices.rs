@@ -271,7 +271,7 @@ choices! {
     /// Widths of the beads of patterns that follow a guide (`fill.widths`).
     enum BeadWidths {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";
-        Constant = "constant", "one width everywhere, as continuous fibre needs: lines end where there is no room for another, and begin where there is.";
+        Constant = "constant", "one width: lines end where there is no room for another, and begin where there is. Single beads of other widths fill what they leave open in `stripes` and `streamlines`, except with fibre or a `process.min_bead_width_mm` of the full width.";
     }
     /// Rule by which the pattern `continuous` joins its cells into one path (`fill.tree`).
     enum CellTree {

@@ -48,7 +48,7 @@ pub struct FillContext<'a> {
     pub height_mm: f64,
     /// Full width of a bead, mm.
     pub bead_width_mm: f64,
-    /// Width of the narrowest bead that the job allows, mm.
+    /// Width of the narrowest bead that the job allows, mm. As wide as a bead where no bead may be narrower, as of fibre.
     pub min_bead_width_mm: f64,
     /// Density of the infill; the fraction is above 0.
     pub density: Density,
@@ -79,6 +79,11 @@ impl FillContext<'_> {
     /// Distance between the centrelines of beads that touch, mm.
     pub fn spacing_mm(&self) -> f64 {
         grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
+    }
+
+    /// Whether all beads have one width without exception, as those of fibre.
+    pub(crate) fn is_one_width(&self) -> bool {
+        self.widths == BeadWidths::Constant && self.min_bead_width_mm >= self.bead_width_mm
     }
 
     /// Whether the field asks for distances of its own in an area; these then decide the density.
@@ -222,6 +227,8 @@ mod tests {
                 density..density + if density < 0.15 { 0.028 } else { 0.0135 }
             }
             Pattern::Continuous => within(0.005),
+            // On a ring one line more or less fits beside the first.
+            Pattern::SeedLines if outline == "ring" => within(0.0039),
             Pattern::SeedLines => within(0.0016),
             // Widths of the lines are scaled to the volume of the area to be filled, which begins at the strips of
             // the surrounding beads.

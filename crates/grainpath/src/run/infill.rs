@@ -355,6 +355,7 @@ impl Steps<'_> {
         // Fibre has one width, so it cannot taper into a wedge, and lines along a field end where they have no room for it.
         context.fills_wedges = false;
         context.widths = BeadWidths::Constant;
+        context.min_bead_width_mm = fibre.bead_width_mm;
         // Fibre beads and matrix beads have different widths, so their centrelines keep different
         // distances from the border of the area.
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);

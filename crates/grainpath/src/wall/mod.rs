@@ -219,6 +219,11 @@ fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out:
     single_beads(left, settings.bead_width_mm, settings.min_bead_width_mm, h, role, out);
 }
 
+/// The widest place that a single bead fills, mm: as wide as a bead and the strip of another.
+pub(crate) fn widest_single_mm(bead_width_mm: f64, height_mm: f64) -> f64 {
+    bead_width_mm + bead_spacing_mm(bead_width_mm, height_mm)
+}
+
 /// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is
 /// the part itself ([`Role::ThinWall`]), the bead is as wide as the part is thick. Between strips,
 /// the strip of the bead is as wide as the gap.
@@ -237,7 +242,7 @@ pub(crate) fn single_beads(
     if left.is_empty() {
         return;
     }
-    let max_mm = bead_width_mm + bead_spacing_mm(bead_width_mm, h);
+    let max_mm = widest_single_mm(bead_width_mm, h);
     let min_mm = if outer { min_bead_width_mm } else { bead_spacing_mm(min_bead_width_mm, h) };
     for axis in medial_axis(&left, min_mm, max_mm) {
         let width = |t: &f64| if outer { *t } else { units::bead_width_mm(*t, h) };

@@ -52,8 +52,8 @@ const OWN_STEPS: usize = 4;
 /// An extension ends after this number of steps with less than the least room. Source: derived; six steps are one and a half
 /// beads, about the length of a tip, and space that is as narrow for longer belongs to the lines beside it.
 const TIP_STEPS: usize = 6;
-/// Least distance of two extended lines side by side, in spacings. Source: derived; closer lines would overlap by more
-/// than half.
+/// Least distance of an extended line from another beside it, in spacings. Source: derived; closer lines would overlap by
+/// more than half.
 const LEAST_APART: f64 = 0.5;
 /// Two ends are joined if the way between them deviates from both lines by less than 45 degrees. Source: derived; a
 /// line that is extended turns by less than that in a step.
@@ -414,6 +414,10 @@ impl End<'_> {
                 return false;
             }
             let [left_mm, right_mm] = self.sides(next, along);
+            // Where extensions do not keep to the middle, one side may have all the room and the other none.
+            if left_mm.min(right_mm) < 0.5 * LEAST_APART * spacing_mm {
+                return false;
+            }
             let room = (left_mm + right_mm) / spacing_mm;
             n_narrow = if room < self.room.least { n_narrow + 1 } else { 0 };
             if !self.place.area.contains(next) {

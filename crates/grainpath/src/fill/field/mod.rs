@@ -27,6 +27,7 @@ mod band;
 pub(super) mod levels;
 mod line_ends;
 mod one_width;
+mod own_frame;
 pub(super) mod phase;
 mod seed_lines;
 pub(super) mod streamlines;

@@ -14,7 +14,8 @@
 //!
 //! The lines are those of the phase ([`super::phase`]), which keeps to one spacing, without the drift that beads of any
 //! width allow. [`line_ends`](super::line_ends) lets them begin and end by [`ROOM`]. They stay where the phase and the
-//! field put them. A gap that then remains gets a bead too if it is at least half a bead wide.
+//! field put them. A gap that then remains gets a single bead as wide as itself, as with beads of any width. Fibre cannot
+//! taper; there such a gap gets a bead of the one width if it is at least half a bead wide.
 //!
 //! Lengths are in mm. Limits: on a field that diverges like that of a radial disk of 50 beads, about 4 % of the area stays
 //! open and 4 % is laid twice.

@@ -15,8 +15,8 @@
 //! part is turned on the plate, and where seeds diverge the offsets deviate from the field by as much. This
 //! project changes three things:
 //!
-//! 1. the first seed passes through the middle of the widest place, which turns with the part
-//!    ([`widest_place`]);
+//! 1. the first seed passes through the middle of the widest place ([`widest_place`]), and all steps are taken in a frame
+//!    that turns with the part ([`own_frame`](super::own_frame));
 //! 2. offsets grow from all seeds at once, one bead in each round, and an offset ends where it deviates
 //!    from the field by more than [`FARTHEST_RAD`];
 //! 3. areas that are still open get seeds and offsets again, and finally streamlines one bead apart
@@ -35,7 +35,8 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
 use super::axis_of;
-use super::stripes::{BEYOND, LEAST_SINE, WideBead, ended, push_inside};
+use super::own_frame::{OwnFrame, foremost};
+use super::stripes::{BEYOND, LEAST_SINE, WideBead, ended, ended_before_crossings, push_inside};
 use super::widths::{CELL_BEADS, Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
 
@@ -77,12 +78,19 @@ const INWARDS: f64 = 0.02;
 /// `cargo xtask bench constants`.
 static WIDEST_PLACE: Tuned<f64> = Tuned::new("fill.field.seed_lines.WIDEST_PLACE", 0.1);
 
+/// Places are alike whose sizes, or distances from the middle, differ by less than this share. Source: chosen. What is left of
+/// places that are equally wide differs by a tenth, as widths are found to [`WIDEST_PLACE`].
+const ALIKE: f64 = 0.2;
+
 impl Infill for SeedLines {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let Some(field) = context.field else { return };
         let step = context.spacing_mm() / context.density.fraction();
         let infill_region = Region::from(infill_region.clone());
-        let axis = |p: DVec2| axis_of(field, context, p);
+        // All steps are taken in a frame that turns with the part. Seeds, and which line is laid first, depend on the axes.
+        let frame = OwnFrame::of(&infill_region, &|p| axis_of(field, context, p));
+        let infill_region = frame.seen_region(&infill_region);
+        let axis = |p: DVec2| frame.seen_axis(axis_of(field, context, frame.back(p)));
         let mut free =
             FreeArea { infill_region: &infill_region, free: infill_region.clone(), step, axis: &axis };
         let (mut seeds, mut offsets) = (Vec::new(), Vec::new());
@@ -102,6 +110,15 @@ impl Infill for SeedLines {
             let points = simplify_line(&l.points, TOLERANCE_MM);
             WideBead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
         };
+        // A line may turn into itself at a point defect.
+        let n_seeds = seeds.len();
+        seeds.append(&mut offsets);
+        let widths = seeds.iter().map(|l| vec![context.bead_width_mm; l.points.len()]).collect();
+        let (mut seeds, _, _) = ended_before_crossings(seeds, widths, &border, context.spacing_mm());
+        let mut offsets = seeds.split_off(n_seeds);
+        for lines in [&mut seeds, &mut offsets] {
+            lines.retain(|line| line.points.len() > 1);
+        }
         // Seed lines are joined first, then the offsets between them. No joint may cross a line that was
         // laid before.
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).cloned().collect();
@@ -122,7 +139,8 @@ impl Infill for SeedLines {
                 role => role,
             };
             out.extend(paths.into_iter().map(|bead| {
-                let path = Toolpath::new(bead.points, context.bead_width_mm, role, bead.closed);
+                let points = bead.points.into_iter().map(|p| frame.back(p)).collect();
+                let path = Toolpath::new(points, context.bead_width_mm, role, bead.closed);
                 Toolpath { rank, ..path }
             }));
         }
@@ -271,15 +289,21 @@ fn widest_place(region: &Region, step: f64) -> DVec2 {
             (low, left) = (middle, shrunk);
         }
     }
-    let Some(largest) = left.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2())) else {
-        return bounds.centre();
-    };
+    // Of equally wide places, as the corners of a square, the most forward one is taken. Their order is by chance.
+    let most_mm2 = left.polygons.iter().map(Polygon::area_mm2).fold(0.0, f64::max);
+    let alike = left.polygons.iter().filter(|p| p.area_mm2() >= (1.0 - ALIKE) * most_mm2);
+    foremost(alike.map(middle_of)).unwrap_or_else(|| bounds.centre())
+}
+
+/// The centroid of a polygon, or the place in it that is nearest to the centroid.
+fn middle_of(polygon: &Polygon) -> DVec2 {
     // A bar shrinks to a thin strip along its middle, whose centroid is the middle of the bar. A ring
     // shrinks to a thin ring, whose centroid lies outside of it.
-    let middle = centroid(&largest.outer);
-    if largest.contains(middle) {
+    let middle = centroid(&polygon.outer);
+    if polygon.contains(middle) {
         return middle;
     }
-    let nearest = |a: &DVec2, b: &DVec2| a.distance_squared(middle).total_cmp(&b.distance_squared(middle));
-    largest.outer.iter().copied().min_by(nearest).unwrap_or(middle)
+    let least_mm = polygon.outer.iter().map(|p| p.distance(middle)).fold(f64::INFINITY, f64::min);
+    let alike = |p: &DVec2| p.distance(middle) <= (1.0 + ALIKE) * least_mm;
+    foremost(polygon.outer.iter().copied().filter(alike)).unwrap_or(middle)
 }

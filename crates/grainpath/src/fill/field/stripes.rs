@@ -7,7 +7,7 @@
 //!    middle of its space, which its width then fills;
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
-//!    ([`single_beads`]).
+//!    ([`single_beads`]), a wider one rings along its border first ([`rings_in`]).
 //!
 //! Beads of one width stay where they are in step 2 ([`one_width`]).
 //!
@@ -19,16 +19,16 @@
 //!
 //! Where the field runs along the border, a phase is prescribed that puts the outermost bead half a bead
 //! from the border, so that it touches the walls. Method: stripe patterns (`Knoppel2015`); ends are joined
-//! as in hatching. Cost: linear in the length of all beads, plus the phase. Degenerate cases: a region
-//! narrower than a bead gets no line, only the beads of step 4; where the field meets the border at a right
-//! angle, beads end there and are joined by short turns, which deviate from the field.
+//! as in hatching. Cost: linear in the length of all beads, plus the phase. Degenerate cases: strips that are
+//! too narrow for lines along the field get none, only the beads of step 4 ([`thin_places`]); where the field
+//! meets the border at a right angle, beads end there and are joined by short turns, which deviate from the field.
 //!
 //! Tests on spirals, disks, rings and point defects check that nothing crosses, and that gap and overlap
 //! stay within stated bounds.
 //!
 #![doc = include_str!("figures/stripes.svg")]
 
-use grainpath_core::buckets::{Buckets, CellGrid};
+use grainpath_core::buckets::{Buckets, CellGrid, PointGrid2};
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Mask, MaskGrid};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
@@ -46,7 +46,7 @@ use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, 
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
-use crate::wall::single_beads;
+use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
@@ -127,6 +127,11 @@ const STRIP_LONGER: f64 = 0.5;
 /// The smallest cells with which gaps are searched, as a share of those for the narrowest bead of `stripes`. Source: chosen.
 /// Beads narrower than a quarter of that, 0.07 mm, are not laid well, and a mask of 250 x 250 mm takes 7 MB.
 const FINEST_CELL: f64 = 0.25;
+/// Corners of rings in a gap, and of thin places, stay sharp. Source: as for walls, whose tips are cut off likewise.
+const MITER: Join = Join::Miter(2.0);
+/// Strips of up to this many beads are filled by rings and single beads where beads have one width. Source: derived. With `n`
+/// beads up to one over `n + 1` of a strip stays open beside them, a quarter at three.
+const ONE_WIDTH_STRIP: f64 = 3.0;
 /// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
@@ -178,7 +183,10 @@ pub(crate) fn spaced(
         }
         BeadWidths::Constant => infill_region.clone(),
     };
-    let near_border = LineClipper::new(&near_border);
+    let singles = share > CLOSED_FROM && !context.is_one_width();
+    let thin = if singles { thin_places(&border, context) } else { Region::default() };
+    let near_border =
+        LineClipper::new(&if thin.is_empty() { near_border } else { near_border.difference(&thin) });
     let (shortest_mm, step_mm) = (SHORTEST.value() * spacing, STEP_BEADS.value() * spacing);
     let mut lines = Vec::new();
     // Level lines have the zigzag of the triangulation. Resampling and a few rounds of smoothing remove
@@ -228,12 +236,27 @@ pub(crate) fn spaced(
         BeadWidths::Constant => {
             let lines = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
-            (lines, widths)
+            let (lines, widths, _) = ended_before_crossings(lines, widths, &border, spacing);
+            lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
         }
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let centrelines = Centrelines { lines, neighbours, widths };
     lay(centrelines, &infill_region, &border, context, share, out);
+}
+
+/// The strips in an area that beads along the field would leave open in part. Beads of any width do so in a strip that one
+/// single bead fills: those across are shorter than is worth a start. Beads of one width leave a share of a bead open beside
+/// them, which is a tenth or more of a strip of up to [`ONE_WIDTH_STRIP`] beads.
+fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
+    let widest_mm = match context.widths {
+        BeadWidths::Variable => widest_single_mm(context.bead_width_mm, context.height_mm),
+        BeadWidths::Constant => ONE_WIDTH_STRIP * context.spacing_mm(),
+    };
+    let mut thin = border.difference(&border.offset(-0.5 * widest_mm, MITER).offset(0.5 * widest_mm, MITER));
+    // The tips of corners that offsets round off are no strips.
+    thin.polygons.retain(|p| p.area_mm2() > context.spacing_mm() * context.spacing_mm());
+    thin
 }
 
 /// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
@@ -261,21 +284,27 @@ fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<
         let points = line.points.iter().enumerate().map(to).collect();
         (Line { points, closed: line.closed }, widths)
     };
-    let (mut out, mut widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    let ended = end_before_crossings(&mut out, &mut widths, border, spacing);
-    let (lines, widths) = out.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
+    let (lines, widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
+    let (lines, widths, ended) = ended_before_crossings(lines, widths, border, spacing);
+    let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
     (lines, widths, ended)
 }
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
 /// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end.
-/// Returns whether there were such lines.
-fn end_before_crossings(lines: &mut [Line], widths: &mut [Vec<f64>], border: &Region, spacing: f64) -> bool {
+/// Returns the lines with their widths, and whether there were such lines. Little is left of a line that is all crossings: it
+/// may have a single point.
+pub(super) fn ended_before_crossings(
+    mut lines: Vec<Line>,
+    mut widths: Vec<Vec<f64>>,
+    border: &Region,
+    spacing: f64,
+) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
     let mut ended = false;
     loop {
-        let crossings = Neighbours::new(lines, border, CELL_BEADS * spacing).crossings();
+        let crossings = Neighbours::new(&lines, border, CELL_BEADS * spacing).crossings();
         if crossings.is_empty() {
-            return ended;
+            return (lines, widths, ended);
         }
         ended = true;
         let mut changed = vec![false; lines.len()];
@@ -527,9 +556,12 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
     }
 }
 
-/// Single beads, at least as wide as the narrowest, in the gaps that `beads` leave open in an area. Their width varies
-/// along the gap. Where the job asks for beads of one width, gaps get one from the width on at which it closes more than it
-/// lays twice.
+/// Beads in the gaps that `beads` leave open in an area. Gaps get single beads, at least as wide as the narrowest, whose width
+/// varies along the gap; gaps too wide for one get rings along their border first ([`rings_in`]).
+///
+/// Where the job asks for beads of one width, gaps get the same, since what is left is narrower than such a bead. Only where
+/// no bead may be narrower, as of fibre, all have the one width; a gap then gets a bead from the width on at which it closes
+/// more than it lays twice.
 pub(crate) fn between_beads<'a>(
     area: &Region,
     beads: impl Iterator<Item = &'a Toolpath>,
@@ -537,17 +569,22 @@ pub(crate) fn between_beads<'a>(
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let one_width = context.is_one_width();
     let narrowest_mm = match context.widths {
         BeadWidths::Variable => narrowest_mm,
-        BeadWidths::Constant => one_width::LEAST_GAP * nominal,
+        BeadWidths::Constant if one_width => one_width::LEAST_GAP * nominal,
+        BeadWidths::Constant => narrowest_mm.min(context.min_bead_width_mm),
     };
     // Narrower gaps need smaller cells.
     let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
     let cell_mm = GAP_CELL * context.spacing_mm() * share;
-    let left = gaps(area, beads, h, cell_mm);
+    let mut left = gaps(area, beads, h, cell_mm);
     let mut singles = Vec::new();
+    if !one_width {
+        rings_in(&mut left, narrowest_mm, context, &mut singles);
+    }
     single_beads(&left, nominal, narrowest_mm, h, context.role, &mut singles);
-    if context.widths == BeadWidths::Constant {
+    if one_width {
         singles.iter_mut().for_each(|single| single.width = BeadWidth::Constant(nominal));
     }
     // Where branches of a gap meet, their beads may cross; of two such beads the later one is dropped.
@@ -561,6 +598,25 @@ pub(crate) fn between_beads<'a>(
         }
     }
     kept
+}
+
+/// Lays rings of whole beads along the border of gaps, where a gap has room for both sides of a ring and a single bead between
+/// them, and takes their strips from the gaps. A strip in which every line along the field would be shorter than
+/// [`SHORTEST`] is such a gap as a whole.
+fn rings_in(gaps: &mut Region, narrowest_mm: f64, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+    let strip_mm = context.spacing_mm();
+    // The single bead of a narrower gap leaves a fraction of a bead open at most.
+    let least_mm = 2.0 * strip_mm + bead_spacing_mm(narrowest_mm, context.height_mm);
+    loop {
+        let wide = gaps.offset(-0.5 * least_mm, MITER).offset(0.5 * least_mm, MITER).intersection(gaps);
+        if wide.is_empty() {
+            return;
+        }
+        for contour in wide.offset(-0.5 * strip_mm, MITER).contours() {
+            out.push(Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true));
+        }
+        *gaps = gaps.difference(&wide).union(&wide.offset(-strip_mm, MITER));
+    }
 }
 
 /// The part of `area` that the beads leave open, where it is wider than about one and a half cells.
@@ -658,36 +714,51 @@ impl WideBead {
     }
 }
 
-/// Gives beads the kind of ends that the job asks for: joined or open. Open ones are extended to a border that they meet at
-/// an angle with at least the sine `least_sine`.
+/// Gives beads the kind of ends that the job asks for: joined or open. Ends that stay open are extended to a border that they
+/// meet at an angle with at least the sine `least_sine`, unless another bead or a joint lies in between. Where joined ends are
+/// asked for, the others of fibre stay for turns that fibre can make, and those of sparse lines for the density.
 pub(super) fn ended(
-    mut beads: Vec<WideBead>,
+    beads: Vec<WideBead>,
     infill_region: &Region,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
     least_sine: f64,
 ) -> Vec<WideBead> {
-    match context.ends {
+    let (mut beads, joints) = match context.ends {
         BeadEnds::Joined => joined(beads, neighbours, border, context),
-        BeadEnds::Open => {
-            let inside = LineClipper::new(infill_region);
-            let edge = LineClipper::new(border);
-            let contours: Vec<&Contour> = border.contours().collect();
-            for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
-                for first in [true, false] {
-                    if let Some((p, width)) =
-                        at_border(bead, first, [&inside, &edge], &contours, context, least_sine)
-                    {
-                        let at = if first { 0 } else { bead.points.len() };
-                        bead.points.insert(at, p);
-                        bead.widths.insert(at, width);
-                    }
-                }
+        BeadEnds::Open => (beads, Vec::new()),
+    };
+    let Some(bounds) = border.bounds() else { return beads };
+    if context.ends == BeadEnds::Joined && (context.is_one_width() || !context.density.is_dense()) {
+        return beads;
+    }
+    let inside = LineClipper::new(infill_region);
+    let edge = LineClipper::new(border);
+    let contours: Vec<&Contour> = border.contours().collect();
+    // Joints and extensions are found by their first points.
+    let reach_mm = REACH * context.border_mm;
+    let far_mm = reach_mm + reach_mm.max(LONGEST_JOINT.value() * context.spacing_mm());
+    let mut laid = joints;
+    let mut starts = PointGrid2::new(bounds, far_mm);
+    laid.iter().enumerate().for_each(|(k, joint)| starts.insert(joint[0], k));
+    for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
+        for first in [true, false] {
+            let found = at_border(bead, first, [&inside, &edge], &contours, context, least_sine);
+            let Some((p, width)) = found else { continue };
+            let end = bead.points[if first { 0 } else { bead.points.len() - 1 }];
+            let meets = |(_, k): (DVec2, usize)| segment::meeting(laid[k], [end, p]) != Meeting::Apart;
+            if neighbours.between(end, p, [end, end]) || starts.within(end, far_mm).any(meets) {
+                continue;
             }
-            beads
+            starts.insert(end, laid.len());
+            laid.push([end, p]);
+            let at = if first { 0 } else { bead.points.len() };
+            bead.points.insert(at, p);
+            bead.widths.insert(at, width);
         }
     }
+    beads
 }
 
 /// The point to which an open bead is extended so that it reaches the border, and its width there, mm. `None`
@@ -723,13 +794,13 @@ fn at_border(
 }
 
 /// Joins open beads end to end along the border. Each end is joined to the nearest free end, if it is close
-/// enough and the joint stays inside the region.
-pub(super) fn joined(
+/// enough and the joint stays inside the region. Returns the joints too.
+fn joined(
     beads: Vec<WideBead>,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
-) -> Vec<WideBead> {
+) -> (Vec<WideBead>, Vec<[DVec2; 2]>) {
     let spacing_mm = context.spacing_mm();
     let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);
@@ -780,7 +851,7 @@ pub(super) fn joined(
         out.push(bead);
     }
     out.extend(beads.into_iter().flatten());
-    out
+    (out, joints)
 }
 
 /// A vertex is dropped if it lies within this distance of the line without it, mm. Source: derived. A motor

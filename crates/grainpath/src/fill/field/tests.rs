@@ -90,9 +90,14 @@ fn filled_along(
     ends: BeadEnds,
     widths: BeadWidths,
 ) -> Vec<Toolpath> {
+    let context = context_along(part, field, density);
+    filled_in(&FillContext { ends, widths, ..context }, infill, part)
+}
+
+fn context_along<'a>(part: &Region, field: &'a dyn DirectionField, density: f64) -> FillContext<'a> {
     let spacing = bead_spacing_mm(WIDTH, HEIGHT);
     let border_mm = 0.28 * spacing + 0.5 * (WIDTH - spacing);
-    let context = FillContext {
+    FillContext {
         z_mid_mm: 0.1,
         height_mm: HEIGHT,
         bead_width_mm: WIDTH,
@@ -102,16 +107,19 @@ fn filled_along(
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,
         border_mm,
-        ends,
+        ends: BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
         below: &[],
         fills_wedges: true,
-        widths,
+        widths: BeadWidths::Variable,
         field: Some(field),
-    };
+    }
+}
+
+fn filled_in(context: &FillContext<'_>, infill: &dyn Infill, part: &Region) -> Vec<Toolpath> {
     let mut out = Vec::new();
-    for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
-        infill.fill(&context, &infill_region, &mut out);
+    for infill_region in part.offset(-context.border_mm, Join::Miter(2.0)).polygons {
+        infill.fill(context, &infill_region, &mut out);
     }
     out
 }
@@ -205,40 +213,28 @@ fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
 fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
     let part = Region::rectangle(DVec2::new(-11.0, -5.5), DVec2::new(11.0, 5.5));
     let border_mm = 0.5 * WIDTH;
-    for degrees in [0.0_f64, 15.0, 37.0, 45.0, 90.0] {
+    for degrees in [0.0_f64, 15.0, 22.0, 26.0, 28.0, 29.0, 37.0, 45.0, 90.0] {
         let field = grainpath_core::UniformField { axis_rad: degrees.to_radians() };
-        let context = FillContext {
-            z_mid_mm: 0.1,
-            height_mm: HEIGHT,
-            bead_width_mm: WIDTH,
-            min_bead_width_mm: 0.2,
-            density: grainpath_core::Density::Dense,
-            angle_rad: field.axis_rad,
-            part: part.bounds().expect("not empty"),
-            role: Role::SolidFill,
-            border_mm,
-            ends: BeadEnds::Joined,
-            shift: crate::fill::Shift::NONE,
-            below: &[],
-            fills_wedges: true,
-            widths: BeadWidths::Variable,
-            field: Some(&field),
-        };
-        let [along, straight] = [&Stripes as &dyn Infill, &Solid].map(|infill| {
-            let mut paths = Vec::new();
-            for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
-                infill.fill(&context, &infill_region, &mut paths);
-            }
+        let context =
+            FillContext { angle_rad: field.axis_rad, border_mm, ..context_along(&part, &field, 1.0) };
+        let measured = |infill: &dyn Infill, widths: BeadWidths| {
+            let paths = filled_in(&FillContext { widths, ..context }, infill, &part);
             let [gap, overlap, spill] = missed(&part, &paths);
             let widest = paths.iter().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
             println!("{degrees}: gap {gap:.4} overlap {overlap:.4} spill {spill:.4}, {} paths", paths.len());
             ([gap, overlap, spill], widest.fold(0.0, f64::max), alignments(&paths, &|_| field.axis_rad).0)
-        });
-        for k in 0..3 {
-            assert!(along.0[k] < straight.0[k] + 0.003, "{degrees}: {:?} {:?}", along.0, straight.0);
+        };
+        let straight = measured(&Solid, BeadWidths::Variable);
+        for widths in [BeadWidths::Variable, BeadWidths::Constant] {
+            let along = measured(&Stripes, widths);
+            for k in 0..3 {
+                let (ours, theirs) = (along.0, straight.0);
+                assert!(ours[k] < theirs[k] + 0.003, "{degrees}, {widths:?}: {ours:?} {theirs:?}");
+            }
+            assert!(along.1 < 1.601 * WIDTH, "{degrees}, {widths:?}: a bead of {} mm", along.1);
+            let (ours, theirs) = (along.2, straight.2);
+            assert!(ours < theirs + 0.5, "{degrees}, {widths:?}: {ours} and {theirs} degrees");
         }
-        assert!(along.1 < 1.601 * WIDTH, "{degrees}: a bead of {} mm", along.1);
-        assert!(along.2 < straight.2 + 0.5, "{degrees}: {} and {} degrees", along.2, straight.2);
     }
 }
 
@@ -266,6 +262,79 @@ fn open_ends_reach_the_border_and_stay_on_the_field() {
     // Measured: vector_slicer lies 3.8 degrees off on this disk, joined ends 6.7.
     assert!(open.2 < 3.8 && joined.2 > open.2 + 2.0, "{} and {} degrees", open.2, joined.2);
     assert!(open.3 < 0.1, "{} of the rim is open", open.3);
+}
+
+/// A smooth field with point defects, drawn by a number.
+struct Drawn {
+    base_rad: f64,
+    per_mm: DVec2,
+    wave: (f64, DVec2),
+    defects: Vec<(DVec2, f64)>,
+}
+
+impl Drawn {
+    fn new(seed: u64) -> Self {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        // A number from -1 to 1.
+        let mut next = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        (0..9).for_each(|_| _ = next());
+        Self {
+            base_rad: PI * next(),
+            per_mm: 0.04 * DVec2::new(next(), next()),
+            wave: (0.3 + 0.2 * next(), 0.25 * DVec2::new(next(), next())),
+            defects: (0..seed % 7)
+                .map(|_| {
+                    let at = DVec2::new(3.0, -2.0) + 10.0 * DVec2::new(next(), next());
+                    (at, [-0.5, 0.5, 0.5, 1.0][((next() + 1.0) * 2.0) as usize % 4])
+                })
+                .collect(),
+        }
+    }
+}
+
+impl DirectionField for Drawn {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        let p = p.truncate();
+        let around = |(at, turns): &(DVec2, f64)| turns * atan2(p.y - at.y, p.x - at.x);
+        let wave_rad = self.wave.0 * sin_cos(self.wave.1.dot(p)).0;
+        let defects_rad: f64 = self.defects.iter().map(around).sum();
+        let axis_rad = (self.base_rad + self.per_mm.dot(p) + wave_rad + defects_rad).rem_euclid(PI);
+        DirectionSample { axis_rad, strength: 1.0, principal_mpa: None }
+    }
+}
+
+#[test]
+fn beads_along_drawn_fields_with_defects_do_not_cross() {
+    let part = lopsided();
+    let mut wrong = Vec::new();
+    // Drawn from 48, of which these had crossings at ends, beside defects or in joints.
+    for seed in [11, 13, 20, 26, 31, 33, 37] {
+        let field = Drawn::new(seed);
+        for (ends, widths, density) in [
+            (BeadEnds::Joined, BeadWidths::Variable, 1.0),
+            (BeadEnds::Open, BeadWidths::Variable, 1.0),
+            (BeadEnds::Joined, BeadWidths::Constant, 1.0),
+            (BeadEnds::Open, BeadWidths::Constant, 1.0),
+            (BeadEnds::Joined, BeadWidths::Constant, 0.9),
+        ] {
+            let paths = filled_along(&Stripes, &part, &field, density, ends, widths);
+            let [gap, overlap, _] = missed(&part, &paths);
+            println!("{seed} {ends:?} {widths:?} {density}: gap {gap:.3} overlap {overlap:.3}");
+            if let Some(at) = crossing(&paths) {
+                wrong.push(format!("{seed}, {ends:?}, {widths:?}, {density}: {at:?}"));
+            }
+        }
+        let seeds = filled_along(&SeedLines, &part, &field, 1.0, BeadEnds::Open, BeadWidths::Constant);
+        if let Some(at) = crossing(&seeds) {
+            wrong.push(format!("{seed}, seed lines: {at:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
@@ -360,26 +429,104 @@ fn turned_seed_lines(part: &Region, field: fn(DVec2) -> f64, by_deg: f64) -> (f6
     (gap, mean_deg, paths.len())
 }
 
+/// A part without any symmetry: its outline has waves of several lengths, and the hole lies off its middle.
+fn lopsided() -> Region {
+    let at = |k: usize| {
+        let a = k as f64 / 96.0 * TAU;
+        let r =
+            10.0 + 1.8 * sin_cos(2.0 * a + 0.3).0 + 1.1 * sin_cos(3.0 * a).0 + 0.6 * sin_cos(5.0 * a + 1.0).0;
+        DVec2::new(3.0, -2.0) + direction(a) * r
+    };
+    let hole = |k: usize| DVec2::new(4.5, -1.0) + direction(k as f64 / 48.0 * TAU) * 2.5;
+    let outline = Region::from(Polygon { outer: (0..96).map(at).collect(), holes: Vec::new() });
+    outline.difference(&Region::from(Polygon { outer: (0..48).map(hole).collect(), holes: Vec::new() }))
+}
+
 #[test]
 fn seed_lines_are_the_same_in_a_turned_part() {
-    let (_, plate) = &parts()[0];
-    for (kind, field) in FIELDS {
-        let found = [0.0, 15.0, 37.0, 45.0, 90.0].map(|deg| turned_seed_lines(plate, field, deg));
-        println!("{kind}: {found:?}");
-        for (gap, mean_deg, n) in found {
-            assert!((gap - found[0].0).abs() < 0.005, "{kind}: {found:?}");
-            assert!((mean_deg - found[0].1).abs() < 0.5, "{kind}: {found:?}");
-            assert!(mean_deg < 6.0 && n.abs_diff(found[0].2) <= 2 + found[0].2 / 10, "{kind}: {found:?}");
+    let [(_, plate), _] = parts();
+    for (name, part) in [("plate", plate), ("lopsided", lopsided())] {
+        for (kind, field) in FIELDS {
+            let found = [0.0, 15.0, 37.0, 45.0, 90.0].map(|deg| turned_seed_lines(&part, field, deg));
+            println!("{name}, {kind}: {found:.4?}");
+            for (gap, mean_deg, n) in found {
+                assert!((gap - found[0].0).abs() < 0.003, "{name}, {kind}: {found:?}");
+                assert!((mean_deg - found[0].1).abs() < 0.5, "{name}, {kind}: {found:?}");
+                let few = n.abs_diff(found[0].2) <= 2 + found[0].2 / 10;
+                assert!(mean_deg < 6.0 && few, "{name}, {kind}: {found:?}");
+            }
         }
     }
+}
+
+fn is_of_width(path: &Toolpath) -> bool {
+    (0..path.points.len()).all(|i| (path.width_at(i) - WIDTH).abs() < 1e-12)
+}
+
+/// A strip and a ring of this width, mm, each under a field that meets its borders across, aslant or not at all.
+fn strips(mm: f64) -> [(&'static str, Region, fn(DVec2) -> f64); 5] {
+    let bar = Region::rectangle(DVec2::new(-10.0, -0.5 * mm), DVec2::new(10.0, 0.5 * mm));
+    let disk = |r: f64| {
+        let rim = |k: usize| direction(k as f64 / 144.0 * TAU) * r;
+        Region::from(Polygon { outer: (0..144).map(rim).collect(), holes: Vec::new() })
+    };
+    let ring = disk(5.0 + 0.5 * mm).difference(&disk(5.0 - 0.5 * mm));
+    [
+        ("across", bar.clone(), |_| FRAC_PI_2),
+        ("aslant", bar.clone(), |_| 0.8),
+        ("along", bar, |_| 0.0),
+        ("ring", ring.clone(), |_| 0.6),
+        ("ring of rays", ring, |p| atan2(p.y, p.x)),
+    ]
+}
+
+#[test]
+fn strips_narrower_than_their_lines_are_filled() {
+    let mut wrong = Vec::new();
+    for mm in [0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2] {
+        for (name, part, field) in strips(mm) {
+            for by_deg in [0.0, 37.0] {
+                let (part, field) = turned(&part, field, by_deg);
+                for widths in [BeadWidths::Constant, BeadWidths::Variable] {
+                    let context = FillContext { widths, ..context_along(&part, &field, 1.0) };
+                    let paths = filled_in(&context, &Stripes, &part);
+                    let [gap, overlap, spill] = missed(&part, &paths);
+                    let found = format!(
+                        "{mm} {name} {by_deg} {widths:?}: gap {gap:.3} overlap {overlap:.3} spill {spill:.3}"
+                    );
+                    println!("{found}");
+                    // Short lines aslant of a strip lie on their joints, and the single bead in a strip of two beads and
+                    // a half is not wide enough.
+                    let (most_gap, most_overlap) = match widths {
+                        BeadWidths::Constant => (0.12, 0.03),
+                        BeadWidths::Variable => (0.17, 0.12),
+                    };
+                    if gap > most_gap || overlap > most_overlap || spill > 0.01 {
+                        wrong.push(found);
+                    }
+                    assert_eq!(crossing(&paths), None, "{mm} {name} {by_deg} {widths:?}");
+                }
+                // Where no bead may be narrower than another, as of fibre, all have one width.
+                let only = FillContext {
+                    widths: BeadWidths::Constant,
+                    min_bead_width_mm: WIDTH,
+                    ..context_along(&part, &field, 1.0)
+                };
+                assert!(filled_in(&only, &Stripes, &part).iter().all(is_of_width), "{mm} {name} {by_deg}");
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Gap, overlap and mean angle in degrees of beads of one width in a part that is turned with its field.
 fn of_one_width(part: &Region, field: fn(DVec2) -> f64, by_deg: f64, ends: BeadEnds) -> [f64; 3] {
     let (part, field) = turned(part, field, by_deg);
     let paths = filled_along(&Stripes, &part, &field, 1.0, ends, BeadWidths::Constant);
-    let mut widths = paths.iter().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
-    assert!(widths.all(|w| (w - WIDTH).abs() < 1e-12), "turned by {by_deg}");
+    // Only single beads in gaps differ.
+    let differ = paths.iter().filter(|p| !is_of_width(p)).map(Toolpath::length_mm).sum::<f64>();
+    let all = paths.iter().map(Toolpath::length_mm).sum::<f64>();
+    assert!(differ < 0.08 * all, "turned by {by_deg}: {differ} of {all} mm");
     assert_eq!(crossing(&paths), None, "turned by {by_deg}");
     let inside = LineClipper::new(&part.offset(0.01, Join::Round));
     assert!(paths.iter().flat_map(|p| &p.points).all(|p| inside.contains(*p)), "turned by {by_deg}");
