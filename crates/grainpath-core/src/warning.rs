@@ -68,9 +68,6 @@ warning_ids! {
     RegionsOverlap = "regions-overlap",
         "Two regions of the job cover the same place; the settings of the later one apply there.",
         "cut the regions to size, or order them so that the one whose settings should apply comes last";
-    RegionsSeam = "regions-seam",
-        "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
-        "lay borders of regions where little load passes, or where infill is sparse on one side at least";
     WallsLevel = "walls-level",
         "process.stagger_walls is on, but no wall could be raised.",
         "lay at least two walls; only an inner wall that continues from layer to layer can be raised";

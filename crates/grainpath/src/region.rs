@@ -132,7 +132,6 @@ impl RegionAreas {
         let cut: Vec<(Vec<Region>, Vec<[usize; 2]>)> =
             layers.par_iter().enumerate().map(|(i, layer)| last_wins(&found, i, layer)).collect();
         warn_of_overlaps(&cut, layers, diagnostics);
-        warn_of_seams(settings, &cut, layers, diagnostics);
         Ok(Self { layers: cut.into_iter().map(|c| c.0).collect() })
     }
 }
@@ -173,71 +172,6 @@ fn warn_of_overlaps(cut: &[(Vec<Region>, Vec<[usize; 2]>)], layers: &[Layer], di
         );
         let z_mm = layers[first].z_top_mm();
         diagnostics.push(Warning::new(WarningId::RegionsOverlap, text).in_layer(first, z_mm));
-    }
-}
-
-/// Whether the border of an area divides an island of a section, so that the island lies on both sides of the border.
-fn divides(area: &Region, section: &Region) -> bool {
-    section.polygons.iter().any(|piece| {
-        let piece = Region { polygons: vec![piece.clone()] };
-        let within = piece.intersection(area).area_mm2();
-        within > TOLD_MM2 && piece.area_mm2() - within > TOLD_MM2
-    })
-}
-
-/// Whether all infill of these settings is dense, or may be where the density differs from place to place.
-fn is_dense(settings: &Settings) -> bool {
-    match settings.fill.density.even() {
-        Some(density) => density.is_dense() && settings.fill.mass_g.is_none(),
-        None => true,
-    }
-}
-
-/// Whether a layer may have skins where there are this many of them below tops and above bottoms: it lies near the lowest or
-/// the highest section, or near one that leaves some of its own section uncovered.
-fn may_have_skins(layers: &[Layer], layer_idx: usize, [top, bottom]: [usize; 2]) -> bool {
-    let section = layers[layer_idx].region();
-    let uncovered =
-        |other: &Layer| other.region() != section && section.difference(other.region()).area_mm2() > TOLD_MM2;
-    let (first, last) = (layer_idx.checked_sub(bottom), layer_idx + top);
-    let (Some(first), true) = (first, last < layers.len()) else { return true };
-    layers[first..=last].iter().any(uncovered)
-}
-
-/// Warns of seams that borders of regions leave where dense infill or skins are on both sides of them. A range of layers has no
-/// such border, and neither has a region that contains whole islands of the section.
-fn warn_of_seams(
-    settings: &Settings,
-    cut: &[(Vec<Region>, Vec<[usize; 2]>)],
-    layers: &[Layer],
-    diagnostics: &Diagnostics,
-) {
-    let regions = &settings.regions;
-    let inside: Vec<Settings> = regions.iter().map(|region| settings.in_region(region)).collect();
-    let is_closed = |s: &Settings, i: usize| {
-        is_dense(s) || may_have_skins(layers, i, [s.process.top_layers, s.process.bottom_layers])
-    };
-    let meets = |k: usize, i: usize| {
-        divides(&cut[i].0[k], layers[i].region())
-            && is_closed(&inside[k], i)
-            && std::iter::once(settings)
-                .chain(inside.iter().enumerate().filter(|other| other.0 != k).map(|other| other.1))
-                .any(|other| is_closed(other, i))
-    };
-    let has_border = |k: &usize| {
-        !matches!(regions[*k].on, RegionPlace::Layers(_))
-            && (0..layers.len()).into_par_iter().any(|i| meets(*k, i))
-    };
-    let numbers: Vec<String> =
-        (0..regions.len()).filter(has_border).map(|k| format!("region[{}]", k + 1)).collect();
-    if !numbers.is_empty() {
-        // Source: measured by `the_seam_at_a_border_is_as_open_as_is_told` of tests/regions.rs.
-        let text = format!(
-            "{}: where dense infill or skins meet at the border, 2 to 7 % of a band of two beads stays open, and 4 to 20 % \
-             beside fibre and the pattern continuous",
-            numbers.join(", ")
-        );
-        diagnostics.push(Warning::new(WarningId::RegionsSeam, text));
     }
 }
 

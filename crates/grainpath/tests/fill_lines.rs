@@ -87,8 +87,7 @@ fn expected_share(pattern: Pattern, name: &str, region: &Polygon, density: f64) 
             let border_mm = 0.5 * bead_spacing_mm(0.45, 0.2);
             let filled = Region::from(region.clone()).offset(border_mm, Join::Miter(2.0)).area_mm2();
             let share = density * filled / region.area_mm2();
-            // Lines come and go as a whole, also the short ones across corners.
-            0.996 * share..1.004 * share
+            0.998 * share..1.002 * share
         }
         other => panic!("{} does not take several beads", other.name()),
     }

@@ -94,40 +94,75 @@ fn gap_and_surplus(layer: &LayerPlan, band: &Region) -> (f64, f64) {
     (open / area, volume / (area * layer.height_mm) - 1.0)
 }
 
+/// The face at x = 40 of the plate, by its name.
+fn right_face() -> String {
+    let plate = block(&Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0)), 0.0, 0.2 * LAYERS as f64);
+    let faces = grainpath_core::faces::Faces::segment(&plate);
+    let right =
+        (0..faces.len()).find(|&f| (faces.all()[f].centroid - DVec3::new(40.0, 15.0, 1.2)).length() < 1e-6);
+    faces.name(right.expect("a plane at x = 40"))
+}
+
 #[test]
-fn the_seam_at_a_border_is_as_open_as_is_told() {
+fn a_seam_between_dense_regions_is_closed_and_laid_once() {
     let s = bead_spacing_mm(0.45, 0.2);
-    let job = |angles: &str, on: &str| {
-        format!(
-            "[fill]\npattern = \"rectilinear\"\ndensity = 1\nangles_deg = [45, -45]\n\
-             [[region]]\non = {on}\nfill = {{ angles_deg = {angles} }}\n"
-        )
-    };
-    let mut worst = (0.0f64, 0.0f64, 0.0f64);
-    for turn_deg in [0.0f64, 37.0] {
-        let turn = turn_deg.to_radians();
-        let inner = turned(&Region::rectangle(DVec2::new(11.3, 8.1), DVec2::new(27.7, 21.9)), turn);
-        // A band of two beads: one on each side of the border.
-        let ring = |mm| inner.offset(mm, grainpath_core::poly::Join::Miter(3.0));
-        let band = ring(s).difference(&ring(-s));
-        for angles in ["[0, 90]", "[20, 110]", "[45, -45]"] {
-            let mesh = block(&inner, -1.0, 5.0);
-            let outcome =
-                planned(&job(angles, "{ mesh = \"inner.stl\" }"), turn, Some(mesh)).expect("inside");
-            for layer in &outcome.layers[2..4] {
-                let (gap, surplus) = gap_and_surplus(layer, &band);
-                println!("{turn_deg} {angles}: gap {gap:.4}, surplus {surplus:+.4}");
-                worst = (worst.0.max(gap), worst.1.max(surplus), worst.2.min(surplus));
+    let square = |low: [f64; 2], high: [f64; 2]| Region::rectangle(DVec2::from(low), DVec2::from(high));
+    // Places of a border, each with the turn of the plate and the area inside the border.
+    let inner = square([11.3, 8.1], [27.7, 21.9]);
+    let turn = 37f64.to_radians();
+    let face = format!("{{ face = \"{}\", depth_mm = 11.3 }}", right_face());
+    let within = "{ box_mm = [[11.3, 8.1, 0], [27.7, 21.9, 9]] }".to_owned();
+    let across = "{ box_mm = [[17.3, -99, 0], [99, 99, 9]] }".to_owned();
+    let slanted = "{ box_mm = [[7.3, -99, 0], [99, 99, 9]] }".to_owned();
+    let mesh = "{ mesh = \"inner.stl\" }".to_owned();
+    let places = [
+        ("box", within, 0.0, inner.clone()),
+        ("box through the section", across, 0.0, square([17.3, -99.0], [99.0, 99.0])),
+        ("box through the turned section", slanted, turn, square([7.3, -99.0], [99.0, 99.0])),
+        ("mesh", mesh.clone(), 0.0, inner.clone()),
+        ("turned mesh", mesh, turn, turned(&inner, turn)),
+        ("depth below a face", face, 0.0, square([28.7, -99.0], [99.0, 99.0])),
+    ];
+    // Infill of the part and of the region.
+    let lines = |angles: &str| format!("pattern = \"rectilinear\", density = 1, angles_deg = {angles}");
+    let dense = |pattern: &str| format!("pattern = \"{pattern}\", density = 1");
+    let pairs = [
+        (lines("[45, -45]"), lines("[0, 90]")),
+        (lines("[45, -45]"), lines("[20, 110]")),
+        (lines("[45, -45]"), lines("[45, -45]")),
+        (lines("[45, -45]"), dense("concentric")),
+        (dense("stripes"), lines("[10, 100]")),
+        (dense("gyroid"), dense("honeycomb")),
+        (lines("[30, 120]"), dense("continuous")),
+        // Skins over sparse infill.
+        ("density = 0.2".to_owned(), "pattern = \"grid\", density = 0.3, angles_deg = [20, 110]".to_owned()),
+    ];
+    let (mut wrong, mut worst) = (Vec::new(), [0.0f64; 2]);
+    for (name, on, turn_rad, area) in &places {
+        // Up to the strips of the walls, a bead on each side of the border.
+        let section = turned(&Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0)), *turn_rad);
+        let ring = |mm| area.offset(mm, grainpath_core::poly::Join::Miter(3.0));
+        let filled = section.offset(-0.225 - 1.5 * s, grainpath_core::poly::Join::Miter(3.0));
+        let band = ring(s).difference(&ring(-s)).intersection(&filled);
+        for (of_part, of_region) in &pairs {
+            // Stripes need a guide, which the region does not follow.
+            let [guide, without] = match of_part.contains("stripes") {
+                true => ["guide = { kind = \"angle\", angle_deg = 70 }", "guide = false"],
+                false => [""; 2],
+            };
+            let job = format!(
+                "fill = {{ {of_part} }}\n{guide}\n[[region]]\non = {on}\nfill = {{ {of_region} }}\n{without}\n"
+            );
+            let outcome = planned(&job, *turn_rad, Some(block(area, -1.0, 5.0))).expect("inside");
+            let (gap, surplus) = gap_and_surplus(&outcome.layers[1], &band);
+            worst = [worst[0].max(gap), worst[1].max(surplus.abs())];
+            if gap > 0.005 || surplus.abs() > 0.015 {
+                wrong.push(format!("{name}, {of_part}, {of_region}: gap {gap:.4}, {surplus:+.4}"));
             }
         }
     }
-    println!("worst gap {:.4}, volume {:+.4} to {:+.4}", worst.0, worst.2, worst.1);
-    // Single beads fill the wedges between a border and the lines that run into it at a shallow angle, down to the
-    // narrowest bead. The round corners of joints leave notches narrower than that. docs/walls-and-fill.md states these
-    // shares.
-    assert!((0.03..=0.067).contains(&worst.0), "gap {}", worst.0);
-    assert!(worst.1 <= 0.032, "surplus {}", worst.1);
-    assert!(worst.2 >= -0.077, "volume {}", worst.2);
+    println!("worst gap {:.4}, volume {:.4} off", worst[0], worst[1]);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
@@ -190,42 +225,8 @@ fn later_regions_win_and_those_outside_are_refused() {
 }
 
 #[test]
-fn only_a_border_through_a_section_is_warned_of() {
-    let told = |job: &str, density: f64, regions: &[&str]| {
-        let each = |on: &&str| format!("[[region]]\non = {on}\nfill = {{ density = {density} }}\n");
-        let regions: String = regions.iter().map(each).collect();
-        planned(&format!("{job}{regions}"), 0.4, None).expect("inside").warnings
-    };
-    let warnings = |regions: &[&str]| told("[fill]\ndensity = 0.2\n", 0.5, regions);
-    // All of the section, up to half the height.
-    let whole = "{ box_mm = [[-100, -100, 0], [100, 100, 1.2]] }";
-    let half = "{ box_mm = [[5, -100, 0], [100, 100, 1.2]] }";
-    assert_eq!(warnings(&[whole]), []);
-    assert_eq!(warnings(&[half]), [WarningId::RegionsSeam]);
-    // What is left of the earlier one has a border through the section.
-    assert_eq!(warnings(&[whole, half]), [WarningId::RegionsSeam, WarningId::RegionsOverlap]);
-    assert_eq!(warnings(&[half, whole]), [WarningId::RegionsOverlap]);
-    assert_eq!(warnings(&["{ layers = [[2, 5]] }"]), []);
-    // Sparse infill on one side at least, and no skins: nothing dense meets anything dense.
-    let open = "process = { top_layers = 0, bottom_layers = 0 }\n[fill]\ndensity = 0.2\n";
-    assert_eq!(told(open, 0.4, &[half]), []);
-    assert_eq!(told(open, 1.0, &[half]), []);
-    assert_eq!(told(&open.replace("0.2", "1"), 1.0, &[half]), [WarningId::RegionsSeam]);
-    // Skins of 2 layers end below a region that begins at layer 4 and ends at layer 9 of 12.
-    let skins = "process = { top_layers = 2, bottom_layers = 2 }\n[fill]\ndensity = 0.2\n";
-    let [within, lower] = ["0.6", "0.2"].map(|z| format!("{{ box_mm = [[5, -100, {z}], [100, 100, 1.8]] }}"));
-    assert_eq!(told(skins, 0.4, &[&within]), []);
-    assert_eq!(told(skins, 0.4, &[&lower]), [WarningId::RegionsSeam]);
-}
-
-#[test]
 fn a_depth_below_a_face_is_a_region() {
-    // The face at x = 40 of the plate, found by its name.
-    let plate = block(&Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0)), 0.0, 0.2 * LAYERS as f64);
-    let faces = grainpath_core::faces::Faces::segment(&plate);
-    let right =
-        (0..faces.len()).find(|&f| (faces.all()[f].centroid - DVec3::new(40.0, 15.0, 1.2)).length() < 1e-6);
-    let name = faces.name(right.expect("a plane at x = 40"));
+    let name = right_face();
     let job = format!(
         "[fill]\ndensity = 0\n[process]\ntop_layers = 0\nbottom_layers = 0\n[[region]]\non = {{ face = \"{name}\", depth_mm = 5 }}\n\
          fill = {{ pattern = \"rectilinear\", density = 1, angles_deg = [0] }}\n"

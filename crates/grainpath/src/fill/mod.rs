@@ -27,9 +27,9 @@ use grainpath_core::{Bounds2, DVec2, Density, DirectionField, Polygon, Region, R
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
+pub(crate) use field::band;
 pub(crate) use field::is_streamlines;
 pub(crate) use field::streamlines::places_on;
-pub(crate) use field::stripes::between_beads;
 pub use field::{SeedLines, Streamlines, Stripes};
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 pub use gyroid::Gyroid;

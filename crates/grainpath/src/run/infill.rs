@@ -4,12 +4,13 @@
 //! Lengths are in mm. Skins over sparse infill are always straight lines without fibre. A part that
 //! is dense throughout is filled with the pattern of the job.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::PoisonError;
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::math::direction;
-use grainpath_core::poly::{Join, edges};
+use grainpath_core::poly::{Join, LineClipper, edges};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
     DVec2, Density, Diagnostics, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath,
@@ -20,7 +21,7 @@ use super::steps::Steps;
 use crate::fibre::{FibrePlace, FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, SideBySide, Solid, Stripes, between_beads, bridge_angle_rad,
+    Concentric, FillContext, Infill, SeedLines, SideBySide, Solid, Stripes, band, bridge_angle_rad,
     graded_infill, infill, join_rings,
 };
 use crate::guide::graded_density::DensityMap;
@@ -32,6 +33,10 @@ use crate::wall::skin::{IslandPolygon, SkinSplit};
 /// Number of layers over which lines of several beads are fitted. Source: derived; enough for a gyroid of eight beads, whose
 /// waves repeat after tens of mm, on parts up to a few of those high.
 const FITTED_LAYERS: usize = 8;
+
+/// A border gets a bead where the area for centrelines is at least this deep behind it, in beads. Source: derived. Where both
+/// sides of a strip get one, two beads and a half leave room for a line between them; two leave none, and a gap instead.
+const LEAST_DEPTH: f64 = 2.5;
 
 /// How an infill region is filled.
 struct RegionFill<'a> {
@@ -65,12 +70,8 @@ impl Steps<'_> {
         (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
     }
 
-    /// Distance of centrelines from the border between two regions, mm. Straight lines and loops may lie on the border of
-    /// the given area and then extend half a strip beyond it; patterns along a field keep `border_mm` themselves.
+    /// Distance of centrelines from the border between two regions, mm: half a strip.
     pub(super) fn inset_mm(&self, layer: &Layer) -> f64 {
-        if self.settings.infill.pattern.follows_field() {
-            return self.border_mm(layer);
-        }
         0.5 * bead_spacing_mm(self.settings.walls.bead_width_mm, layer.height_mm())
     }
 
@@ -170,37 +171,72 @@ impl Steps<'_> {
         tally
     }
 
-    /// Closes what is left open along the borders between dense regions: lines that run into a border at a shallow
-    /// angle end in steps, and single beads fill the wedges between those and the border. Fibre and the pattern
-    /// `continuous` are left as they are.
-    pub(super) fn close_seams(&self, i: usize, split: &SkinSplit, paths: &mut Vec<(usize, Toolpath)>) {
-        if self.areas.and_then(|areas| areas.of_layer(i)).is_none() {
-            return;
-        }
-        let context = self.context(i, Density::Dense, Role::SolidFill);
+    /// Lays a bead along each side of every border between regions that are dense on both sides, and takes its strip from
+    /// their dense areas: the ends of lines that run into a border would leave notches between both sides.
+    pub(super) fn line_seams<'s>(
+        &self,
+        i: usize,
+        split: &'s SkinSplit,
+        paths: &mut Vec<(usize, Toolpath)>,
+    ) -> Cow<'s, SkinSplit> {
+        let Some(areas) = self.areas.and_then(|areas| areas.of_layer(i)) else { return Cow::Borrowed(split) };
         let layer = &self.stack.layers()[i];
-        let shares = || std::iter::once((self, split)).chain(self.regions(split));
-        for island in 0..layer.region().polygons.len() {
-            let dense = |(steps, split): (&Self, &SkinSplit)| {
-                let whole = steps.fibre.is_none() && !steps.is_continuous();
-                let all = split.solid.iter().chain(&split.top).filter(|p| whole && p.0 == island);
-                let polygons = all.map(|p| p.1.clone()).collect();
-                Region { polygons }.offset(steps.inset_mm(layer), Join::Miter(2.0))
+        let (section, areas) =
+            (LineClipper::new(layer.region()), areas.iter().map(LineClipper::new).collect::<Vec<_>>());
+        // The number of the region at a point, 0 outside all of them.
+        let owner = |p: DVec2| areas.iter().position(|area| area.contains(p)).map_or(0, |region| region + 1);
+        let open = |(own, steps): (&SkinSplit, &Self)| {
+            let polygons = own.sparse.iter().chain(&own.bridge).map(|p| p.1.clone()).collect();
+            LineClipper::new(&Region { polygons }.offset(steps.inset_mm(layer), Join::Miter(2.0)))
+        };
+        let steps = || std::iter::once(self).chain(&self.regions);
+        let open: Vec<LineClipper> =
+            std::iter::once(split).chain(&split.regions).zip(steps()).map(open).collect();
+        let mut lined = split.clone();
+        for (k, steps) in steps().enumerate() {
+            let meets =
+                |p: DVec2| section.contains(p) && owner(p) != k && !open.iter().any(|area| area.contains(p));
+            let own = match k.checked_sub(1) {
+                None => &mut lined,
+                Some(region) => &mut lined.regions[region],
             };
-            let areas: Vec<Region> = shares().map(dense).collect();
-            let near: Vec<Region> =
-                areas.iter().map(|area| area.offset(context.spacing_mm(), Join::Miter(2.0))).collect();
-            let mut band = Region::default();
-            for (k, area) in areas.iter().enumerate().filter(|a| !a.1.is_empty()) {
-                for (other, near_other) in areas.iter().zip(&near).skip(k + 1).filter(|o| !o.0.is_empty()) {
-                    let both = near[k].intersection(near_other);
-                    band = band.union(&both.intersection(&area.union(other)));
-                }
+            for (polygons, role) in [(&mut own.solid, Role::SolidFill), (&mut own.top, Role::TopSkin)] {
+                *polygons = steps.beside(i, polygons, &meets, role, paths);
             }
-            let beads = paths.iter().filter(|p| p.0 == island).map(|p| &p.1);
-            let singles = between_beads(&band, beads, context.min_bead_width_mm, &context);
-            paths.extend(singles.into_iter().map(|p| (island, p)));
         }
+        Cow::Owned(lined)
+    }
+
+    /// Lays beads along the borders of dense polygons where what lies beyond `meets` them, and returns what is left of the
+    /// polygons.
+    fn beside(
+        &self,
+        i: usize,
+        polygons: &[IslandPolygon],
+        meets: &dyn Fn(DVec2) -> bool,
+        role: Role,
+        paths: &mut Vec<(usize, Toolpath)>,
+    ) -> Vec<IslandPolygon> {
+        let context = self.context(i, Density::Dense, role);
+        let (s, inset_mm) = (context.spacing_mm(), self.inset_mm(&self.stack.layers()[i]));
+        // Lines keep the same distance from these beads as from walls.
+        let border_mm = (0.5 - self.settings.walls.fill_overlap) * s;
+        let context = FillContext { border_mm, ..context };
+        let mut left = Vec::new();
+        for (island, polygon) in polygons {
+            let whole = Region::from(polygon.clone());
+            let inside = LineClipper::new(&whole);
+            let is_beside = |[a, b]: [DVec2; 2]| {
+                let (middle, inward) = (0.5 * (a + b), (b - a).normalize_or_zero().perp());
+                meets(middle - (inset_mm + 0.5 * s) * inward)
+                    && inside.contains(middle + LEAST_DEPTH * s * inward)
+            };
+            let mut beads = Vec::new();
+            let rest = band::laid(&whole, &is_beside, 1, s, &context, &mut beads);
+            paths.extend(beads.into_iter().map(|bead| (*island, bead)));
+            left.extend(rest.polygons.into_iter().map(|polygon| (*island, polygon)));
+        }
+        left
     }
 
     /// Lays sparse infill. Lines along a field go on from `below`, places on those of a layer below.

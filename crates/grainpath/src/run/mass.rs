@@ -82,8 +82,8 @@ impl Steps<'_> {
         let fixed = (0..copies.len()).map(of_walls).sum::<f64>()
             + sum(&masses(&|i| {
                 let mut paths = Vec::new();
-                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
-                self.close_seams(i, &skins[i], &mut paths);
+                let split = self.line_seams(i, &skins[i], &mut paths);
+                self.dense_fill(i, &split, &mut |island, path| paths.push((island, path)));
                 paths.iter().map(|(_, path)| grams(path, height(i))).sum()
             }));
         let of_sparse = |density: f64, i: usize| {

@@ -834,12 +834,12 @@ impl<'a> Steps<'a> {
             // A layer with the same region and field as an earlier one is not laid: it becomes a copy
             // of that layer after all others are laid.
             if copies.original(first + k) == first + k {
+                let split = self.line_seams(first + k, &split, &mut paths);
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &split, &mut add);
                 if !goes_on {
                     tally = tally.and(self.sparse_fill(first + k, &split, density, &[], &mut add));
                 }
-                self.close_seams(first + k, &split, &mut paths);
             }
             paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
             paths.shrink_to_fit();
@@ -1077,9 +1077,8 @@ impl<'a> Steps<'a> {
             widths: self.settings.infill.widths,
             shift: self.shift(layer_idx),
             below: &[],
-            // Where regions meet, the wedges of both sides are filled together (`close_seams`). Nothing would hold the
-            // short beads of a bridge.
-            fills_wedges: role != Role::Bridge && self.areas.and_then(|a| a.of_layer(layer_idx)).is_none(),
+            // Nothing would hold the short beads of a bridge.
+            fills_wedges: role != Role::Bridge,
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

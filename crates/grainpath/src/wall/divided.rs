@@ -5,9 +5,9 @@
 //! ends at such a distance that the strips of the beads meet at the border:
 //!
 //! ```text
-//!     region      |     rest           each side is shrunk by `inset`: half a strip for straight
-//!    ===========  |  ===========       lines and loops, whose outermost bead lies on the edge of
-//!          inset >|< inset             its area; `border_mm` for fills that know it
+//!     region      |     rest           each side is shrunk by `inset`, half a strip: the outermost
+//!    ===========  |  ===========       bead lies on the edge of its area
+//!          inset >|< inset
 //! ```
 //!
 //! A piece too narrow for a bead, such as a strip between the side of a box and a wall, goes to its neighbour. Units: mm.

@@ -1,4 +1,4 @@
-//! Beads along those stretches of a border that the field crosses.
+//! Beads along some stretches of a border: those that the field crosses, or those beside another region.
 //!
 //! Lines along the field end where they meet the border across. Where they are to end farther from it in some layers
 //! ([`Shift`](crate::fill::Shift)), the band that this frees is filled with beads along the border. Stretches of border
@@ -24,17 +24,22 @@ const STEP: f64 = 1.0;
 /// Measured: row `fill.field.band.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.band.SHORTEST", 6.0);
 
-/// Lays `n` beads along the stretches that the field crosses, and returns what is left for lines: the area for their
-/// centrelines.
-pub(super) fn laid(
+/// Whether the field crosses an edge of a border.
+pub(super) fn is_crossed(axis: &dyn Fn(DVec2) -> DVec2, [a, b]: [DVec2; 2]) -> bool {
+    cross(axis(0.5 * (a + b)), (b - a).normalize_or_zero()).abs() > ACROSS_SINE
+}
+
+/// Lays `n` beads along the stretches of a border whose edges are `chosen`, and returns what is left for lines: the area for
+/// their centrelines. Areas lie to the left of their edges.
+pub(crate) fn laid(
     infill_region: &Region,
-    axis: &dyn Fn(DVec2) -> DVec2,
+    chosen: &dyn Fn([DVec2; 2]) -> bool,
     n: usize,
     spacing_mm: f64,
     context: &FillContext<'_>,
     out: &mut Vec<Toolpath>,
 ) -> Region {
-    let stretches = crossed(infill_region, axis, spacing_mm);
+    let stretches = stretches(infill_region, chosen, spacing_mm);
     if n == 0 || stretches.is_empty() {
         return infill_region.clone();
     }
@@ -72,8 +77,8 @@ pub(super) fn laid(
     infill_region.difference(&within(deep_mm + context.border_mm))
 }
 
-/// The stretches of a region's contours that the field crosses.
-fn crossed(region: &Region, axis: &dyn Fn(DVec2) -> DVec2, spacing_mm: f64) -> Vec<Vec<DVec2>> {
+/// The stretches of a region's contours whose edges are `chosen`.
+fn stretches(region: &Region, chosen: &dyn Fn([DVec2; 2]) -> bool, spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let mut out = Vec::new();
     for contour in region.contours() {
         // Vertices stay, so that the band has the border's corners.
@@ -84,12 +89,7 @@ fn crossed(region: &Region, axis: &dyn Fn(DVec2) -> DVec2, spacing_mm: f64) -> V
             points.append(&mut piece);
         }
         let n = points.len();
-        let across = |i: usize| {
-            let (a, b) = (points[i], points[(i + 1) % n]);
-            let along = (b - a).normalize_or_zero();
-            cross(axis(0.5 * (a + b)), along).abs() > ACROSS_SINE
-        };
-        let marks: Vec<bool> = (0..n).map(across).collect();
+        let marks: Vec<bool> = (0..n).map(|i| chosen([points[i], points[(i + 1) % n]])).collect();
         let Some(start) = marks.iter().position(|m| !m) else {
             points.extend(points.first().copied());
             out.push(points);
@@ -143,7 +143,8 @@ mod tests {
             field: None,
         };
         let mut out = Vec::new();
-        let rest = laid(region, axis, n, SPACING_MM, &context, &mut out);
+        let chosen = |edge| is_crossed(axis, edge);
+        let rest = laid(region, &chosen, n, SPACING_MM, &context, &mut out);
         (rest, out)
     }
 

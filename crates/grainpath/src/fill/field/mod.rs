@@ -16,14 +16,14 @@
 //! 6. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
 //!
 //! Where all beads are to have one width, they stay where they are ([`one_width`]). Where lines are to end before a
-//! border that they meet across, [`band`] lays beads along it first.
+//! border that they meet across, [`band`] lays beads along it first, and so where a border divides dense infill.
 //!
 //! Down to a density of [`LEAST_STRIPES`], sparse fill takes the same steps with lines farther apart. Below
 //! it, and for a field that asks for distances of its own, [`streamlines`] places evenly spaced streamlines
 //! (`Jobard1997`). [`seed_lines`] is the published principal stress line method, kept for comparison.
 //! Lengths are in mm, phases in radians; the sign of the axis has no meaning.
 
-mod band;
+pub(crate) mod band;
 pub(super) mod levels;
 mod line_ends;
 mod one_width;

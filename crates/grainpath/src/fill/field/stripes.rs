@@ -159,7 +159,8 @@ pub(crate) fn spaced(
     let n_border = if share < 1.0 { 0 } else { context.shift.border_beads(spacing, 1) };
     if n_border > 0 {
         let axis = |p: DVec2| axis_of(field, context, p);
-        let rest = band::laid(&infill_region, &axis, n_border, spacing, context, out);
+        let crossed = |edge| band::is_crossed(&axis, edge);
+        let rest = band::laid(&infill_region, &crossed, n_border, spacing, context, out);
         let context = FillContext { shift: context.shift.without_border(), ..*context };
         rest.polygons.iter().for_each(|p| spaced(&context, p, share, out));
         return;
@@ -535,7 +536,7 @@ fn lay(
 }
 
 /// Widens or narrows all beads by one factor until they have this volume, within the printable widths.
-pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &FillContext<'_>) {
+pub(crate) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &FillContext<'_>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let scaled = |w: f64, factor: f64| {
         bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
@@ -562,7 +563,7 @@ pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
 /// Where the job asks for beads of one width, gaps get the same, since what is left is narrower than such a bead. Only where
 /// no bead may be narrower, as of fibre, all have the one width; a gap then gets a bead from the width on at which it closes
 /// more than it lays twice.
-pub(crate) fn between_beads<'a>(
+fn between_beads<'a>(
     area: &Region,
     beads: impl Iterator<Item = &'a Toolpath>,
     narrowest_mm: f64,
