@@ -266,6 +266,39 @@ fn no_bead_of_a_flat_overhang_runs_further_than_asked_over_air() {
 }
 
 #[test]
+fn no_wall_beside_a_post_runs_further_than_asked_over_air() {
+    let post = |x: f64, y: f64, half: f64, top: f64| [[x - half, y - half, 0.0], [x + half, y + half, top]];
+    // A plate whose legs stand close to its rim, and a ring on three posts: both cut rows of interface lines short.
+    let legs = [(-17.0, -12.0), (17.0, -12.0), (0.0, 12.0)].map(|(x, y)| post(x, y, 2.0, 16.0));
+    let plate = [[-20.0, -15.0, 15.0], [20.0, 15.0, 18.0]];
+    let mut parts = vec![("plate".to_owned(), boxes(&[plate, legs[0], legs[1], legs[2]]))];
+    for deg in [60.0f64, 100.0] {
+        let posts = [0.0, 120.0, 240.0].map(|k: f64| {
+            let at = 14.0 * direction((deg + k).to_radians());
+            post(at.x, at.y, 1.5, 17.0)
+        });
+        let mut mesh = boxes(&posts);
+        let (first, n) = (mesh.vertices.len() as u32, 48);
+        for (radius, z) in [(16.0, 14.0), (16.0, 18.0), (12.0, 18.0), (12.0, 14.0)] {
+            let at =
+                |i: u32| (direction(f64::from(i) / f64::from(n) * std::f64::consts::TAU) * radius).extend(z);
+            mesh.vertices.extend((0..n).map(at));
+        }
+        for (ring, i) in (0..4).flat_map(|ring| (0..n).map(move |i| (ring, i))) {
+            let at = |ring: u32, i: u32| first + ring % 4 * n + i % n;
+            let [a, b, c, d] = [at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        parts.push((format!("ring on posts at {deg} degrees"), mesh));
+    }
+    for (what, mesh) in parts {
+        let o = printed(&mesh, QUICK);
+        assert!(o.free_mm > 3.0 && o.free_mm <= 10.0, "{what}: {} mm", o.free_mm);
+        assert!(o.air_mm < 0.05 && o.floating == 0, "{what}: {} mm of support on air", o.air_mm);
+    }
+}
+
+#[test]
 fn the_judge_sees_beads_on_air() {
     // A ring over a wider ring, a bead and a half apart: what the feet of cones once were.
     let ring = |r: f64, z: f64| {

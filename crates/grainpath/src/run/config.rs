@@ -296,6 +296,7 @@ pub fn support(
         block: boxes(&u.block_mm),
         enforce_facets: facets(&u.enforce_facets),
         block_facets: facets(&u.block_facets),
+        part_walls: s.process.walls.least(),
         beads: support_beads(s),
         first_layer_mm: s.process.first_layer_height_mm,
         painted,

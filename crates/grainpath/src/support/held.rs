@@ -291,7 +291,7 @@ impl Beads {
 }
 
 /// Sections of the part near the layer that is being processed.
-struct Part<'a> {
+pub(super) struct Part<'a> {
     stack: &'a LayerStack,
     heights: &'a Heights,
     gap_mm: f64,
@@ -302,7 +302,7 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(stack: &'a LayerStack, heights: &'a Heights, settings: &SupportSettings) -> Self {
+    pub(super) fn new(stack: &'a LayerStack, heights: &'a Heights, settings: &SupportSettings) -> Self {
         Self {
             stack,
             heights,
@@ -343,7 +343,7 @@ impl<'a> Part<'a> {
 
     /// Whether a bead of the part lies within a distance of a point. Centrelines of walls lie half a bead inside the
     /// section. Where the section is thinner than a bead, one bead of the same width runs along its middle.
-    fn has_bead_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
+    pub(super) fn has_bead_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
         let half_mm = 0.5 * self.bead_width_mm;
         if !self.near(layer, p, reach_mm) {
             return false;
@@ -358,7 +358,7 @@ impl<'a> Part<'a> {
     }
 
     /// Whether a bead may lie here in layer `k`.
-    fn leaves_room(&mut self, k: usize, p: DVec2, width_mm: f64) -> bool {
+    pub(super) fn leaves_room(&mut self, k: usize, p: DVec2, width_mm: f64) -> bool {
         let above: Vec<usize> = within(self.heights, k, self.gap_mm).collect();
         !self.near(k, p, 0.5 * width_mm + TOUCH_MM.value())
             && above.into_iter().all(|j| !self.near(j, p, 0.5 * width_mm))

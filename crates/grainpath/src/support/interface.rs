@@ -20,7 +20,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::buckets::PointGrid3;
-use grainpath_core::math::{atan2, sin};
+use grainpath_core::math::{atan2, sin, tan};
 use grainpath_core::poly::simplify_line;
 use grainpath_core::{DVec2, DVec3, LayerStack, Role, Toolpath};
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ use super::cut::Heights;
 /// Source: the criterion by which beads of the part over air are measured. A program that replays the G-code calls a
 /// point of a bead free where every bead below is more than 0.75 of the bead's width away in plan, and measures the
 /// free stretches that are longer than L.
-const FREE_STEP_BEADS: f64 = 0.75;
+pub(super) const FREE_STEP_BEADS: f64 = 0.75;
 /// Neighbouring samples belong to one surface if their heights differ by at most this share of their distance in plan.
 ///
 /// Source: derived. A flat overhang leans by 60 degrees or more, so it climbs by 0.58 at most.
@@ -70,7 +70,7 @@ pub(super) const END_MM: f64 = 0.11;
 
 /// Spacing of interface lines and of the contacts below them, as a share of L. Source: derived. A point in the middle
 /// of four contacts is 0.43 L from them, and a bead at 45 degrees runs over air for 0.85 L.
-const SPACING_SHARE: f64 = 0.6;
+pub(super) const SPACING_SHARE: f64 = 0.6;
 /// Lines are cut by layers at points this far apart, in bead widths. Source: derived. A bead then ends within a
 /// twentieth of its width of where its layer ends, far less than [`OVERLAP_BEADS`].
 const CUT_BEADS: f64 = 0.1;
@@ -79,6 +79,11 @@ const CUT_BEADS: f64 = 0.1;
 /// thick then steps outwards by three quarters of a bead.
 pub(crate) fn flat_rad(height_mm: f64, settings: &SupportSettings) -> f64 {
     atan2(FREE_STEP_BEADS * settings.beads.bead_width_mm, height_mm).max(settings.critical_angle_rad)
+}
+
+/// The largest distance in plan at which a wall lies on one below it, mm.
+pub(super) fn step_mm(height_mm: f64, settings: &SupportSettings) -> f64 {
+    (FREE_STEP_BEADS * settings.beads.bead_width_mm).max(height_mm * tan(settings.critical_angle_rad))
 }
 
 /// Whether interface lines run below a sample.

@@ -1,6 +1,6 @@
 //! Tree supports: overhangs and contacts ([`overhang`]), free space around the part ([`clearance`]), branches that join
 //! ([`tree`]), their thickness ([`bending`]), their layers ([`cut`]), their beads ([`beads`]), interface lines below flat
-//! overhangs ([`interface`]), beads added to hold up others ([`held`]), and the supports as one closed surface ([`closed_surface`],
+//! overhangs ([`interface`]), contacts and lines below walls that these miss (`walls`), beads added to hold up others ([`held`]), and the supports as one closed surface ([`closed_surface`],
 //! [`poisson`]).
 
 pub mod bending;
@@ -16,6 +16,7 @@ pub mod poisson;
 pub mod closed_surface;
 mod spread;
 pub mod tree;
+mod walls;
 
 use grainpath_core::buckets::PointGrid3;
 use grainpath_core::diagnostics::{Interrupted, Stage};
@@ -112,6 +113,8 @@ pub struct SupportSettings {
     pub block_facets: Vec<u32>,
     /// Support enforcers and blockers painted on the part, in part coordinates.
     pub painted: PaintedSupports,
+    /// Number of walls of the part, whose stretches over air are divided below flat overhangs.
+    pub part_walls: usize,
     /// How support is laid.
     pub beads: BeadSettings,
     /// Thickness of the first layer.

@@ -30,7 +30,7 @@ use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
 use super::contact::{Contact, ContactGrid, Reason, Sample};
-use super::{SupportSettings, interface};
+use super::{Style, SupportSettings, interface, walls};
 
 /// A facet counts as upright if the sine of its lean is less than this. Source: derived. In a layer of 0.2 mm its wall
 /// then steps outwards by 0.004 mm, a hundredth of a bead.
@@ -157,9 +157,14 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
             })
             .collect();
         out.lines = interface::lines(&facets, &grids, settings);
-        interface::lengthen_tips(&mut out.contacts, &out.lines, stack, settings);
     }
     out.samples = samples.into_iter().map(|s| s.2).collect();
+    if settings.interface_lines {
+        if settings.style == Style::Tree {
+            walls::hold(&mut out, mesh, stack, settings);
+        }
+        interface::lengthen_tips(&mut out.contacts, &out.lines, stack, settings);
+    }
     out.mid_air = mid_air(stack, |p| settings.blocked(p));
     hold_mid_air(&mut out, stack, settings);
     out

@@ -1,0 +1,218 @@
+//! Walls of the part that run over air between contacts and interface lines, and the contacts and lines that hold them.
+//!
+//! Contacts are placed on the surface and interface lines along rows of it ([`super::interface`]). A wall follows the rim
+//! of its layer and may miss both: beside a post or a leg that cuts a row short, and along a narrow strip. So
+//! the walls themselves are followed. A point of a wall is held if a wall of the layer below or the bead of an interface
+//! line lies within [`FREE_STEP_BEADS`] of it, or the tip of a contact does. Every stretch that is not held and is longer
+//! than [`LONGEST_SHARE`] of L is divided by contacts, each with a short line across all walls.
+//!
+//! Lengths are mm. Cost: an offset and a walk along the walls, in the layers that flat overhangs begin in. Limits: walls
+//! so near the plate that no support fits below them, across the removal gap, are left as they are.
+
+use grainpath_core::buckets::{PointGrid2, PointGrid3};
+use grainpath_core::math::sin;
+use grainpath_core::poly::{Join, edges};
+use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, TriMesh};
+use rayon::prelude::*;
+
+use super::SupportSettings;
+use super::contact::{Contact, Reason};
+use super::cut::Heights;
+use super::held::Part;
+use super::interface::{self, FREE_STEP_BEADS, SPACING_SHARE};
+use super::overhang::Overhangs;
+
+/// The longest stretch of a wall that is left over air, as a share of L. Source: derived. Both ends of a stretch are known
+/// to [`STEP_MM`] and move by half a bead with the beads below; at L = 10 mm that is 0.85 mm.
+const LONGEST_SHARE: f64 = 0.9;
+/// Distance of the points at which walls are judged, mm. Source: derived. Less than half a bead, so that no bead across a
+/// wall falls between two points.
+const STEP_MM: f64 = 0.2;
+/// Distance of the points of an interface line, mm. Source: derived. At a reach of 0.3 mm the error of a distance is then
+/// 0.004 mm (Pythagoras with half a step).
+const LINE_STEP_MM: f64 = 0.1;
+/// Points of beads that a program judges lie at most this far apart, mm, so that one of them is within half of it along
+/// the bead. Source: as in `held`.
+const JUDGED_MM: f64 = 0.3;
+/// Where facets are painted or listed as blocked, a wall belongs to an overhang if a sample of the overhang is within this
+/// many steps of the grid of samples. Source: derived. On a surface that leans by 60 degrees the middle of a cell is 0.9
+/// steps from its corners.
+const NEAR_SAMPLES: f64 = 1.5;
+
+/// A stretch of a wall over air.
+struct Free {
+    layer: usize,
+    /// Number of the wall, from the outermost.
+    wall: usize,
+    points: Vec<DVec2>,
+    closed: bool,
+}
+
+/// Adds contacts and lines below walls that would run too far over air.
+pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) {
+    let heights = Heights::new(stack);
+    let begins = flat_layers(mesh, &out.facets, stack, settings);
+    if !begins.contains(&true) {
+        return;
+    }
+    let w = settings.beads.bead_width_mm;
+    // Beside a post a strip may be too narrow for samples, so they may lie further off where nothing is blocked by hand.
+    let by_hand = !settings.block_facets.is_empty() || !settings.painted.blockers.triangles.is_empty();
+    let near_mm = if by_hand { NEAR_SAMPLES * settings.sample_mm() } else { settings.spacing_mm() };
+    let mut overhang = PointGrid3::new(near_mm);
+    out.samples.iter().for_each(|s| overhang.insert(s.at, ()));
+    // Points of lines and contacts, by the number of support layers below them.
+    let mut holders: Vec<Vec<DVec2>> = vec![Vec::new(); stack.layers().len() + 1];
+    let mut add = |p: DVec3| holders[heights.end_below(p.z, settings.z_gap_mm)].push(p.truncate());
+    for pair in out.lines.iter().flat_map(|line| line.windows(2)) {
+        let n = (pair[0].distance(pair[1]) / LINE_STEP_MM).ceil().max(1.0) as usize;
+        (0..=n).for_each(|i| add(pair[0].lerp(pair[1], i as f64 / n as f64)));
+    }
+    out.contacts.iter().for_each(|c| add(c.at));
+    let reach_mm = ((FREE_STEP_BEADS * w).powi(2) - 0.25 * JUDGED_MM * JUDGED_MM).max(0.0).sqrt();
+    let longest_mm = LONGEST_SHARE * settings.max_unsupported_mm;
+    let of_layer = |k: usize| -> Vec<Free> {
+        let layer = &stack.layers()[k];
+        let bottom_mm = layer.z_top_mm() - layer.height_mm();
+        let end = heights.end_below(bottom_mm, settings.z_gap_mm);
+        let Some(bounds) = layer.region().bounds() else { return Vec::new() };
+        if !begins[k] || end == 0 {
+            return Vec::new();
+        }
+        let mut part = Part::new(stack, &heights, settings);
+        let mut held = PointGrid2::new(bounds.grown(1.0), 1.0);
+        let room = |p: &&DVec2| {
+            bounds.meets(Bounds2 { min: **p, max: **p }.grown(w)) && part.leaves_room(end - 1, **p, w)
+        };
+        holders[end].iter().filter(room).for_each(|&p| held.insert(p, ()));
+        let step_mm = interface::step_mm(layer.height_mm(), settings);
+        let mut is_free = |p: DVec2| {
+            held.within(p, reach_mm).next().is_none()
+                && overhang.nearest_within(p.extend(bottom_mm), near_mm).is_some()
+                && !settings.blocked(p.extend(bottom_mm))
+                && !part.has_bead_near(k - 1, p, step_mm)
+        };
+        let mut found = Vec::new();
+        for wall in 0..settings.part_walls {
+            let walls = layer.region().offset(-depth_mm(wall, layer.height_mm(), settings), Join::Miter(2.0));
+            if walls.is_empty() {
+                break;
+            }
+            for contour in walls.contours() {
+                let points = points_along(contour);
+                let free: Vec<bool> = points.iter().map(|&p| is_free(p)).collect();
+                let stretches = stretches(&points, true, &free, longest_mm);
+                found.extend(stretches.into_iter().map(|(points, closed)| Free {
+                    layer: k,
+                    wall,
+                    points,
+                    closed,
+                }));
+            }
+        }
+        found
+    };
+    let found: Vec<Vec<Free>> = (1..stack.layers().len()).into_par_iter().map(of_layer).collect();
+    let spacing_mm = SPACING_SHARE * settings.max_unsupported_mm;
+    for in_layer in found {
+        let mut added: Vec<DVec2> = Vec::new();
+        for Free { layer, wall, points, closed } in in_layer {
+            let layer = &stack.layers()[layer];
+            let (h, z_mm) = (layer.height_mm(), layer.z_top_mm() - layer.height_mm());
+            let free: Vec<bool> =
+                points.iter().map(|p| added.iter().all(|q| q.distance(*p) > reach_mm)).collect();
+            for (stretch, closed) in stretches(&points, closed, &free, longest_mm) {
+                for (p, inwards) in divided(&stretch, closed, spacing_mm) {
+                    let own_mm = depth_mm(wall, h, settings);
+                    let inner_mm = depth_mm(settings.part_walls - 1, h, settings) + 0.5 * w - own_mm;
+                    // Of very many walls, each gets its own contacts.
+                    let [first, last] = [-own_mm, inner_mm.min(0.5 * spacing_mm)].map(|mm| p + inwards * mm);
+                    let n = (first.distance(last) / LINE_STEP_MM).ceil().max(1.0) as usize;
+                    added.extend((0..=n).map(|i| first.lerp(last, i as f64 / n as f64)));
+                    out.lines.push(vec![first.extend(z_mm), last.extend(z_mm)]);
+                    out.contacts.push(Contact {
+                        at: p.extend(z_mm),
+                        normal: -DVec3::Z,
+                        area_mm2: 0.0,
+                        reason: Reason::Facets,
+                        tip_mm: 0.0,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Depth of the centreline of a wall below the rim of its layer.
+fn depth_mm(wall: usize, height_mm: f64, settings: &SupportSettings) -> f64 {
+    let w = settings.beads.bead_width_mm;
+    0.5 * w + wall as f64 * bead_spacing_mm(w, height_mm)
+}
+
+/// The layers in which flat overhangs begin.
+fn flat_layers(mesh: &TriMesh, facets: &[u32], stack: &LayerStack, settings: &SupportSettings) -> Vec<bool> {
+    let layers = stack.layers();
+    let middles: Vec<f64> = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
+    let mut begins = vec![false; layers.len()];
+    for &t in facets {
+        let triangle = mesh.triangles[t as usize];
+        let z = triangle.map(|i| mesh.vertices[i as usize].z);
+        let (low, high) =
+            z.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let first = middles.partition_point(|&m| m < low - 1e-9);
+        let last = middles.partition_point(|&m| m < high - 1e-9);
+        let flat =
+            |k: usize| -mesh.normal(triangle).z > sin(interface::flat_rad(layers[k].height_mm(), settings));
+        for k in
+            (first..=last.min(layers.len().saturating_sub(1))).filter(|&k| !begins[k]).collect::<Vec<_>>()
+        {
+            begins[k] = flat(k);
+        }
+    }
+    begins
+}
+
+/// Points along a closed line.
+fn points_along(contour: &[DVec2]) -> Vec<DVec2> {
+    let points = |(a, b): (DVec2, DVec2)| {
+        let n = (a.distance(b) / STEP_MM).ceil().max(1.0) as usize;
+        (0..n).map(move |i| a.lerp(b, i as f64 / n as f64))
+    };
+    edges(contour).flat_map(points).collect()
+}
+
+/// The stretches of `free` points that are longer than `longest_mm`, each with a flag that marks the whole of a closed line.
+fn stretches(points: &[DVec2], closed: bool, free: &[bool], longest_mm: f64) -> Vec<(Vec<DVec2>, bool)> {
+    let length_mm = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+    if !free.contains(&false) {
+        return if length_mm(points) > longest_mm { vec![(points.to_vec(), closed)] } else { Vec::new() };
+    }
+    // A closed line is read from a point that is held, so that no stretch is cut in two at the line's start.
+    let first = if closed { free.iter().position(|f| !f).unwrap_or(0) } else { 0 };
+    let order: Vec<usize> = (0..points.len()).map(|i| (i + first) % points.len()).collect();
+    let all = order.chunk_by(|&i, &j| free[i] == free[j]).filter(|stretch| free[stretch[0]]);
+    let all = all.map(|stretch| stretch.iter().map(|&i| points[i]).collect::<Vec<DVec2>>());
+    all.filter(|stretch| length_mm(stretch) > longest_mm).map(|stretch| (stretch, false)).collect()
+}
+
+/// Points that divide a line into equal pieces no longer than `piece_mm`, each with the direction to the left of the line,
+/// which is inwards for walls.
+fn divided(line: &[DVec2], closed: bool, piece_mm: f64) -> Vec<(DVec2, DVec2)> {
+    let ways: Vec<(DVec2, DVec2)> =
+        if closed { edges(line).collect() } else { line.windows(2).map(|w| (w[0], w[1])).collect() };
+    let total_mm: f64 = ways.iter().map(|(a, b)| a.distance(*b)).sum();
+    let pieces = (total_mm / piece_mm).ceil().max(1.0) as usize;
+    let mut out = Vec::new();
+    let (mut behind_mm, mut next) = (0.0, usize::from(!closed));
+    for (a, b) in ways {
+        let length_mm = a.distance(b);
+        while next < pieces && total_mm * next as f64 / pieces as f64 <= behind_mm + length_mm {
+            let share = (total_mm * next as f64 / pieces as f64 - behind_mm) / length_mm.max(1e-12);
+            out.push((a.lerp(b, share), (b - a).normalize_or_zero().perp()));
+            next += 1;
+        }
+        behind_mm += length_mm;
+    }
+    out
+}
