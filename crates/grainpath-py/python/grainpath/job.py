@@ -177,6 +177,14 @@ class Job:
         for key, plain in AS_THEY_ARE.items():
             if settings[key] != plain:
                 raise JobError(f"{key} = {settings[key]}: sections are printed as they are; change the rings instead")
+        # The rule of process.layer_height_mm, which sections overrule: the ends of a bead's section are round.
+        assert isinstance(self._shape, LayerStack)
+        width, height = settings["process.bead_width_mm"], float(self._shape.height_mm.max(initial=0.0))
+        if width < height:
+            raise JobError(
+                f"process.bead_width_mm ({width:g}) should not be less than the layer height ({height:g}); height_mm of the "
+                "LayerStack is thickest there"
+            )
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str], **settings: Any) -> Job:
