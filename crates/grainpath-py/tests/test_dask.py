@@ -397,6 +397,8 @@ def test_a_scan_that_a_worker_does_not_find_is_told(client, tmp_path, scan):
         ({"job": "job.toml"}, gp.JobError, "job is a str; a grainpath.Job is needed"),
         ({"slab_planes": 7.5}, gp.InputError, "slab_planes = 7.5; a whole number"),
         ({"workers": 0}, gp.JobError, "workers = 0 should be 1 or more"),
+        ({"wait_s": "a"}, gp.InputError, "wait_s has the type"),
+        ({"cancel": True}, gp.JobError, "cancel is a bool; a token"),
     ],
 )
 def test_wrong_arguments_are_told_before_a_worker_starts(stores, given, error, words):

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from . import _grainpath
-from ._checks import whole
+from ._checks import number, watch, whole
 from .cluster import WAIT_S, Limit, check_client, closing, connect, reachable, same_version, wait_for_workers
 from .errors import Cancelled, InputError, JobError
 from .job import Cancel, Job, Progress
@@ -64,8 +64,10 @@ def plan_zarr(
     """
     if not isinstance(job, Job):
         raise JobError(f"job is a {type(job).__name__}; a grainpath.Job is needed")
+    watch(progress, cancel)
     if client is not None:
         check_client(client)
+    wait_s = number(wait_s, "wait_s")
     for name, value in (("slab_planes", slab_planes), ("window_layers", window_layers)):
         if value is not None and whole(value, name) < 1:
             raise JobError(f"{name} = {value} should be 1 or more")

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, floats, plain, read_only
+from ._checks import FloatArray, floats, name_of, plain, read_only
 from .errors import InputError
 from .layers import table
 from .warning import Warning, warnings_of
@@ -34,7 +34,7 @@ class Mesh:
     _data: _grainpath.MeshData
 
     def __init__(self, vertices: npt.ArrayLike, faces: npt.ArrayLike, *, unit: str = "mm") -> None:
-        if unit not in UNITS_MM:
+        if not isinstance(unit, str) or unit not in UNITS_MM:
             raise InputError(f"unit = {unit!r} should be one of {', '.join(UNITS_MM)}")
         points = floats(vertices, "vertices", (None, 3))
         corners = plain(faces, "faces")
@@ -174,6 +174,6 @@ def box(x_mm: float, y_mm: float, z_mm: float) -> Mesh:
 
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """The mesh of a file: STL, OBJ, PLY, OFF or 3MF."""
-    return Mesh._of(_grainpath.mesh_from_file(os.fspath(path)))
+    return Mesh._of(_grainpath.mesh_from_file(name_of(path)))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import floats, whole
+from ._checks import floats, name_of, whole
 from .errors import InputError, JobError
 from .volume import Volume
 
@@ -163,7 +163,7 @@ def read_zarr(
     are not there have the array's fill value, as everywhere in Zarr; a plan warns of them (``scan-chunks-missing``). The
     package zarr has to be installed.
     """
-    name = os.fspath(path)
+    name = name_of(path)
     level, channel, time = whole(level, "level"), whole(channel, "channel"), whole(time, "time")
     opened = _open(name)
     # Whoever unpacks it may stand in another folder.
