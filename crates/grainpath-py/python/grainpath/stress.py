@@ -43,6 +43,10 @@ class Stress:
     def _given(self) -> tuple[FloatArray, FloatArray]:
         return self.points.reshape(-1), self.tensors.reshape(-1)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Made anew, since numpy unpacks arrays that may be written to.
+        return Stress, (self.points, self.tensors)
+
     def __repr__(self) -> str:
         return f"<grainpath.Stress: {len(self.points)} points>"
 
