@@ -411,3 +411,19 @@ def test_a_client_that_is_closed_is_told(client, stores):
     own.close()
     with pytest.raises(gp.InputError, match="the client is closed"):
         gp.dask.plan_zarr(stores["planes"], gp.Job(**SETTINGS), client=own, spacing=SPACING)
+
+
+def test_what_fails_is_not_tried_again(client, stores, tmp_path, monkeypatch):
+    """A corrupt chunk is corrupt each time; only tasks whose worker was lost are run again, by Dask itself."""
+    tries = tmp_path / "tries"
+
+    def broken(job, found, planes, first):
+        with open(job._name, "a") as file:
+            file.write(f"{planes}\n")
+        raise gp.InputError("a chunk is corrupt")
+
+    monkeypatch.setattr(gp.dask, "cut", broken)
+    with pytest.raises(gp.InputError, match="a chunk is corrupt"):
+        gp.dask.plan_zarr(stores["planes"], gp.Job(name=str(tries), **SETTINGS), client=client, spacing=SPACING)
+    told = tries.read_text().splitlines()
+    assert told and len(told) == len(set(told))
