@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -23,6 +25,10 @@ SAMPLES = {
     "float32": "f32",
     "float64": "f64",
 }
+
+#: Most voxels of a plane, and most planes: as readers of files have it.
+MAX_PIXELS = 1 << 26
+MAX_PLANES = 1 << 20
 
 
 class Volume:
@@ -46,10 +52,7 @@ class Volume:
             shape = array.shape
         if not isinstance(shape, (tuple, list)) or len(shape) != 3:
             raise InputError(f"the array has the shape {shape!r}; (planes, rows, columns) is needed")
-        if 0 in shape:
-            raise InputError(f"the array has the shape {tuple(shape)}, which is empty")
-        if min(shape) < 0:
-            raise InputError(f"the array has the shape {tuple(shape)}; no length is below 0")
+        shape = _lengths(shape)
         try:
             dtype = np.dtype(getattr(array, "dtype", np.float32))
         except TypeError as error:
@@ -59,7 +62,7 @@ class Volume:
         if dtype.newbyteorder("=").name not in SAMPLES and dtype.kind not in "iuf":
             raise InputError(f"the array has the type {dtype}; integers or floats are needed")
         self.array = array
-        self.shape: tuple[int, int, int] = (int(shape[0]), int(shape[1]), int(shape[2]))
+        self.shape: tuple[int, int, int] = shape
         self.dtype = dtype
         self.spacing: tuple[float, float, float] | None = None
         if spacing is not None:
@@ -110,3 +113,23 @@ class Volume:
         shape = " x ".join(map(str, self.shape))
         spacing = "no spacing" if self.spacing is None else f"{self.spacing} mm"
         return f"<grainpath.Volume: {shape} {self.dtype}, {spacing}>"
+
+
+def _lengths(shape: Sequence[Any]) -> tuple[int, int, int]:
+    """The lengths of a shape, which are in the limits of the planner."""
+    if any(isinstance(n, float) and math.isnan(n) for n in shape):
+        raise InputError(f"the array has the shape {tuple(shape)}; call its compute_chunk_sizes() first")
+    try:
+        planes, rows, columns = (operator.index(n) for n in shape)
+    except TypeError as error:
+        raise InputError(f"the array has the shape {tuple(shape)!r}; three whole numbers are needed") from error
+    if min(planes, rows, columns) < 0:
+        raise InputError(f"the array has the shape {tuple(shape)}; no length is below 0")
+    if 0 in (planes, rows, columns):
+        raise InputError(f"the array has the shape {tuple(shape)}, which is empty")
+    if rows * columns > MAX_PIXELS or planes > MAX_PLANES:
+        raise InputError(
+            f"the array has the shape {(planes, rows, columns)}; at most {MAX_PIXELS} voxels a plane and {MAX_PLANES} planes "
+            "are handled"
+        )
+    return planes, rows, columns
