@@ -149,6 +149,9 @@ warning_ids! {
     ScanChunksMissing = "scan-chunks-missing",
         "Chunks of a scan in Zarr are not stored; they were read as the fill value, as Zarr defines.",
         "compare the folder with the original: programs leave out chunks that hold only the fill value, but an incomplete copy lacks other chunks too";
+    ScanValuesRounded = "scan-values-rounded",
+        "The grey values of a scan stand on an offset so large that few of their steps are left in float32, as which scans are read.",
+        "subtract the offset before the scan is written or handed over";
     ScanFirstEntry = "scan-first-entry",
         "A scan in Zarr has several channels or times; the first was read.",
         "export the channel wanted as an image of its own, or choose it in Python with gp.read_zarr";

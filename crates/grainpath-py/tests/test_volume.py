@@ -213,3 +213,16 @@ class Far:
 def test_lengths_are_in_the_limits_of_files(shape, words):
     with pytest.raises(gp.InputError, match=words):
         gp.Volume(Far(shape), spacing=SPACING)
+
+
+def test_grey_values_that_float32_rounds_are_warned_of(ball):
+    """A detector's values on an offset keep few steps, and numbers beyond float32 are infinite; neither in silence."""
+    def ids(array):
+        return [w.id for w in gp.Job(gp.Volume(array, spacing=SPACING)).plan().warnings]
+
+    for dtype in ("u4", "i8", "f8", ">u8"):
+        assert "scan-values-rounded" in ids(ball.astype(dtype) + np.array(2**31 - 200, dtype)), dtype
+        assert "scan-values-rounded" not in ids(ball.astype(dtype)), dtype
+    dark = ball.astype("f8")
+    dark[:, 0, 0] = -1e300
+    assert "scan-not-finite" in ids(dark)

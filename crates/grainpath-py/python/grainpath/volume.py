@@ -36,7 +36,7 @@ class Volume:
 
     ``array`` is anything with ``shape``, ``dtype`` and ``__getitem__``: a numpy array of any byte order and strides, a
     memory map, an h5py, Zarr or Dask array. Nothing is copied: it is kept, and read in slabs of planes while a plan is
-    made, in the thread that called :meth:`Job.plan`. Columns lie along x, rows along y, planes along z.
+    made, in the thread that called :meth:`Job.plan`, as float32. Columns lie along x, rows along y, planes along z.
 
     >>> import numpy as np, grainpath as gp
     >>> z, y, x = np.mgrid[:10, :60, :60]
@@ -83,7 +83,9 @@ class Volume:
             raise InputError(
                 f"planes {first} to {first + count} of the array have the type {block.dtype}; {self.dtype} was promised"
             )
-        flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
+        # What is beyond float32 becomes infinite, and is warned of with the other voxels that are not finite.
+        with np.errstate(over="ignore"):
+            flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
         return flat
 
     def _missing(self, window: Callable[[], list[int] | None]) -> int:
@@ -100,7 +102,8 @@ class Volume:
 
     def _given(self, missing: int = 0) -> tuple[list[int], str, list[float] | None, Any, int]:
         planes, rows, columns = self.shape
-        sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f32")
+        # The planner is told what float32 may have rounded: integers of 64 bits and long floats, as float64.
+        sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f64" if self.dtype.itemsize > 4 else "f32")
         spacing = None if self.spacing is None else list(reversed(self.spacing))
         return [columns, rows, planes], sample, spacing, self._slices, missing
 
