@@ -219,7 +219,7 @@ warning_ids! {
         "The order of stress components that the job states does not apply to the array of the file.",
         "unset guide.import_order: the file names its components, or has more or fewer than six";
     FeZeroStress = "fe-zero-stress",
-        "The stress of a finite-element file is zero everywhere.",
+        "The stress of a finite-element file, or that given at points, is zero everywhere or the same in all directions of the layers.",
         "export a step in which the part is loaded";
     DeckCovers = "deck-covers",
         "A fixture or load of a deck covers clearly less or more of the part's surface than of the deck's own.",
