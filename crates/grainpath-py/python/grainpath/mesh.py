@@ -99,7 +99,8 @@ class Mesh:
         return self._data.volume() * (self.unit_mm or 1.0) ** 3
 
     def named_faces(self) -> list[dict[str, Any]]:
-        """Planes, cylinders, cones and spheres, largest first, with names that survive another export of the part.
+        """The 200 largest faces (planes, cylinders, cones, spheres and free surfaces), largest first, with names that survive
+        another export of the part.
 
         Fixtures and loads take them: ``on = { face = "f:..." }``. Lengths are mm. A face is ``doubtful`` if another is so
         alike that the name finds neither.
