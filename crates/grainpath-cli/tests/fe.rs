@@ -130,6 +130,17 @@ fn a_result_of_another_program_guides_fill() {
     std::fs::write(dir.join("job.toml"), job.replace("import_length_unit = \"m\"\n", "")).expect("a job");
     let refused = grainpath(&dir, &["run", "job.toml"]);
     assert!(matches!(refused.status.code(), Some(3 | 4)), "{refused:?}");
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(told.contains("the part from (0.00, 0.00, 0.00) to (40.00, 20.00, 0.60) mm"), "{told}");
+    // Tension alike in all directions of the plane leads the beads nowhere.
+    std::fs::write(dir.join("job.toml"), job).expect("a job");
+    let row = pulled().lines().find(|line| line.starts_with("1 375")).expect("a row").to_owned();
+    let alike = pulled().replace(&row[1..], " 37500000 37500000 0 0 0 0");
+    std::fs::write(dir.join("r.msh"), alike).expect("a result");
+    let seen = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+    let warned =
+        seen["warnings"].as_array().is_some_and(|all| all.iter().any(|w| w["id"] == "fe-zero-stress"));
+    assert!(warned, "{seen}");
     std::fs::write(dir.join("r.msh"), pulled().replace("\"Stress\"", "\"Strain\"")).expect("a result");
     let refused = grainpath(&dir, &["run", "job.toml"]);
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();

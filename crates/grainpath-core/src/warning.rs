@@ -146,6 +146,9 @@ warning_ids! {
     ScanChunksMissing = "scan-chunks-missing",
         "Chunks of a scan in Zarr are not stored; they were read as the fill value, as Zarr defines.",
         "compare the folder with the original: programs leave out chunks that hold only the fill value, but an incomplete copy lacks other chunks too";
+    ScanValuesRounded = "scan-values-rounded",
+        "The grey values of a scan stand on an offset so large that few of their steps are left in float32, as which scans are read.",
+        "subtract the offset before the scan is written or handed over";
     ScanFirstEntry = "scan-first-entry",
         "A scan in Zarr has several channels or times; the first was read.",
         "export the channel wanted as an image of its own, or choose it in Python with gp.read_zarr";
@@ -213,7 +216,7 @@ warning_ids! {
         "The order of stress components that the job states does not apply to the array of the file.",
         "unset guide.import_order: the file names its components, or has more or fewer than six";
     FeZeroStress = "fe-zero-stress",
-        "The stress of a finite-element file is zero everywhere.",
+        "The stress of a finite-element file, or that given at points, is zero everywhere or the same in all directions of the layers.",
         "export a step in which the part is loaded";
     DeckCovers = "deck-covers",
         "A fixture or load of a deck covers clearly less or more of the part's surface than of the deck's own.",

@@ -94,7 +94,9 @@ impl MeshData {
     /// Planes, cylinders, cones and spheres of the mended mesh, as JSON.
     fn named_faces(&self, py: Python<'_>) -> PyResult<String> {
         let file = self.file.clone();
-        worker::run(py, &Caller::default(), move |_, _| Ok(grainpath_cli::list_faces(file)?.to_string()))
+        worker::run(py, &Caller::default(), move |diagnostics, _| {
+            Ok(grainpath_cli::list_faces(file, diagnostics)?.to_string())
+        })
     }
 
     /// Signed volume of all bodies in the cube of the file's unit.

@@ -11,7 +11,7 @@ use grainpath::order::paths_from_bytes;
 use grainpath_cli::{Failure, Given, Handed};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::VolumeInfo;
-use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning};
+use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning, WarningId};
 use grainpath_gcode::Written;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::CtStack;
@@ -211,15 +211,21 @@ fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
     let nodes: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
     let six = |s: &[f64]| [s[0], s[1], s[2], s[3], s[4], s[5]];
     let plane = nodes.windows(2).all(|w| w[0].z == w[1].z);
+    let stress: Vec<[f64; 6]> = stress.as_slice()?.chunks_exact(6).map(six).collect();
+    let mut warnings = Vec::new();
+    if stress.iter().flatten().all(|component| *component == 0.0) {
+        // As the reader of files has it.
+        warnings.push(Warning::new(WarningId::FeZeroStress, "the stress is zero everywhere"));
+    }
     Ok(Some(FeResult {
         format: FeFormat::Csv,
         nodes,
         elements: Vec::new(),
-        stress: stress.as_slice()?.chunks_exact(6).map(six).collect(),
+        stress,
         displacement: None,
         plane,
         stress_array: ARRAY.to_owned(),
-        warnings: Vec::new(),
+        warnings,
     }))
 }
 

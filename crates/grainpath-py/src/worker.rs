@@ -2,7 +2,8 @@
 //!
 //! The work holds no lock of the interpreter. Meanwhile the caller's thread waits in short steps; in each it looks for
 //! Ctrl-C, asks the caller's cancel token, reports progress, and reads the slices that the work asks for. An exception
-//! of any of these ends the work and comes back as it was raised.
+//! of any of these ends the work and comes back as it was raised. It looks once before the work begins and once after its
+//! end as well, so that work of less than a step is not done against a token that is set, nor without any progress.
 //!
 //! Work is stopped by a flag, which it reads often. Code that reads the flag late (a factorization) is waited for at most
 //! [`GRACE`]; then the exception is raised, and the thread ends when it next reads the flag. In this case the command line
@@ -117,13 +118,14 @@ where
     let diagnostics = Arc::new(Diagnostics::with_progress(Box::new(Counting(Arc::clone(&counter)))));
     let (requests, receiver) = mpsc::channel();
     let (shared, done) = (Arc::clone(&diagnostics), requests.clone());
+    let mut watch = Watch { caller, counter: &counter, shown: (0, 0, 0) };
+    watch.look(py)?;
     let thread = thread::Builder::new().name("grainpath".to_owned()).spawn(move || {
         let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&shared, requests))));
         // Sending fails if the caller has left after an interruption; nobody needs the message then.
         let _ = done.send(Request::Done);
         result
     })?;
-    let mut watch = Watch { caller, counter: &counter, shown: (0, 0, 0) };
     let receiver = match watch.until_done(py, receiver) {
         Ok(receiver) => receiver,
         Err((error, receiver)) => {
@@ -168,13 +170,16 @@ impl Watch<'_, '_> {
         loop {
             let (received, back) = py.detach(move || (receiver.recv_timeout(STEP), receiver));
             receiver = back;
+            let ended = matches!(received, Ok(Request::Done) | Err(RecvTimeoutError::Disconnected));
             let outcome = match received {
-                Ok(Request::Done) | Err(RecvTimeoutError::Disconnected) => return Ok(receiver),
                 Ok(Request::Slices(first, count, answer)) => self.slices(first, count, &answer),
-                Err(RecvTimeoutError::Timeout) => Ok(()),
+                Ok(Request::Done) | Err(_) => Ok(()),
             };
             if let Err(error) = outcome.and_then(|()| self.look(py)) {
                 return Err((error, receiver));
+            }
+            if ended {
+                return Ok(receiver);
             }
         }
     }

@@ -397,6 +397,8 @@ def test_a_scan_that_a_worker_does_not_find_is_told(client, tmp_path, scan):
         ({"job": "job.toml"}, gp.JobError, "job is a str; a grainpath.Job is needed"),
         ({"slab_planes": 7.5}, gp.InputError, "slab_planes = 7.5; a whole number"),
         ({"workers": 0}, gp.JobError, "workers = 0 should be 1 or more"),
+        ({"wait_s": "a"}, gp.InputError, "wait_s has the type"),
+        ({"cancel": True}, gp.JobError, "cancel is a bool; a token"),
     ],
 )
 def test_wrong_arguments_are_told_before_a_worker_starts(stores, given, error, words):
@@ -409,3 +411,19 @@ def test_a_client_that_is_closed_is_told(client, stores):
     own.close()
     with pytest.raises(gp.InputError, match="the client is closed"):
         gp.dask.plan_zarr(stores["planes"], gp.Job(**SETTINGS), client=own, spacing=SPACING)
+
+
+def test_what_fails_is_not_tried_again(client, stores, tmp_path, monkeypatch):
+    """A corrupt chunk is corrupt each time; only tasks whose worker was lost are run again, by Dask itself."""
+    tries = tmp_path / "tries"
+
+    def broken(job, found, planes, first):
+        with open(job._name, "a") as file:
+            file.write(f"{planes}\n")
+        raise gp.InputError("a chunk is corrupt")
+
+    monkeypatch.setattr(gp.dask, "cut", broken)
+    with pytest.raises(gp.InputError, match="a chunk is corrupt"):
+        gp.dask.plan_zarr(stores["planes"], gp.Job(name=str(tries), **SETTINGS), client=client, spacing=SPACING)
+    told = tries.read_text().splitlines()
+    assert told and len(told) == len(set(told))

@@ -262,3 +262,15 @@ def test_only_the_direction_of_a_vector_counts(size):
 def test_what_makes_no_field_is_told_at_once(make, words):
     with pytest.raises(gp.InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("again", [lambda f: f, lambda f: pickle.loads(pickle.dumps(f))], ids=["made", "unpacked"])
+def test_the_arrays_of_a_field_are_its_own(again):
+    x, y = np.linspace(0, 20, 21), np.linspace(0, 10, 11)
+    angles, ones = np.zeros((21, 11)), np.ones((21, 11))
+    field = again(gp.Field((x, y), angles, strength=ones, spacing_mm=ones))
+    assert not np.shares_memory(x, field.axes[0]) and not np.shares_memory(ones, field.strength)
+    for array in (*field.axes, field.vectors, field.strength, field.spacing_mm):
+        with pytest.raises(ValueError):
+            array.setflags(write=True)
+    assert again(gp.Field((x, y), lambda p: p[:, 0] * 0.1)).error_deg == gp.Field((x, y), lambda p: p[:, 0] * 0.1).error_deg

@@ -283,3 +283,61 @@ def test_a_job_that_was_unpacked_finds_its_files_from_another_folder(plate, tmp_
 def test_threads_are_a_whole_number(plate, threads):
     with pytest.raises((gp.JobError, gp.InputError), match="threads = "):
         gp.Job(plate).plan(threads=threads)
+
+
+def test_ends_of_lines_stay_as_they_are(stl, tmp_path):
+    """The program of a job with CRLF was not that of the command line, which takes the text as it is."""
+    text = f'[shape]\nmesh = "{stl.name}"\n[printer]\nstart_gcode = """\nG28\nG1 Z5\n"""\n'
+    path = tmp_path / "job.toml"
+    path.write_bytes(text.replace("\n", "\r\n").encode())
+    job = gp.Job.from_toml(path)
+    assert job["printer.start_gcode"] == "G28\r\nG1 Z5\r\n"
+    assert b"G28\r\nG1 Z5" in job.plan().to_gcode()
+
+
+def test_a_job_of_a_file_is_planned_from_another_folder(stl, tmp_path, monkeypatch):
+    (tmp_path / "job.toml").write_text(f'[shape]\nmesh = "{stl.name}"\n')
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path)
+    job = gp.Job.from_toml("job.toml")
+    monkeypatch.chdir(tmp_path / "other")
+    assert len(job.plan().layers) == len(job.with_(process__walls=1).plan().layers) > 0
+
+
+def test_settings_are_looked_up_by_name(plate):
+    job = gp.Job(plate)
+    assert "fill.density" in job and "fill.densty" not in job and 3 not in job
+    assert "fill.density" in list(job) and set(job) == set(job.settings)
+    with pytest.raises(KeyError, match="did you mean 'fill.density'"):
+        job["fill.densty"]
+
+
+#: What is no argument of a call, and what its exception says.
+NO_ARGUMENTS = {
+    "NUL in the path of a job": (lambda plan: gp.Job.from_toml("a\0b"), "NUL"),
+    "NUL in the path of a program": (lambda plan: gp.gcode.read("a\0b"), "NUL"),
+    "no path": (lambda plan: gp.read(None), "path is a NoneType"),
+    "a path in bytes": (lambda plan: gp.read(b"a.stl"), "path is bytes"),
+    "a file number": (lambda plan: gp.read(0), "path is a int"),
+    "half of a character": (lambda plan: plan.job.with_(printer__start_gcode="G28 \ud800"), "half of a character"),
+    "half of a character in a text": (lambda plan: gp.Job.from_text("a = '\ud800'"), "half of a character"),
+    "half of a character in a program": (lambda plan: gp.gcode.loads("G1 X\udc80"), "half of a character"),
+    "units": (lambda plan: gp.Mesh(plan.job.shape.vertices, plan.job.shape.faces, unit=["mm"]), "unit = "),
+    "a width that is a word": (lambda plan: gp.markers("a", 30), "a x 30 mm: the rectangle"),
+    "a diameter that is a word": (lambda plan: gp.gcode.loads(plan.to_gcode(), filament_mm="1.75"), "filament_mm has the type"),
+    "half a layer": (lambda plan: gp.gcode.loads(plan.to_gcode()).render(1.5), "layer = 1.5"),
+    "a size that is a word": (lambda plan: gp.gcode.loads(plan.to_gcode()).render(size="a"), "size = 'a'"),
+    "progress": (lambda plan: plan.job.plan(progress=3), "progress is a int; a function"),
+    "a token": (lambda plan: plan.job.plan(cancel=True), "cancel is a bool; a token"),
+    "progress of a report": (lambda plan: plan.measure(progress=3), "progress is a int; a function"),
+    "a wait": (lambda plan: gp.cluster.run_folder(".", wait_s="a"), "wait_s has the type"),
+}
+
+
+@pytest.mark.parametrize("what", NO_ARGUMENTS)
+def test_what_is_no_argument_is_told(plan, tmp_path, monkeypatch, what):
+    (tmp_path / "job.toml").write_text("")
+    monkeypatch.chdir(tmp_path)
+    call, words = NO_ARGUMENTS[what]
+    with pytest.raises((gp.InputError, gp.JobError), match=words):
+        call(plan)

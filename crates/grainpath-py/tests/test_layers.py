@@ -108,6 +108,7 @@ def test_layers_without_area_are_gaps(cup):
         (lambda: gp.LayerStack([[SQUARE]], height_mm=[0.2, 0.2]), "height_mm has the shape"),
         (lambda: gp.LayerStack([[SQUARE]], height_mm=0.2, rule="odd"), "even-odd"),
         (lambda: gp.LayerStack.from_bytes(b"solid"), "not a layer stack"),
+        (lambda: gp.LayerStack.from_bytes("solid"), "data is a str; bytes"),
         (lambda: gp.LayerStack.from_bytes(b"GPLS\x07"), "version 7"),
     ],
 )
@@ -143,3 +144,16 @@ def test_notebooks_show_parts(cup, plan, ball):
 def test_what_holds_no_rings_is_told(sections, words):
     with pytest.raises(gp.InputError, match=words):
         gp.LayerStack(sections, height_mm=0.2)
+
+
+def test_layers_thicker_than_a_bead_is_wide_are_refused(cup):
+    """As process.layer_height_mm is, whose place the heights of sections take."""
+    with pytest.raises(gp.JobError) as error:
+        gp.Job(gp.box(5, 5, 10), process__layer_height_mm=5)
+    words = "process.bead_width_mm (0.45) should not be less than the layer height (5)"
+    assert words in str(error.value)
+    with pytest.raises(gp.JobError) as error:
+        gp.Job(gp.LayerStack([[SQUARE], [SQUARE]], height_mm=[0.2, 5]))
+    assert words in str(error.value)
+    thick = gp.LayerStack([[SQUARE]] * 2, height_mm=0.8)
+    assert len(gp.Job(thick, process__bead_width_mm=1.0, printer__nozzle_mm=0.8).plan().layers) == 2

@@ -161,3 +161,22 @@ def test_paint_modifiers_and_warnings_survive_pickling_and_copying(painted):
     plain = gp.Mesh(mesh.vertices, mesh.faces)
     assert plain != mesh and gp.Job(plain, **QUICK).plan().to_gcode() != gp.Job(mesh, **QUICK).plan().to_gcode()
     assert painted("b.3mf", "8") != mesh and painted("c.3mf", "4") == mesh
+
+
+def test_faces_of_an_organic_mesh_are_the_largest_ones():
+    """Such a mesh has a face for each facet or so, and each name was compared with all, which took minutes."""
+    n = 90
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, 60, n), np.linspace(0, 60, n), indexing="ij"))
+    top = np.stack([x, y, 10 + np.random.default_rng(2).random(n * n)], axis=1)
+    points = np.concatenate([top, top * [1, 1, 0]])
+    k = np.arange(n * n).reshape(n, n)
+    quads = np.stack([k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]], axis=-1).reshape(-1, 4)
+    up = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    rim = np.concatenate([k[0], k[1:, -1], k[-1, -2::-1], k[-2:0:-1, 0]])
+    after = np.roll(rim, -1)
+    walls = np.concatenate([np.stack([rim, after, after + n * n], 1), np.stack([rim, after + n * n, rim + n * n], 1)])
+    mesh = gp.Mesh(points, np.concatenate([up, up[:, ::-1] + n * n, walls]))
+    faces = mesh.named_faces()
+    assert len(faces) == 200 and len({face["name"] for face in faces}) > 150
+    areas = [face["area_mm2"] for face in faces]
+    assert areas == sorted(areas, reverse=True) and areas[0] == pytest.approx(3600)

@@ -141,3 +141,14 @@ def test_a_scan_is_found_from_another_folder(tmp_path, ball, monkeypatch):
     ome(tmp_path / "scan.zarr", ball[:6], "0.5")
     with pytest.raises(gp.InputError, match="the path has to lead to the same scan everywhere"):
         pickle.loads(packed).array[0:1]
+
+
+def test_a_scan_of_many_chunks_is_told_at_once(tmp_path, ball):
+    """Names of billions of chunks were made, one by one, to look for them."""
+    zarr.create_array(tmp_path / "wide.zarr", shape=(4, 2**33, 2**33), dtype="u1", chunks=(1, 64, 64))
+    with pytest.raises(gp.InputError, match="at most 67108864 voxels a plane"):
+        gp.read_zarr(tmp_path / "wide.zarr", spacing=0.2)
+    array = zarr.create_array(tmp_path / "deep.zarr", shape=(2**20, 8192, 8192), dtype="u1", chunks=(1, 1, 64))
+    array[7, 5, :128] = 1
+    assert gp.Volume(array, spacing=0.2)._missing(lambda: None) == 2**20 * 8192 * 128 - 2
+    assert gp.Volume(array, spacing=0.2)._missing(lambda: [7, 7]) == 8192 * 128 - 2

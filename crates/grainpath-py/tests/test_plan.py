@@ -135,6 +135,18 @@ def test_a_token_cancels():
         gp.Job(gp.box(150, 150, 60), fill__pattern="gyroid").plan(cancel=token)
 
 
+def test_short_plans_look_at_the_token_and_tell_progress(plate):
+    """Of a plan that took less than a step of the watch neither was looked at."""
+    token, seen = threading.Event(), []
+    job = gp.Job(plate, **QUICK)
+    job.plan(cancel=token, progress=lambda *args: seen.append(args))
+    assert seen and seen[-1][1] == seen[-1][2]
+    token.set()
+    for call in (job.plan, job.orient, job.plan().measure):
+        with pytest.raises(gp.Cancelled, match="nothing was written"):
+            call(cancel=token)
+
+
 def test_a_part_beside_the_bed_is_refused():
     with pytest.raises(gp.PhysicsError, match="the part measures 2000.00 x 10.00 x 1.00 mm"):
         gp.Job(gp.box(2000, 10, 1)).plan()

@@ -249,3 +249,44 @@ def test_what_cannot_be_oriented_is_refused(bar):
     stop.set()
     with pytest.raises(gp.Cancelled):
         bar.orient(cancel=stop)
+
+
+CORNERS = np.array([[0.0, 0, 0], [40, 8, 1]])
+PULL = np.tile([10.0, 0, 0, 0, 0, 0], (2, 1))
+
+
+def test_points_have_to_reach_over_the_part():
+    """The message gives both boxes, since what is wrong is no unit of a file."""
+    job = gp.Job(gp.box(40, 8, 1), guide__kind="angle", fill__pattern="stripes", fill__density=0.4)
+    with pytest.raises(gp.GrainpathError) as error:
+        job.with_(stress=gp.Stress(CORNERS * 0.5, PULL)).plan()
+    told = str(error.value)
+    assert "to (20.00, 4.00, 0.50) mm, the part from (0.00, 0.00, 0.00) to (40.00, 8.00, 1.00) mm" in told
+    assert "reach over the whole part" in told
+    assert job.with_(stress=gp.Stress(CORNERS, PULL)).plan().report["stress"]["max_von_mises_mpa"] == 10.0
+
+
+@pytest.mark.parametrize(
+    "tensor, words",
+    [([0, 0, 0, 0, 0, 0], "zero everywhere"), ([5, 5, 5, 0, 0, 0], "same in all directions"), ([0, 0, 7, 0, 0, 0], "same in all directions")],
+)
+def test_a_stress_that_leads_nowhere_is_warned_of(tensor, words):
+    job = gp.Job(gp.box(40, 8, 1), guide__kind="angle", fill__pattern="stripes", fill__density=0.4)
+    given = gp.Stress(CORNERS, np.tile(np.array(tensor, float), (2, 1)))
+    warned = [w for w in job.with_(stress=given).plan().warnings if w.id == "fe-zero-stress"]
+    assert len(warned) == 1 and words in warned[0].text
+    plain = job.with_(stress=gp.Stress(CORNERS, PULL)).plan()
+    assert "fe-zero-stress" not in [w.id for w in plain.warnings]
+
+
+@pytest.mark.parametrize("factor", [1e155, 1e-12, 1e-155])
+def test_stress_beyond_what_is_followed_is_refused(factor):
+    with pytest.raises(gp.InputError, match="the largest of tensors is 1e.* MPa; from 1e-09 to 1e.100 MPa"):
+        gp.Stress(CORNERS, PULL * factor)
+
+
+def test_an_unpacked_stress_cannot_be_written():
+    again = pickle.loads(pickle.dumps(gp.Stress(CORNERS, PULL)))
+    for array in (again.points, again.tensors):
+        with pytest.raises(ValueError):
+            array.setflags(write=True)

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -294,3 +295,79 @@ def test_an_entry_that_says_too_little_is_computed_again(job, tmp_path):
     for entry in tmp_path.iterdir():
         entry.write_text("{}")
     assert not any(row["cached"] for row in gp.sweep(job, SETTINGS, cache=tmp_path))
+
+
+GRID = np.linspace(-1, 31, 33), np.linspace(-1, 21, 23)
+POINTS = np.random.default_rng(1).random((200, 3)) * [30, 20, 1.2]
+POINTS[:2] = [0, 0, 0], [30, 20, 1.2]
+
+
+def pulled(angle):
+    """Tension along a direction of the plane."""
+    along = np.array([np.cos(angle), np.sin(angle), 0])
+    return gp.Stress(POINTS, np.tile(10 * np.outer(along, along), (len(POINTS), 1, 1)))
+
+
+def wood(angle):
+    y, x = np.mgrid[:120, :180]
+    return gp.Image(128 + 100 * np.sin((x * np.sin(angle) + y * np.cos(angle)) / 3))
+
+
+def wedge(depth):
+    """A box whose top is narrower; it is shown by the same words for any depth."""
+    box = gp.box(30, 20, 1.2)
+    corners = box.vertices.copy()
+    corners[corners[:, 2] > 0, 0] = np.clip(corners[corners[:, 2] > 0, 0], depth, 30 - depth)
+    return gp.Mesh(corners, box.faces)
+
+
+#: Arrays that differ in what they hold and not in what they are shown as.
+ALIKE = {
+    "field": lambda k: gp.Field(GRID, np.full((33, 23), 0.1 + 0.5 * k)),
+    "stress": lambda k: pulled(0.2 + 0.5 * k),
+    "grain": lambda k: wood(0.2 + 0.7 * k),
+    "shape": lambda k: wedge(1 + 3 * k),
+}
+
+
+@pytest.mark.parametrize("what", ALIKE)
+def test_each_array_of_a_point_has_its_own_entry(plate, tmp_path, what):
+    make = ALIKE[what]
+    guide = {} if what == "shape" else {"fill__pattern": "stripes", "fill__density": 0.4, "guide__kind": "angle"}
+    job = gp.Job(plate, **guide, **QUICK)
+    first = gp.sweep(job, {what: [make(0), make(1)]}, cache=tmp_path)
+    assert [row["cached"] for row in first] == [False, False] and not first.failed
+    assert first[0]["printed_mm"] != first[1]["printed_mm"]
+    again = gp.sweep(job, {what: [make(1), make(2), make(0)]}, cache=tmp_path)
+    assert [row["cached"] for row in again] == [True, False, True]
+    assert [row["printed_mm"] for row in again[::2]] == [first[1]["printed_mm"], first[0]["printed_mm"]]
+    assert again[1]["printed_mm"] == job.with_(**{what: make(2)}).plan().report["printed_mm"]
+
+
+def test_long_arrays_in_settings_have_their_own_entries(plate, tmp_path):
+    """numpy shows the ends of a long array only."""
+    def loads(k):
+        facets = np.zeros(3000, int)
+        facets[1500] = k
+        return [{"on": {"facets": facets}, "force_n": [1, 0, 0]}]
+
+    job = gp.Job(plate, **QUICK)
+    gp.sweep(job, {"guide.load": [loads(0)]}, cache=tmp_path)
+    (row,) = gp.sweep(job, {"guide.load": [loads(1)]}, cache=tmp_path)
+    assert not row["cached"]
+
+
+def test_rows_of_an_array_are_lists(job):
+    (row,) = gp.sweep(job, {"printer.bed_mm": np.array([[210.0, 220.0, 200.0]])})
+    assert row["printer.bed_mm"] == [210.0, 220.0, 200.0] and row["error"] is None
+
+
+def test_names_of_settings_are_texts(job):
+    with pytest.raises(gp.JobError, match="settings has the name 3"):
+        gp.sweep(job, {3: [1]})
+
+
+def test_a_table_of_pandas_says_what_it_needs(job, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(gp.JobError, match="pip install pandas"):
+        sweeps.Sweep([]).to_pandas()

@@ -212,3 +212,9 @@ def test_without_anywidget_the_viewer_says_what_to_install(plan, monkeypatch):
     with pytest.raises(ImportError, match=r'anywidget is missing\): pip install "grainpath\[notebook\]"'):
         plan.view()
     assert "<canvas" in plan._repr_html_()
+
+
+@pytest.mark.parametrize("given, words", [({"layers": 3}, "layers = 3"), ({"layers": ("a", 1)}, "layers = 'a'"), ({"color": None}, "color = None")])
+def test_what_is_no_view_is_told(plan, given, words):
+    with pytest.raises(gp.InputError, match=words):
+        plan.view(**given)

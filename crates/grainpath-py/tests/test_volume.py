@@ -186,3 +186,43 @@ def test_masked_arrays_are_refused(ball):
             take()
     assert bytes_of(masked.filled(0)) == bytes_of(np.where(ball < 100, 0, ball))
     assert bytes_of(np.ma.array(ball)) == bytes_of(ball)
+
+
+class Far:
+    dtype = np.dtype("u1")
+
+    def __init__(self, shape):
+        self.shape = shape
+
+    def __getitem__(self, key):
+        raise AssertionError("nothing is read of it")
+
+
+@pytest.mark.parametrize(
+    "shape, words",
+    [
+        ((2, 2**40, 2**40), "at most 67108864 voxels a plane"),
+        ((2**63 - 1, 3, 3), "and 1048576 planes are handled"),
+        ((2**70, 3, 3), "and 1048576 planes are handled"),
+        ((3, 2**31, 2**31), "at most 67108864 voxels a plane"),
+        ((3.5, 3, 3), "three whole numbers are needed"),
+        (("3", 3, 3), "three whole numbers are needed"),
+        ((np.nan, 3, 3), r"compute_chunk_sizes\(\)"),
+    ],
+)
+def test_lengths_are_in_the_limits_of_files(shape, words):
+    with pytest.raises(gp.InputError, match=words):
+        gp.Volume(Far(shape), spacing=SPACING)
+
+
+def test_grey_values_that_float32_rounds_are_warned_of(ball):
+    """A detector's values on an offset keep few steps, and numbers beyond float32 are infinite; neither in silence."""
+    def ids(array):
+        return [w.id for w in gp.Job(gp.Volume(array, spacing=SPACING)).plan().warnings]
+
+    for dtype in ("u4", "i8", "f8", ">u8"):
+        assert "scan-values-rounded" in ids(ball.astype(dtype) + np.array(2**31 - 200, dtype)), dtype
+        assert "scan-values-rounded" not in ids(ball.astype(dtype)), dtype
+    dark = ball.astype("f8")
+    dark[:, 0, 0] = -1e300
+    assert "scan-not-finite" in ids(dark)

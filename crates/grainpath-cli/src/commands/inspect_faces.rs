@@ -28,7 +28,7 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let bytes = files::read(&args.file)?;
     let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
     let by = if file.unit.is_some() { "the file says so" } else { "assumed" };
-    let (mesh, faces, unit) = of_file(file, &name)?;
+    let (mesh, faces, unit) = of_file(file, &name, &Diagnostics::default())?;
     let unit = format!("{} ({by})", unit.name());
     let shown = faces.len().min(LISTED);
     let rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
@@ -62,25 +62,34 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
 }
 
 /// The mended mesh of a file in mm, its faces, and the unit of the file.
-fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces, LengthUnit), Failure> {
+fn of_file(
+    file: MeshFile,
+    name: &str,
+    diagnostics: &Diagnostics,
+) -> Result<(TriMesh, Faces, LengthUnit), Failure> {
     let bodies = file.bodies.into_iter().map(|body| body.mesh).collect();
     // The mesh is mended as in a run, since facets that are inside out would have reversed normals.
-    let mut mesh = mend(bodies, Repair::Auto, &Diagnostics::default())
+    let mut mesh = mend(bodies, Repair::Auto, diagnostics)
         .map_err(|source| grainpath::Error::Shape { path: name.to_owned(), source })?;
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     let unit = file.unit.unwrap_or_else(|| assumed_unit(longest));
     mesh.vertices.iter_mut().for_each(|p| *p *= unit.mm());
+    diagnostics.check().map_err(grainpath::Error::from)?;
     let faces = Faces::segment(&mesh);
     Ok((mesh, faces, unit))
 }
 
-/// All faces of a mesh, largest first, each as `--json` prints it.
+/// The largest faces of a mesh, as many as the command lists, largest first, each as `--json` prints it.
 ///
 /// # Errors
-/// For a mesh that cannot be mended.
-pub fn list_faces(file: MeshFile) -> Result<Value, Failure> {
-    let (_, faces, _) = of_file(file, "the mesh")?;
-    Ok((0..faces.len()).map(|i| face_json(&faces, i)).collect())
+/// For a mesh that cannot be mended, and where the work is stopped.
+pub fn list_faces(file: MeshFile, diagnostics: &Diagnostics) -> Result<Value, Failure> {
+    let (_, faces, _) = of_file(file, "the mesh", diagnostics)?;
+    let row = |i: usize| {
+        diagnostics.check().map_err(grainpath::Error::from)?;
+        Ok(face_json(&faces, i))
+    };
+    (0..faces.len().min(LISTED)).map(row).collect()
 }
 
 /// One face; numbers count from 1, as in the picture.

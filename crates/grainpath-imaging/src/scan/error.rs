@@ -39,7 +39,7 @@ pub enum ScanError {
         "the grey values are noise: neighbouring voxels are unrelated; check the size, the sample type and the byte order of raw data, or set {section}.smooth for a very noisy scan"
     )]
     Noise { section: &'static str },
-    #[error("every voxel has the grey value {grey}, so the part cannot be told from air")]
+    #[error("every voxel has the grey value {grey} as float32, so the part cannot be told from air")]
     Blank { grey: f32 },
     #[error("the scan ends early")]
     EndsEarly,

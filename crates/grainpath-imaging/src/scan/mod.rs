@@ -46,7 +46,7 @@ use std::sync::mpsc::sync_channel;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
-use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
+use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region, Warning, WarningId};
 use rayon::prelude::*;
 
@@ -227,6 +227,8 @@ pub struct CtStack {
 /// air to material. Source: derived. With the threshold halfway, noise of 10 % of the step makes air look plainly material
 /// only at six standard deviations.
 const CLEAR: f64 = 0.1;
+/// Steps of `f32` that are enough between the lowest and the highest grey value. Source: derived. Detectors give 12 to 16 bits.
+const MIN_STEPS: f64 = 4096.0;
 /// Limit on the layers. Source: derived. At 0.05 mm it is a part 10 m high.
 const MAX_LAYERS: f64 = 200_000.0;
 /// Cuts a scan into layers at the printer's heights. Holds a few slices at a time.
@@ -252,10 +254,10 @@ pub fn slice_scan(
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
     job.begin_layers(diagnostics)?;
     let all = job.collect(source, 0..lattice.z_mm.len(), diagnostics)?;
-    let not_finite = all.not_finite;
+    let (not_finite, range) = (all.not_finite, all.range);
     let absent = source.n_absent();
     let made = job.finish(all, diagnostics)?;
-    warn_not_finite(not_finite, &info, diagnostics);
+    warn_of_values(not_finite, range, &info, diagnostics);
     if absent > 0 {
         let text = format!("{absent} chunks of the scan are not there; they have its fill value");
         diagnostics.warn(WarningId::ScanChunksMissing, text);
@@ -270,7 +272,20 @@ fn as_fine_as_pixels(settings: &CtSettings, lattice: &Lattice) -> CtSettings {
     CtSettings { simplify_mm, ..settings.clone() }
 }
 
-fn warn_not_finite(not_finite: u64, info: &VolumeInfo, diagnostics: &Diagnostics) {
+/// Warns of grey values that are not finite, and of those that lost their lower digits as `f32`.
+fn warn_of_values(not_finite: u64, (low, high): (f32, f32), info: &VolumeInfo, diagnostics: &Diagnostics) {
+    let is_exact = matches!(
+        info.sample,
+        SampleType::U8 | SampleType::I8 | SampleType::U16 | SampleType::I16 | SampleType::F32
+    );
+    let steps = f64::from(high - low) / (f64::from(low.abs().max(high.abs())) * f64::from(f32::EPSILON));
+    if !is_exact && steps < MIN_STEPS {
+        let text = format!(
+            "the grey values lie from {low} to {high}, where float32 has {steps:.0} steps between them"
+        );
+        diagnostics.warn(WarningId::ScanValuesRounded, text);
+    }
+
     if not_finite > 0 {
         let n_voxels: u64 = info.size.iter().map(|&n| n as u64).product();
         let share = 100.0 * not_finite as f64 / n_voxels as f64;

@@ -20,7 +20,7 @@ use grainpath_core::{Diagnostics, Layer, LayerStack, Region};
 
 use super::survey::Lattice;
 use super::{
-    Collected, CtSettings, CtStack, Events, Job, Lost, ScanError, Survey, as_fine_as_pixels, warn_not_finite,
+    Collected, CtSettings, CtStack, Events, Job, Lost, ScanError, Survey, as_fine_as_pixels, warn_of_values,
 };
 
 /// A scan that is cut in parts.
@@ -132,9 +132,9 @@ impl PartedScan {
         if numbers.windows(2).any(|pair| pair[0] == pair[1]) {
             return Err(ScanError::PartsOverlap);
         }
-        let not_finite = all.not_finite;
+        let (not_finite, range) = (all.not_finite, all.range);
         let made = self.job(survey).finish(all, diagnostics)?;
-        warn_not_finite(not_finite, &self.info, diagnostics);
+        warn_of_values(not_finite, range, &self.info, diagnostics);
         Ok(made)
     }
 

@@ -411,31 +411,32 @@ fn a_turned_scan_stands_on_its_side() {
     );
 }
 
+/// A phantom whose values are changed as they are read.
+struct Changed(Phantom, fn(f32) -> f32, u64);
+impl SliceSource for Changed {
+    fn info(&self) -> &VolumeInfo {
+        &self.0.info
+    }
+    fn restart(&mut self) -> Result<(), SliceError> {
+        self.2 = 0;
+        self.0.restart()
+    }
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        let more = self.0.next_slice(out)?;
+        out.iter_mut().for_each(|v| *v = (self.1)(*v));
+        self.2 += out.iter().filter(|v| **v == 0.0).count() as u64;
+        Ok(more)
+    }
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
+        self.0.skip_slice()
+    }
+    fn n_not_finite(&self) -> u64 {
+        self.2
+    }
+}
+
 #[test]
 fn values_that_cannot_be_a_scan_stop_early() {
-    /// A phantom whose values are changed as they are read.
-    struct Changed(Phantom, fn(f32) -> f32, u64);
-    impl SliceSource for Changed {
-        fn info(&self) -> &VolumeInfo {
-            &self.0.info
-        }
-        fn restart(&mut self) -> Result<(), SliceError> {
-            self.2 = 0;
-            self.0.restart()
-        }
-        fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-            let more = self.0.next_slice(out)?;
-            out.iter_mut().for_each(|v| *v = (self.1)(*v));
-            self.2 += out.iter().filter(|v| **v == 0.0).count() as u64;
-            Ok(more)
-        }
-        fn skip_slice(&mut self) -> Result<bool, SliceError> {
-            self.0.skip_slice()
-        }
-        fn n_not_finite(&self) -> u64 {
-            self.2
-        }
-    }
     let refusal = |change: fn(f32) -> f32, settings: CtSettings| {
         let phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
         let made = slice_scan(&mut Changed(phantom, change, 0), &settings, &Diagnostics::default());
@@ -448,6 +449,25 @@ fn values_that_cannot_be_a_scan_stop_early() {
     }
     assert!(refusal(|_| 0.0, settings()).contains("NaN, infinite or padding"));
     assert!(refusal(|_| 5.0, settings()).contains("every voxel has the grey value 5"));
+}
+
+/// A detector's numbers of 16 bits on an offset, in integers of 32.
+#[test]
+fn grey_values_that_float32_rounds_are_told() {
+    let told = |sample: SampleType, change: fn(f32) -> f32| {
+        let mut phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
+        phantom.info.sample = sample;
+        let diagnostics = Diagnostics::default();
+        slice_scan(&mut Changed(phantom, change, 0), &settings(), &diagnostics).expect("layers");
+        diagnostics.warnings().into_iter().find(|w| w.id == WarningId::ScanValuesRounded).map(|w| w.text)
+    };
+    let far: fn(f32) -> f32 = |v| v + 2_147_483_648.0;
+    let text = told(SampleType::U32, far).expect("a warning");
+    assert!(text.contains("where float32 has 8") && text.ends_with(" steps between them"), "{text}");
+    assert!(told(SampleType::F64, far).is_some());
+    assert_eq!(told(SampleType::U32, |v| v), None);
+    assert_eq!(told(SampleType::U32, |v| v + 4_194_304.0), None, "half steps are left");
+    assert_eq!(told(SampleType::F32, far), None, "the file itself holds no more");
 }
 
 /// A round field of view: pixels outside a circle have the lowest value of their slice and are counted.

@@ -6,7 +6,7 @@ import json
 import math
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,49 @@ def whole(value: Any, name: str) -> int:
         return operator.index(value)
     except TypeError as error:
         raise InputError(f"{name} = {value!r}; a whole number is needed") from error
+
+
+def number(value: Any, name: str) -> float:
+    """``value`` as a finite float."""
+    return float(floats(value, name, ()))
+
+
+def name_of(path: Any, name: str = "path") -> str:
+    """A path as text. Bytes are refused, since messages and jobs name files in text."""
+    try:
+        found: str | bytes = os.fspath(path)
+    except TypeError as error:
+        raise InputError(f"{name} is a {type(path).__name__}; a str or an os.PathLike is needed") from error
+    if isinstance(found, bytes):
+        raise InputError(f"{name} is bytes; a str is needed: os.fsdecode(path)")
+    if "\0" in found:
+        raise InputError(f"{name} {found!r} has a NUL character, which no file's name has")
+    return found
+
+
+def whole_text(text: str, name: str) -> None:
+    """Refuses halves of characters, which numpy and file systems may leave in a text, and UTF-8 has not."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise JobError(f"{name} has half of a character ({text[error.start]!r} at {error.start}), which is no text") from error
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """What was meant by a word that is not among some."""
+    # Imported here, since only mistakes need it.
+    import difflib
+
+    near = difflib.get_close_matches(word, list(words), n=1, cutoff=0)
+    return f"did you mean {near[0]!r}?" if near else ""
+
+
+def watch(progress: Any, cancel: Any) -> None:
+    """Refuses what cannot be called for progress, and what is no token."""
+    if progress is not None and not callable(progress):
+        raise JobError(f"progress is a {type(progress).__name__}; a function of stage, done and total is needed")
+    if cancel is not None and not callable(getattr(cancel, "is_set", None)):
+        raise JobError(f"cancel is a {type(cancel).__name__}; a token with is_set() is needed, such as threading.Event()")
 
 
 def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
@@ -74,6 +117,7 @@ def toml(value: Any, key: str) -> str:
             raise JobError(f"{key} = {value}; a finite number is needed")
         return repr(value)
     if isinstance(value, str):
+        whole_text(value, key)
         # TOML's basic strings are JSON's, but for the control character that JSON lets pass.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Mapping):

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from . import _grainpath
-from ._checks import whole
+from ._checks import name_of, number, whole
 from .errors import GrainpathError, InputError, JobError
 from .sweeps import GONE, LOOK_S, Row, Sweep, as_same, connected, in_order_of_end
 
@@ -43,7 +43,7 @@ WAIT_S = 60.0
 
 def jobs_of(folder: str | os.PathLike[str]) -> list[str]:
     """The job files of a folder, in the order of their names; a job file is itself."""
-    path = os.fspath(folder)
+    path = name_of(folder, "folder")
     if os.path.isfile(path):
         return [os.path.abspath(path)]
     try:
@@ -231,6 +231,7 @@ def run_folder(
     are there.
     """
     jobs = jobs_of(folder)
+    wait_s = number(wait_s, "wait_s")
     own = client is None
     if not own:
         check_client(client)

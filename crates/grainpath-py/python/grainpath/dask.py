@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from . import _grainpath
-from ._checks import whole
+from ._checks import number, watch, whole
 from .cluster import WAIT_S, Limit, check_client, closing, connect, reachable, same_version, wait_for_workers
 from .errors import Cancelled, InputError, JobError
 from .job import Cancel, Job, Progress
@@ -29,9 +29,6 @@ from .volume import Volume
 SLABS = 64
 #: Layers that are filled at a time, where nothing else is asked for. Each window makes the masks of its neighbours anew.
 WINDOW = 32
-#: How often a task is tried again whose worker was lost.
-RETRIES = 3
-
 #: Grey values and the height of the part's begin, as the module has them.
 Found = tuple[float, float, float, float | None]
 
@@ -64,8 +61,10 @@ def plan_zarr(
     """
     if not isinstance(job, Job):
         raise JobError(f"job is a {type(job).__name__}; a grainpath.Job is needed")
+    watch(progress, cancel)
     if client is not None:
         check_client(client)
+    wait_s = number(wait_s, "wait_s")
     for name, value in (("slab_planes", slab_planes), ("window_layers", window_layers)):
         if value is not None and whole(value, name) < 1:
             raise JobError(f"{name} = {value} should be 1 or more")
@@ -132,8 +131,9 @@ class _Run:
         return Plan._of(job, data)
 
     def _submit(self, call: Callable[..., Any], *arguments: Any) -> Any:
-        arguments = (_grainpath.__version__, call, *arguments)
-        return self._client.submit(as_same, *arguments, pure=False, retries=RETRIES)
+        # Not tried again where it fails: the same task fails in the same way. Where its worker was lost, Dask itself gives it
+        # to another, as often as its distributed.scheduler.allowed-failures says.
+        return self._client.submit(as_same, _grainpath.__version__, call, *arguments, pure=False)
 
     def _all(self, stage: str, n: int, submit: Callable[[int], Any]) -> list[Any]:
         """The results of a stage, in the order of their numbers."""
@@ -205,7 +205,7 @@ def _told(error: Exception) -> Exception:
     """An exception of a task: that of the work as it was raised, or that its worker or the scheduler is gone."""
     name = type(error).__name__
     if name in ("KilledWorker", "NoValidWorkerError"):
-        return InputError(f"a slab was lost with {RETRIES + 1} workers, one after the other ({error}); nothing was written")
+        return InputError(f"a slab was lost with each of its workers, one after the other ({error}); nothing was written")
     if name in GONE:
         return InputError(f"the scheduler is gone ({name}); nothing was written")
     return error

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import FloatArray, floats, plain
+from ._checks import FloatArray, floats, plain, read_only
 from .errors import InputError
 from .mesh import Mesh
 
@@ -62,7 +62,8 @@ class Field:
         if not hasattr(axes, "__len__") or len(axes) not in (2, 3):
             found = f"{len(axes)} entries" if hasattr(axes, "__len__") else f"the type {type(axes).__name__}"
             raise InputError(f"axes has {found}; positions along x, y and perhaps z are needed")
-        self.axes = tuple(floats(a, f"axes[{k}]", (None,)) for k, a in enumerate(axes))
+        # Copied, as all arrays of a field are: the memory is the user's, and a field does not change.
+        self.axes = tuple(read_only(floats(a, f"axes[{k}]", (None,))) for k, a in enumerate(axes))
         for k, axis in enumerate(self.axes):
             if len(axis) == 0 or (np.diff(axis) <= 0).any():
                 raise InputError(f"axes[{k}] should rise from entry to entry and have at least one")
@@ -73,9 +74,9 @@ class Field:
         self.error_deg = 0.0
         if callable(directions):
             flat = _called(directions, self._points())
-            self.vectors = flat.reshape(*self.shape, 2 if flat.shape[1] == 2 else 3)
+            self.vectors = read_only(flat.reshape(*self.shape, 2 if flat.shape[1] == 2 else 3))
         else:
-            self.vectors = self._vectors(directions)
+            self.vectors = read_only(self._vectors(directions))
         self.strength = self._others(strength, "strength")
         self.spacing_mm = self._others(spacing_mm, "spacing_mm")
         if self.strength is not None and not ((self.strength >= 0) & (self.strength <= 1)).all():
@@ -128,7 +129,7 @@ class Field:
         array = floats(values, name, (None,) * np.ndim(values))
         if array.ndim not in (0, len(self.shape)) or array.shape not in ((), self.shape):
             raise InputError(f"{name} has the shape {array.shape}; {self.shape} is needed, as the grid has")
-        return np.array(np.broadcast_to(array, self.shape))
+        return read_only(np.broadcast_to(array, self.shape))
 
     def _error(self, function: Function) -> float:
         """Greatest angle between the function and the grid between its points, degrees."""
@@ -211,8 +212,17 @@ class Field:
         np.savez(file, **{name: np.ascontiguousarray(a) for name, a in arrays.items()})  # type: ignore[arg-type]
         return file.getvalue(), settings
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.axes, self.vectors, self.strength, self.spacing_mm, self.error_deg)
+
     def __repr__(self) -> str:
         return f"<grainpath.Field: {' x '.join(map(str, self.shape))} points>"
+
+
+def _again(axes: Any, vectors: Any, strength: Any, spacing_mm: Any, error_deg: float) -> Field:
+    field = Field(axes, vectors, strength=strength, spacing_mm=spacing_mm)
+    field.error_deg = error_deg
+    return field
 
 
 def _along(

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, read_only
+from ._checks import FloatArray, name_of, number, read_only, watch, whole, whole_text
 from .errors import InputError
 from .layers import table
 from .warning import Warning, warnings_of
@@ -53,6 +53,7 @@ class Program:
     _source: tuple[bytes, str, float]
 
     def __init__(self, text: bytes, *, name: str = "program", filament_mm: float = 1.75) -> None:
+        filament_mm = number(filament_mm, "filament_mm")
         if not 0.01 <= filament_mm <= 10.0:
             raise InputError(f"filament_mm = {filament_mm} should be from 0.01 to 10")
         self._source = (text, name, filament_mm)
@@ -98,6 +99,7 @@ class Program:
         self, job: Job, *, progress: Progress | None = None, cancel: Cancel | None = None
     ) -> Strength:
         """Tests the printed part until it breaks. ``job`` has the part, its loads and its material."""
+        watch(progress, cancel)
         text, name, _ = self._source
         return job._strength_of(text, name, (None, progress, cancel))
 
@@ -120,16 +122,17 @@ class Program:
         >>> gp.gcode.loads(plan.to_gcode()).render(0)[1:4]
         b'PNG'
         """
-        if color not in ("role", "width", "speed", "direction"):
+        if not isinstance(color, str) or color not in ("role", "width", "speed", "direction"):
             raise InputError(f"color = {color!r} should be role, width, speed or direction")
         if (color == "direction") != (plan is not None):
             raise InputError("color = 'direction' needs plan=, whose guide asks for directions, and only it does")
+        size = whole(size, "size")
         if not 16 <= size <= 20000:
             raise InputError(f"size = {size} should be from 16 to 20000 pixels")
         n = len(self.z_mm)
         if n == 0:
             raise InputError("nothing is printed in the program")
-        if layer is not None and not -n <= layer < n:
+        if layer is not None and not -n <= whole(layer, "layer") < n:
             raise InputError(f"layer = {layer} should be from 0 to {n - 1}")
         k = None if layer is None else layer % n
         data = None if plan is None else plan._data
@@ -185,7 +188,7 @@ def _again(text: bytes, name: str, filament_mm: float) -> Program:
 
 def read(path: str | os.PathLike[str], *, filament_mm: float = 1.75) -> Program:
     """Reads a program. ``filament_mm`` is the diameter of its filament."""
-    name = os.fspath(path)
+    name = name_of(path)
     try:
         with open(name, "rb") as file:
             text = file.read()
@@ -198,4 +201,7 @@ def loads(text: bytes | str, *, filament_mm: float = 1.75) -> Program:
     """A program in memory."""
     if not isinstance(text, (str, bytes, bytearray, memoryview)):
         raise InputError(f"text is a {type(text).__name__}; bytes or a str are needed; files are read by grainpath.gcode.read")
-    return Program(text.encode() if isinstance(text, str) else bytes(text), filament_mm=filament_mm)
+    if isinstance(text, str):
+        whole_text(text, "text")
+        text = text.encode()
+    return Program(bytes(text), filament_mm=filament_mm)

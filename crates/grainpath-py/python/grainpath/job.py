@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from . import _grainpath
-from ._checks import toml, whole
+from ._checks import name_of, nearest, toml, watch, whole, whole_text
 from .errors import JobError
 from .field import Field
 from .image import Image
@@ -86,7 +86,7 @@ class Job:
         folder: str | os.PathLike[str] = "",
         **settings: Any,
     ) -> None:
-        self._build(shape, field, stress, grain, text, name, os.fspath(folder), _sets(settings))
+        self._build(shape, field, stress, grain, text, name, name_of(folder, "folder"), _sets(settings))
 
     def _build(
         self,
@@ -114,6 +114,10 @@ class Job:
             raise JobError(f"stress is a {type(stress).__name__}; a grainpath.Stress is needed")
         if sum(guide is not None for guide in (field, stress, grain)) > 1:
             raise JobError("field, stress and grain: exactly one guides the fill")
+        for word, given in (("text", text), ("name", name), ("folder", folder)):
+            if not isinstance(given, str):
+                raise JobError(f"{word} is a {type(given).__name__}; a str is needed")
+            whole_text(given, word)
         self._hold(shape, field, stress, grain, text, name, folder, sets)
         # Read at once, so that what is wrong is told where it was written.
         _ = self._spec
@@ -177,19 +181,29 @@ class Job:
         for key, plain in AS_THEY_ARE.items():
             if settings[key] != plain:
                 raise JobError(f"{key} = {settings[key]}: sections are printed as they are; change the rings instead")
+        # The rule of process.layer_height_mm, which sections overrule: the ends of a bead's section are round.
+        assert isinstance(self._shape, LayerStack)
+        width, height = settings["process.bead_width_mm"], float(self._shape.height_mm.max(initial=0.0))
+        if width < height:
+            raise JobError(
+                f"process.bead_width_mm ({width:g}) should not be less than the layer height ({height:g}); height_mm of the "
+                "LayerStack is thickest there"
+            )
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str], **settings: Any) -> Job:
         """The job of a file. Paths in it are relative to its folder."""
-        path = os.fspath(path)
+        path = name_of(path)
         try:
-            with open(path, encoding="utf-8") as file:
+            # As it is: ends of lines are part of a text of several, such as a start program.
+            with open(path, encoding="utf-8", newline="") as file:
                 text = file.read()
         except OSError as error:
             raise JobError(f"{path}: {(error.strerror or str(error)).lower()}", path) from error
         except UnicodeDecodeError as error:
             raise JobError(f"{path}: is not UTF-8 text", path) from error
-        return cls(text=text, name=path, folder=os.path.dirname(path), **settings)
+        # Whoever plans it may stand in another folder.
+        return cls(text=text, name=path, folder=os.path.dirname(os.path.abspath(path)), **settings)
 
     @classmethod
     def from_text(cls, text: str, *, folder: str | os.PathLike[str] = "", **settings: Any) -> Job:
@@ -248,7 +262,17 @@ class Job:
         return {key: _value(text) for key, text in self._spec.rows()}
 
     def __getitem__(self, key: str) -> Any:
-        return self.settings[key]
+        settings = self.settings
+        if key not in settings:
+            raise KeyError(f"no setting {key!r}; {nearest(str(key), settings)}")
+        return settings[key]
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.settings
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of all settings."""
+        return iter(self.settings)
 
     @property
     def warnings(self) -> list[Warning]:
@@ -264,7 +288,7 @@ class Job:
         such as :class:`threading.Event`; once set, :class:`Cancelled` is raised. Ctrl-C raises ``KeyboardInterrupt``.
         The result does not depend on ``threads``. The interpreter's lock is free meanwhile.
         """
-        return Plan._of(self, _grainpath.plan(*self._given(), (_threads(threads), progress, cancel)))
+        return Plan._of(self, _grainpath.plan(*self._given(), _watch(threads, progress, cancel)))
 
     def check(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
@@ -273,8 +297,8 @@ class Job:
 
         It takes a part from a mesh or an outline, as ``grainpath run --check`` does.
         """
-        watch = (_threads(threads), progress, cancel)
-        return Report("Loads", json.loads(_grainpath.check(*self._given(), watch)))
+        watched = _watch(threads, progress, cancel)
+        return Report("Loads", json.loads(_grainpath.check(*self._given(), watched)))
 
     def orient(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
@@ -292,19 +316,19 @@ class Job:
         >>> best["height_mm"], job.with_(shape__rotate_deg=best["rotate_deg"]).plan().report["layers"]
         (1.0, 5)
         """
-        watch = (_threads(threads), progress, cancel)
-        return Report("Poses", json.loads(_grainpath.orient(*self._given(), watch)))
+        watched = _watch(threads, progress, cancel)
+        return Report("Poses", json.loads(_grainpath.orient(*self._given(), watched)))
 
     def strength(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
     ) -> Strength:
         """Plans the job and tests the part until it breaks; the job needs fixtures and loads. See :class:`Strength`."""
-        watch = (_threads(threads), progress, cancel)
-        return Strength(_grainpath.strength(*self._given(), None, watch))
+        watched = _watch(threads, progress, cancel)
+        return Strength(_grainpath.strength(*self._given(), None, watched))
 
-    def _strength_of(self, program: bytes, name: str, watch: tuple[Any, ...]) -> Strength:
+    def _strength_of(self, program: bytes, name: str, watched: tuple[Any, ...]) -> Strength:
         """The test of another slicer's program of this part."""
-        return Strength(_grainpath.strength(*self._given(), (program, name), watch))
+        return Strength(_grainpath.strength(*self._given(), (program, name), watched))
 
     def _without_shape(self) -> Job:
         """The settings alone, for those who have the part already."""
@@ -385,10 +409,12 @@ def _value(text: str) -> Any:
         return None
 
 
-def _threads(threads: int | None) -> int | None:
+def _watch(threads: int | None, progress: Progress | None, cancel: Cancel | None) -> tuple[Any, ...]:
+    """What a call of the planner takes, looked at before it begins."""
+    watch(progress, cancel)
     if threads is not None and not 1 <= whole(threads, "threads") <= 1024:
         raise JobError(f"threads = {threads} should be from 1 to 1024")
-    return threads
+    return threads, progress, cancel
 
 
 def _sets(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -108,7 +108,11 @@ class LayerStack(Sequence[Section]):
     @classmethod
     def from_bytes(cls, data: bytes) -> LayerStack:
         """The stack in bytes of :meth:`to_bytes`."""
-        return cls._of(_grainpath.stack_from_bytes(memoryview(data).tobytes()))
+        try:
+            given = memoryview(data).tobytes()
+        except TypeError as error:
+            raise InputError(f"data is a {type(data).__name__}; bytes of LayerStack.to_bytes are needed") from error
+        return cls._of(_grainpath.stack_from_bytes(given))
 
     def to_bytes(self) -> bytes:
         """The stack as bytes: compact, exact, and the same for the same stack on any machine."""

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, floats, plain, read_only
+from ._checks import FloatArray, floats, name_of, plain, read_only
 from .errors import InputError
 from .layers import table
 from .warning import Warning, warnings_of
@@ -34,7 +34,7 @@ class Mesh:
     _data: _grainpath.MeshData
 
     def __init__(self, vertices: npt.ArrayLike, faces: npt.ArrayLike, *, unit: str = "mm") -> None:
-        if unit not in UNITS_MM:
+        if not isinstance(unit, str) or unit not in UNITS_MM:
             raise InputError(f"unit = {unit!r} should be one of {', '.join(UNITS_MM)}")
         points = floats(vertices, "vertices", (None, 3))
         corners = plain(faces, "faces")
@@ -99,7 +99,8 @@ class Mesh:
         return self._data.volume() * (self.unit_mm or 1.0) ** 3
 
     def named_faces(self) -> list[dict[str, Any]]:
-        """Planes, cylinders, cones and spheres, largest first, with names that survive another export of the part.
+        """The 200 largest faces (planes, cylinders, cones, spheres and free surfaces), largest first, with names that survive
+        another export of the part.
 
         Fixtures and loads take them: ``on = { face = "f:..." }``. Lengths are mm. A face is ``doubtful`` if another is so
         alike that the name finds neither.
@@ -174,6 +175,6 @@ def box(x_mm: float, y_mm: float, z_mm: float) -> Mesh:
 
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """The mesh of a file: STL, OBJ, PLY, OFF or 3MF."""
-    return Mesh._of(_grainpath.mesh_from_file(os.fspath(path)))
+    return Mesh._of(_grainpath.mesh_from_file(name_of(path)))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import _grainpath
-from ._checks import whole
+from ._checks import name_of, nearest, whole
 from .errors import JobError
 from .job import Job
 from .mesh import Mesh
@@ -43,7 +43,7 @@ def inspect(
     wanted = None if size is None else [whole(n, f"size[{k}]") for k, n in enumerate(size)]
     if wanted is not None and (len(wanted) != 3 or min(wanted) < 1):
         raise JobError(f"size = {size!r} should be columns, rows and slices")
-    found: dict[str, Any] = json.loads(_grainpath.inspect(os.fspath(path), wanted, SAMPLES.get(sample, sample)))
+    found: dict[str, Any] = json.loads(_grainpath.inspect(name_of(path), wanted, SAMPLES.get(sample, sample)))
     return found
 
 
@@ -107,7 +107,12 @@ def markers(width_mm: float, height_mm: float, *, pdf: bool = False) -> bytes:
     >>> gp.markers(100, 50)[:4]
     b'<svg'
     """
-    if not (20 <= min(width_mm, height_mm) and max(width_mm, height_mm) <= 2000):
+    try:
+        fits = 20 <= min(width_mm, height_mm) and max(width_mm, height_mm) <= 2000
+    except (TypeError, ValueError):
+        # What is no number has no size either.
+        fits = False
+    if not fits:
         raise JobError(
             f"{width_mm} x {height_mm} mm: the rectangle between the markers should be 20 to 2000 mm wide and high"
         )
@@ -115,9 +120,4 @@ def markers(width_mm: float, height_mm: float, *, pdf: bool = False) -> bytes:
 
 
 def _nearest(word: str, words: Any) -> str:
-    # Imported here, since only mistakes need it.
-    import difflib
-
-    near = difflib.get_close_matches(word, words, n=1, cutoff=0)
-    meant = f"did you mean {near[0]!r}? " if near else ""
-    return f"{meant}There are {', '.join(words)}"
+    return f"{nearest(word, words)} There are {', '.join(words)}"

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _grainpath
-from ._checks import FloatArray, read_only
+from ._checks import FloatArray, read_only, watch
 from .gcode import ROLES, loads, viewer_class
 from .layers import LayerStack, table
 from .mesh import Mesh
@@ -238,6 +238,7 @@ class Plan:
 
     def measure(self, *, progress: Progress | None = None, cancel: Cancel | None = None) -> Report:
         """The report, with progress and a token to cancel; see :meth:`Job.plan`."""
+        watch(progress, cancel)
         return Report("Report", json.loads(self._data.report(progress, cancel)))
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -24,10 +24,13 @@ from typing import Any, overload
 import numpy as np
 
 from . import _grainpath
-from .errors import GrainpathError, InputError, JobError
+from .errors import InputError, JobError
+from .field import Field
+from .image import Image
 from .job import Job
 from .layers import LayerStack
 from .mesh import Mesh
+from .stress import Stress
 from .volume import Volume
 
 #: What a row says of a plan, by path in its report.
@@ -75,8 +78,10 @@ class Sweep(Sequence[Row]):
 
     def to_pandas(self) -> Any:
         """The rows as a ``pandas.DataFrame``; pandas has to be installed."""
-        import pandas  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
+        try:
+            import pandas  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        except ImportError as error:
+            raise JobError("a table of pandas needs the package pandas: pip install pandas") from error
         return pandas.DataFrame(self.rows)
 
     def __repr__(self) -> str:
@@ -111,7 +116,7 @@ def sweep(
 
     A job that fails is a row with its ``error``, and the others go on. ``cache`` is a folder: what is in it is not
     computed again, so that a sweep that was interrupted goes on where it was. An entry belongs to a version of
-    grainpath, the job, and the contents of its arrays and of all files that it reads, with those that a header of a scan
+    grainpath, the job, and the contents of its arrays (also those of a point, as ``{"field": [one, other]}``) and of all files that it reads, with those that a header of a scan
     names and those of profiles. Failures are not kept.
 
     Workers of a Dask client need the same version of grainpath. Where its scheduler is lost the sweep ends with
@@ -130,6 +135,8 @@ def sweep(
         raise JobError(f"settings is a {type(settings).__name__}; a dict of lists is needed, by the names of settings")
     lists: dict[str, list[Any]] = {}
     for given, values in settings.items():
+        if not isinstance(given, str):
+            raise JobError(f"settings has the name {given!r}; names of settings are needed, as fill.density")
         name = given.replace("__", ".")
         if name in lists:
             raise JobError(f"{name} is there twice: {given} is the same")
@@ -142,10 +149,11 @@ def sweep(
         except OSError as error:
             raise JobError(f"cache {folder} cannot be made: {(error.strerror or str(error)).lower()}", folder) from error
     rows: list[Row | None] = [None] * len(points)
-    contents = None if folder is None else _Contents(job)
+    contents = None if folder is None else _Contents()
     waiting: list[tuple[int, str | None]] = []
     for k, point in enumerate(points):
-        entry = None if contents is None else os.path.join(folder or "", _key(job, contents, point) + ".json")
+        key = None if contents is None else _key(job, contents, point)
+        entry = None if key is None else os.path.join(folder or "", key + ".json")
         found = None if entry is None else _read(entry)
         if found is None:
             waiting.append((k, entry))
@@ -162,7 +170,7 @@ def _values(name: str, values: Any) -> list[Any]:
     """The values of a setting. Numbers of numpy and pandas become Python's, which are what rows and entries hold."""
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
-    found = [value.item() if isinstance(value, np.generic) else value for value in values]
+    found = [value.tolist() if isinstance(value, (np.generic, np.ndarray)) else value for value in values]
     if not found:
         raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
     return found
@@ -297,8 +305,7 @@ def measure(job: Job, point: Mapping[str, Any], threads: int | None) -> Row:
     """What a row of a sweep says of a job with these settings. It runs wherever the executor runs it."""
     start = time.perf_counter()
     try:
-        own = job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
-        report = own.plan(threads=threads).report
+        report = _made(job, point).plan(threads=threads).report
     except Exception as error:
         # An array of the user's may raise anything where it is read.
         return _failed(error, time.perf_counter() - start)
@@ -320,22 +327,32 @@ def _failed(error: Exception, seconds: float) -> Row:
 
 
 class _Contents:
-    """Hashes of what a job is apart from its settings: its arrays, and the contents of the files that it reads."""
+    """Hashes of what jobs are apart from their settings: their arrays, and the contents of the files that they read."""
 
-    def __init__(self, job: Job) -> None:
-        self._arrays = _hash_of_arrays(job)
+    def __init__(self) -> None:
+        #: Arrays that were hashed, by their identity. They are kept, so that no other takes the place of one.
+        self._arrays: dict[int, tuple[Any, bytes]] = {}
         self._files: dict[str, bytes] = {}
         self._lists: dict[tuple[tuple[str, str], ...], list[str]] = {}
 
     def of(self, job: Job) -> str:
-        """The hash of a job with the arrays of the first."""
-        digest = hashlib.sha256(self._arrays)
+        """The hash of a job, each of which may have arrays of its own."""
+        digest = hashlib.sha256()
+        for array in (job._shape, job._field, job._stress, job._grain):
+            # A list of images is hashed by its images: another list may have the same.
+            several = array if isinstance(array, (list, tuple)) else [array]
+            digest.update(b"".join(map(self._array, several)) + b"%d;" % len(several))
         for path in self._list(job):
             digest.update(os.path.basename(path).encode(errors="surrogateescape"))
             if path not in self._files:
                 self._files[path] = _hash_of_file(path)
             digest.update(self._files[path])
         return digest.hexdigest()
+
+    def _array(self, array: Any) -> bytes:
+        if id(array) not in self._arrays:
+            self._arrays[id(array)] = array, _hash_of_array(array)
+        return self._arrays[id(array)][1]
 
     def _list(self, job: Job) -> list[str]:
         # Headers of scans are opened to find the files that they name. Only text names files, and how a scan is opened
@@ -354,27 +371,28 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _hash_of_arrays(job: Job) -> bytes:
-    digest = hashlib.sha256()
-    if isinstance(job.shape, Volume):
-        volume = job.shape
-        digest.update(repr((volume.shape, volume.dtype.str, volume.spacing)).encode())
-        for k in range(volume.shape[0]):
-            digest.update(volume._slices(k, 1).tobytes())
-    elif isinstance(job.shape, LayerStack):
-        digest.update(b"layers" + job.shape.to_bytes())
-    elif isinstance(job.shape, Mesh):
-        words, arrays = job.shape._parts()
-        digest.update(repr((words, [array.shape for array in arrays])).encode())
-        for array in arrays:
-            digest.update(array.tobytes())
-    for image in job._photos or []:
-        digest.update(repr((image.name, image.array.shape, image.array.dtype.str)).encode())
-        digest.update(image.array.tobytes())
-    if job._file is not None:
-        digest.update(job._file)
-    if job._stress is not None:
-        digest.update(job._stress.points.tobytes() + job._stress.tensors.tobytes())
+def _hash_of_array(array: Any) -> bytes:
+    """The hash of a shape, an image, a field or a stress, by its contents; ``None`` has one too."""
+    digest = hashlib.sha256(type(array).__name__.encode())
+    if isinstance(array, Volume):
+        digest.update(repr((array.shape, array.dtype.str, array.spacing)).encode())
+        for k in range(array.shape[0]):
+            digest.update(array._slices(k, 1).tobytes())
+    elif isinstance(array, LayerStack):
+        digest.update(array.to_bytes())
+    elif isinstance(array, Mesh):
+        words, arrays = array._parts()
+        digest.update(repr((words, [one.shape for one in arrays])).encode())
+        for one in arrays:
+            digest.update(one.tobytes())
+    elif isinstance(array, Image):
+        digest.update(repr((array.name, array.array.shape, array.array.dtype.str)).encode())
+        digest.update(array.array.tobytes())
+    elif isinstance(array, Field):
+        file, settings = array._file()
+        digest.update(file + repr(sorted(settings.items())).encode())
+    elif isinstance(array, Stress):
+        digest.update(array.points.tobytes() + array.tensors.tobytes())
     return digest.digest()
 
 
@@ -398,20 +416,20 @@ def _files(path: str) -> list[str]:
     return [os.path.join(path, name) for name in names if os.path.isfile(os.path.join(path, name))]
 
 
-def _key(job: Job, contents: _Contents, point: Mapping[str, Any]) -> str:
-    made = job.with_(**{name.replace(".", "__"): value for name, value in point.items()}) if _sound(job, point) else job
-    settings = sorted(made.settings.items())
-    said = (_grainpath.__version__, contents.of(made), settings, sorted(COLUMNS), repr(sorted(point.items())))
-    # The text of the job has what its settings do not show: loads, fixtures and regions.
-    return hashlib.sha256(repr((said, job._text, sorted(map(repr, job._sets.items())))).encode()).hexdigest()
-
-
-def _sound(job: Job, point: Mapping[str, Any]) -> bool:
+def _key(job: Job, contents: _Contents, point: Mapping[str, Any]) -> str | None:
+    """The name of the entry of a job with these settings; ``None`` where there is no such job, which is told by its row."""
     try:
-        job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
-    except GrainpathError:
-        return False
-    return True
+        made = _made(job, point)
+        # The text of the job and the lines of what was set have what the settings do not show: loads, fixtures and regions.
+        said = (made._text, sorted(made._lines), sorted(made.settings.items()), sorted(COLUMNS), _grainpath.__version__)
+        return hashlib.sha256(repr((contents.of(made), said)).encode()).hexdigest()
+    except Exception:
+        # An array of the user's may raise anything where it is read; a plan of it does so again.
+        return None
+
+
+def _made(job: Job, point: Mapping[str, Any]) -> Job:
+    return job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
 
 
 def _read(path: str) -> Row | None:

@@ -9,6 +9,7 @@ import anywidget
 import numpy as np
 import traitlets
 
+from ._checks import whole
 from .errors import InputError
 from .records import Records
 
@@ -58,13 +59,17 @@ class Viewer(anywidget.AnyWidget):
     ) -> None:
         records = Records(program)
         last = len(records.index["layers"]) - 1
+        if layers is not None and not (isinstance(layers, (tuple, list)) and len(layers) == 2):
+            raise InputError(f"layers = {layers!r}; the lowest and the highest layer shown are needed")
+        if not isinstance(color, str):
+            raise InputError(f"color = {color!r} should be one of {', '.join(COLORS)}")
         super().__init__(
             _index=records.index,
             _records=records.rows.tobytes(),
             _angles=b"" if angles_deg is None else records.angles(angles_deg),
-            layers=(0, last) if layers is None else layers,
+            layers=(0, last) if layers is None else tuple(whole(k, "layers") for k in layers),
             color=color,
-            height_px=height_px,
+            height_px=whole(height_px, "height_px"),
         )
 
     @traitlets.validate("layers")

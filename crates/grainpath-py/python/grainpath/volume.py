@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,13 +26,17 @@ SAMPLES = {
     "float64": "f64",
 }
 
+#: Most voxels of a plane, and most planes: as readers of files have it.
+MAX_PIXELS = 1 << 26
+MAX_PLANES = 1 << 20
+
 
 class Volume:
     """A scan: grey values ``array[plane, row, column]`` and the distances of voxels, mm, in the same order.
 
     ``array`` is anything with ``shape``, ``dtype`` and ``__getitem__``: a numpy array of any byte order and strides, a
     memory map, an h5py, Zarr or Dask array. Nothing is copied: it is kept, and read in slabs of planes while a plan is
-    made, in the thread that called :meth:`Job.plan`. Columns lie along x, rows along y, planes along z.
+    made, in the thread that called :meth:`Job.plan`, as float32. Columns lie along x, rows along y, planes along z.
 
     >>> import numpy as np, grainpath as gp
     >>> z, y, x = np.mgrid[:10, :60, :60]
@@ -46,10 +52,7 @@ class Volume:
             shape = array.shape
         if not isinstance(shape, (tuple, list)) or len(shape) != 3:
             raise InputError(f"the array has the shape {shape!r}; (planes, rows, columns) is needed")
-        if 0 in shape:
-            raise InputError(f"the array has the shape {tuple(shape)}, which is empty")
-        if min(shape) < 0:
-            raise InputError(f"the array has the shape {tuple(shape)}; no length is below 0")
+        shape = _lengths(shape)
         try:
             dtype = np.dtype(getattr(array, "dtype", np.float32))
         except TypeError as error:
@@ -59,7 +62,7 @@ class Volume:
         if dtype.newbyteorder("=").name not in SAMPLES and dtype.kind not in "iuf":
             raise InputError(f"the array has the type {dtype}; integers or floats are needed")
         self.array = array
-        self.shape: tuple[int, int, int] = (int(shape[0]), int(shape[1]), int(shape[2]))
+        self.shape: tuple[int, int, int] = shape
         self.dtype = dtype
         self.spacing: tuple[float, float, float] | None = None
         if spacing is not None:
@@ -80,7 +83,9 @@ class Volume:
             raise InputError(
                 f"planes {first} to {first + count} of the array have the type {block.dtype}; {self.dtype} was promised"
             )
-        flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
+        # What is beyond float32 becomes infinite, and is warned of with the other voxels that are not finite.
+        with np.errstate(over="ignore"):
+            flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
         return flat
 
     def _missing(self, window: Callable[[], list[int] | None]) -> int:
@@ -97,7 +102,8 @@ class Volume:
 
     def _given(self, missing: int = 0) -> tuple[list[int], str, list[float] | None, Any, int]:
         planes, rows, columns = self.shape
-        sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f32")
+        # The planner is told what float32 may have rounded: integers of 64 bits and long floats, as float64.
+        sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f64" if self.dtype.itemsize > 4 else "f32")
         spacing = None if self.spacing is None else list(reversed(self.spacing))
         return [columns, rows, planes], sample, spacing, self._slices, missing
 
@@ -110,3 +116,23 @@ class Volume:
         shape = " x ".join(map(str, self.shape))
         spacing = "no spacing" if self.spacing is None else f"{self.spacing} mm"
         return f"<grainpath.Volume: {shape} {self.dtype}, {spacing}>"
+
+
+def _lengths(shape: Sequence[Any]) -> tuple[int, int, int]:
+    """The lengths of a shape, which are in the limits of the planner."""
+    if any(isinstance(n, float) and math.isnan(n) for n in shape):
+        raise InputError(f"the array has the shape {tuple(shape)}; call its compute_chunk_sizes() first")
+    try:
+        planes, rows, columns = (operator.index(n) for n in shape)
+    except TypeError as error:
+        raise InputError(f"the array has the shape {tuple(shape)!r}; three whole numbers are needed") from error
+    if min(planes, rows, columns) < 0:
+        raise InputError(f"the array has the shape {tuple(shape)}; no length is below 0")
+    if 0 in (planes, rows, columns):
+        raise InputError(f"the array has the shape {tuple(shape)}, which is empty")
+    if rows * columns > MAX_PIXELS or planes > MAX_PLANES:
+        raise InputError(
+            f"the array has the shape {(planes, rows, columns)}; at most {MAX_PIXELS} voxels a plane and {MAX_PLANES} planes "
+            "are handled"
+        )
+    return planes, rows, columns

@@ -78,10 +78,12 @@ pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved
     });
     let result = field.result();
     let bounds = result.bounds();
-    let (low, high) = bounds.ok_or(GuideError::ImportElsewhere { low: DVec3::ZERO, high: DVec3::ZERO })?;
     let shift = DVec3::new(0.0, 0.0, lowered_mm);
     let (part_low, part_high) = part.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
     let size = (part_high - part_low).max_element();
+    let elsewhere =
+        |result| GuideError::ImportElsewhere { result, part: [part_low + shift, part_high + shift] };
+    let (low, high) = bounds.ok_or_else(|| elsewhere([DVec3::ZERO; 2]))?;
     // A plane result has no height, so only x and y are compared.
     let axes = if result.plane { 2 } else { 3 };
     let off = |k: usize| {
@@ -89,7 +91,7 @@ pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved
             > SAME_PLACE * size
     };
     if (0..axes).any(off) {
-        return Err(GuideError::ImportElsewhere { low, high });
+        return Err(elsewhere([low, high]));
     }
     let lengths = result.displacement.iter().flatten().map(|u| u.length());
     let summary = StressSummary {

@@ -78,10 +78,11 @@ pub enum GuideError {
     #[error("analysis = \"plane\" does not fit: {0}; use \"solid\"")]
     NotPlane(#[from] NotPlate),
     #[error(
-        "the imported result lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, not where the part is; check guide.import_length_unit",
-        low.x, low.y, low.z, high.x, high.y, high.z
+        "the imported result lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, the part from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm; a result has to reach over the whole part, in the part's coordinates; the unit of a file is guide.import_length_unit",
+        result[0].x, result[0].y, result[0].z, result[1].x, result[1].y, result[1].z,
+        part[0].x, part[0].y, part[0].z, part[1].x, part[1].y, part[1].z
     )]
-    ImportElsewhere { low: DVec3, high: DVec3 },
+    ImportElsewhere { result: [DVec3; 2], part: [DVec3; 2] },
     #[error(
         "the imported result is a plane one, which turns about z alone; shape.rotate_deg should be [0, 0, ANGLE]"
     )]

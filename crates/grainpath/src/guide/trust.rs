@@ -24,6 +24,9 @@ const MAX_RESERVE_MESH_ERROR: f64 = 0.3;
 /// Displacement over the longest side of the part at which small displacements are no longer small.
 /// Source: chosen; a requirement of the project.
 const MAX_DISPLACEMENT_SHARE: f64 = 0.05;
+/// Stresses along x and y that differ by less than this share of the largest component are the same. Source: derived: turning
+/// a tensor with its part rounds it to 1e-15 of its size, and files have at most 17 digits.
+const SAME_STRESS: f64 = 1e-12;
 
 /// Adds a warning for each limit that a result exceeds.
 pub(super) fn warn(
@@ -40,6 +43,10 @@ pub(super) fn warn(
             case.name
         );
         diagnostics.warn(WarningId::StressNone, text);
+    }
+    if summary.dofs == 0 && results.iter().all(|case| has_stress(case) && !has_direction(case)) {
+        let text = "the stress is the same in all directions of the layers; the beads have no direction to follow and run along x";
+        diagnostics.warn(WarningId::FeZeroStress, text);
     }
     let peak = peak_stress(results);
     if let (Some((stress_mpa, place)), Some(strength_mpa)) = (peak, settings.strength_mpa)
@@ -94,6 +101,14 @@ pub(super) fn longest_side_mm(mesh: &TriMesh, rotation: DMat3) -> f64 {
 /// Whether any component of a case's stress differs from zero. Without force on nodes that can move, the solution is exactly zero.
 fn has_stress(case: &ResultMesh) -> bool {
     case.stress.iter().flatten().any(|component| *component != 0.0)
+}
+
+/// Whether the principal stresses in the plane of the layers differ at any node, by more than rounding.
+fn has_direction(case: &ResultMesh) -> bool {
+    let largest =
+        case.stress.iter().flatten().fold(0.0, |largest: f64, component| largest.max(component.abs()));
+    let differs = |[xx, yy, _, xy, ..]: &[f64; 6]| (xx - yy).abs().max(xy.abs()) > SAME_STRESS * largest;
+    case.stress.iter().any(differs)
 }
 
 /// Whether a stress is good enough to state a reserve: its peak is not far beyond the strength (if that is known), and
