@@ -461,6 +461,8 @@ pub struct Settings {
     pub output: OutputSection,
     /// Regions with settings of their own, in the order of the file.
     pub regions: Vec<JobRegion>,
+    /// Values of the sections with profiles before the job's own keys, as text by section and key.
+    pub of_profiles: BTreeMap<String, String>,
     /// Warnings about assumed or overruled settings from reading the job. A run reports them together
     /// with its own warnings.
     pub warnings: Vec<Warning>,
@@ -589,7 +591,8 @@ impl Settings {
         all.into_iter().flatten().collect()
     }
 
-    /// The keys of the sections in use, with their present and their default values; then a row for each region.
+    /// The keys of the sections in use, with their present values and those that they have without a word of the job; then
+    /// a row for each region.
     pub fn rows(&self) -> Vec<Row> {
         let all = [
             self.shape.rows(),
@@ -612,7 +615,9 @@ impl Settings {
         let mut usual: BTreeMap<String, Param> =
             Self::params().into_iter().map(|p| (format!("{}.{}", p.section, p.key), p)).collect();
         let row = |(key, value): (String, String)| {
-            usual.remove(&key).map(|p| Row { key, value, default: p.default, unit: p.unit })
+            let of_profile = self.of_profiles.get(&key).cloned();
+            let param = usual.remove(&key)?;
+            Some(Row { key, value, default: of_profile.unwrap_or(param.default), unit: param.unit })
         };
         let region = |(k, r): (usize, &JobRegion)| Row {
             key: format!("region[{}]", k + 1),
@@ -632,7 +637,7 @@ pub struct Row {
     pub key: String,
     /// The value of this job, as TOML has it; empty where it is unset.
     pub value: String,
-    /// The default, for jobs that do not give a value.
+    /// The value for jobs that do not give one: that of the section's profile, or the default.
     pub default: String,
     /// Unit; empty for none.
     pub unit: &'static str,
