@@ -423,7 +423,8 @@ fn previews(
         pictures.extend(stills.into_iter().nth(middle));
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
         let setting = |r: Row| page::Setting { key: r.key, value: r.value, default: r.default, unit: r.unit };
-        let settings: Vec<page::Setting> = settings.rows().into_iter().map(setting).collect();
+        let rows = settings.profile_rows().into_iter().chain(settings.rows());
+        let settings: Vec<page::Setting> = rows.map(setting).collect();
         let contents = page::Contents { settings: &settings, pictures: &pictures, layers: &all, marks };
         save(path, page::report_html(report, &contents).as_bytes())?;
     }

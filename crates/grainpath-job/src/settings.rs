@@ -13,6 +13,7 @@ use toml::Value;
 use super::fill_density::FillDensity;
 use super::layer_angles::LayerAngles;
 use super::loads::{Case, Fixture, Load};
+use super::profiles::KINDS;
 use super::regions::JobRegion;
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use super::wall_count::WallCount;
@@ -461,7 +462,7 @@ pub struct Settings {
     pub output: OutputSection,
     /// Regions with settings of their own, in the order of the file.
     pub regions: Vec<JobRegion>,
-    /// Values of the sections with profiles before the job's own keys, as text by section and key.
+    /// The names of the profiles, and the values of their sections before the job's own keys, as text by section and key.
     pub of_profiles: BTreeMap<String, String>,
     /// Warnings about assumed or overruled settings from reading the job. A run reports them together
     /// with its own warnings.
@@ -589,6 +590,16 @@ impl Settings {
             OutputSection::params(),
         ];
         all.into_iter().flatten().collect()
+    }
+
+    /// The profiles of the job, beside the default ones.
+    pub fn profile_rows(&self) -> Vec<Row> {
+        let row = |(kind, default): &(&str, &str)| {
+            let key = format!("{kind}.profile");
+            let value = self.of_profiles.get(&key)?.clone();
+            Some(Row { key, value, default: format!("{default:?}"), unit: "" })
+        };
+        KINDS.iter().filter_map(row).collect()
     }
 
     /// The keys of the sections in use, with their present values and those that they have without a word of the job; then
