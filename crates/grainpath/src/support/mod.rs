@@ -19,6 +19,7 @@ pub mod tree;
 
 use grainpath_core::buckets::PointGrid3;
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::spelling::counted;
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::PaintedSupports;
@@ -316,8 +317,9 @@ impl Support {
         if self.bending.over > 0 {
             let Bending { worst_mm, at, over } = self.bending;
             let text = format!(
-                "support: {over} tips move by more than {:.2} mm under a side load of {} N while they are printed, \
+                "support: {} bent by more than {:.2} mm under a side load of {} N during the print, \
                  the furthest by {worst_mm:.2} mm",
+                counted(over, "tip"),
                 settings.tip_moves_at_most_mm(),
                 settings.side_load_n,
             );
