@@ -101,6 +101,16 @@ fn make() -> Result<(), String> {
     }
     let program = crate::ci_program();
     write(&source.join("cli.md"), &options(&program)?)?;
+    // The summary in the sources links to what is there; this page is made with the book.
+    let summary = source.join("SUMMARY.md");
+    let listed = read(&summary)?;
+    let commands = "- [Commands](commands.md)\n";
+    let with_options =
+        listed.replacen(commands, &format!("{commands}- [Options of every command](cli.md)\n"), 1);
+    if with_options == listed {
+        return Err("docs/SUMMARY.md: there is no line of the page of commands".to_owned());
+    }
+    write(&summary, &with_options)?;
     let planner = crate::wasm::built_page();
     if planner.exists() {
         // The page is part of the site where it was built.
@@ -152,10 +162,6 @@ fn dead_links(root: &Path) -> Result<Vec<String>, String> {
     all.push(root.join(README));
     all.extend(TOP.iter().map(|p| root.join(p)));
     for page in all {
-        // The summary names pages that the book adds.
-        if page.ends_with("SUMMARY.md") {
-            continue;
-        }
         let folder = page.parent().unwrap_or(root).to_owned();
         for link in links(&read(&page)?) {
             let path = link.split('#').next().unwrap_or_default();

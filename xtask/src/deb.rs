@@ -79,10 +79,18 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
         let page = fs::read(entry.path()).map_err(|e| e.to_string())?;
         put(&at(&format!("usr/share/man/man1/{name}.gz")), &gzip(&page)?)?;
     }
-    // Messages name pages of the documentation.
+    // Messages name pages of the documentation, and pages link to those at the top.
     let documents = crate::output(
         Command::new("git")
-            .args(["ls-files", "README.md", "docs/*.md", "docs/gallery", "docs/pictures"])
+            .args([
+                "ls-files",
+                "README.md",
+                "ARCHITECTURE.md",
+                "CONTRIBUTING.md",
+                "CHANGELOG.md",
+                "docs/*.md",
+            ])
+            .args(["docs/gallery", "docs/pictures"])
             .current_dir(crate::root()),
     )?;
     for name in documents.lines() {

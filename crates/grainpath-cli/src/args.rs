@@ -97,7 +97,7 @@ pub(crate) enum Command {
     Licences(Licences),
     /// Print the completion script for a shell
     #[command(
-        after_help = "Examples:\n  grainpath completions bash > ~/.local/share/bash-completion/completions/grainpath\n  grainpath completions zsh > ~/.zfunc/_grainpath"
+        after_help = "Examples:\n  grainpath completions bash > grainpath.bash && . ./grainpath.bash\n  grainpath completions zsh > _grainpath    # into a folder of $fpath"
     )]
     Completions(Completions),
     /// Write a manual page for each command
@@ -207,10 +207,11 @@ pub(crate) struct Slice {
     /// G-code file [default: the model's name with .gcode]
     #[arg(short, long, value_name = "FILE.gcode")]
     pub output: Option<PathBuf>,
-    /// Face of a mesh that is held, by its name from `grainpath inspect --faces`; needs --load
+    /// Face that is held, by its name from `grainpath inspect --faces`; give it once for each face. Needs --load
     #[arg(long, value_name = "FACE", requires = "loads")]
     pub hold: Vec<String>,
-    /// Face of a mesh that is loaded, and the force on it in N; beads then follow the stress. Needs --hold
+    /// Face that is loaded, and the force on it in N; give it once for each face. Beads then follow the stress. Needs
+    /// --hold
     #[arg(
         long = "load",
         id = "loads",
@@ -283,7 +284,8 @@ pub(crate) struct Inspect {
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]
     pub sheet: Option<PathBuf>,
-    /// List the faces of a mesh: planes, cylinders, cones and spheres, with names for fixtures and loads
+    /// List the faces of a mesh or of a drawing with its thickness: planes, cylinders, cones and spheres, with names for
+    /// fixtures and loads
     #[arg(long)]
     pub faces: bool,
     /// Write a picture here: with --faces the faces, numbered as in the list; for a scan its histogram with
@@ -293,8 +295,9 @@ pub(crate) struct Inspect {
     /// File of true dimensions to compare a G-code file with, in the format of shape.ct.truth
     #[arg(long, value_name = "FILE.toml")]
     pub truth: Option<PathBuf>,
-    /// For G-code: a setting of the printer whose limits and filament the time and the volume are counted with
-    #[arg(long = "set", value_name = "SECTION.KEY=VALUE", conflicts_with_all = ["sheet", "faces"])]
+    /// For G-code: a setting of the printer whose limits and filament the time and the volume are counted with; for the
+    /// faces of a drawing its thickness, as shape.thickness_mm=N
+    #[arg(long = "set", value_name = "SECTION.KEY=VALUE", conflicts_with = "sheet")]
     pub sets: Vec<String>,
     /// Columns, rows and slices of raw data
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]

@@ -96,6 +96,7 @@ pub(crate) fn write_atomically<T>(
     let is_descriptor = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
     if there.as_ref().is_some_and(|m| is_descriptor || !m.is_file()) {
         let stream = OpenOptions::new().write(true).open(path).map_err(|e| wrong(&e))?;
+        let stream = Stream { to: Some(stream), may_close: is_standard_output(path) };
         let mut writer = BufWriter::with_capacity(1 << 17, stream);
         let result = fill(&mut writer)?;
         writer.flush().map_err(|e| wrong(&e))?;
@@ -133,6 +134,35 @@ pub(crate) fn write_atomically<T>(
     }
     watched.finish(|| temporary.persist(&target).map_err(|e| wrong(&e.error)))?;
     Ok(result)
+}
+
+/// Whether a path is the standard output of the process.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+/// A device or a pipe that is written.
+struct Stream {
+    /// `None` once its reader closed it.
+    to: Option<fs::File>,
+    /// Whether its reader may close it: in `grainpath ... -o /dev/stdout | head`, `head` does so on purpose.
+    may_close: bool,
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.to.as_mut().map_or(Ok(bytes.len()), |to| to.write(bytes)) {
+            Err(e) if self.may_close && e.kind() == io::ErrorKind::BrokenPipe => {
+                self.to = None;
+                Ok(bytes.len())
+            }
+            written => written,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.as_mut().map_or(Ok(()), Write::flush)
+    }
 }
 
 /// Prefix of the names of temporary files; the number of the process follows.

@@ -85,6 +85,12 @@ impl Failure {
         rest.strip_prefix("line ")?.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     }
 
+    /// The failure with the page of the documentation about it.
+    #[must_use]
+    pub(crate) fn see(self, page: &'static str) -> Self {
+        Self { page: Some(page), ..self }
+    }
+
     /// Input that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
         Self { message: message.into(), code: ExitCode::Input, warnings: Vec::new(), page: None, file: None }
@@ -167,12 +173,12 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
     let shown = |styled: bool| if styled { text.ansi().to_string() } else { text.to_string() };
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            files::print(&shown(std::io::stdout().is_terminal()));
+            files::print(&shown(std::io::stdout().is_terminal() && wants_colours()));
             end(Ok(()), false)
         }
         // Without any arguments the help is the answer, and an error nevertheless.
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            eprint!("{}", shown(std::io::stderr().is_terminal()));
+            eprint!("{}", shown(std::io::stderr().is_terminal() && wants_colours()));
             ExitCode::Usage.number()
         }
         _ => {
@@ -194,6 +200,11 @@ fn not_parsed(error: &clap::Error, args: &[OsString]) -> u8 {
             )
         }
     }
+}
+
+/// Whether a terminal may show colours. Source: no-color.org: any text in `NO_COLOR` but the empty one turns them off.
+fn wants_colours() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }
 
 /// The commands that take a file, for someone who named the file alone.

@@ -10,7 +10,7 @@ use grainpath::Planned;
 use grainpath::guide::{Degenerate, Guide};
 use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre};
-use grainpath::measure::strength::{StressedPart, TestSetup, Tested, reserve, test};
+use grainpath::measure::strength::{StressedPart, TestSetup, Tested, reserve, test, three_digits};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
@@ -85,7 +85,7 @@ impl Paths {
 
     /// Whether the program goes to standard output, which must then hold nothing else.
     pub(crate) fn is_standard_output(&self) -> bool {
-        ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
+        files::is_standard_output(&self.gcode)
     }
 
     /// Adds all files that are written. Called after the files that are read were added.
@@ -207,7 +207,7 @@ pub(crate) fn write(
             let picture = page::Picture { title: p.title, png: p.png, ..page::Picture::default() };
             (format!("support_{}.png", p.name), picture)
         }));
-        let marks = marks(&report, planned.plan.plate_from_part_mm);
+        let marks = marks(&report, &program, planned.plan.plate_from_part_mm);
         previews(settings, &program, (&drawn, &marks), paths, diagnostics, &mut report)?;
     }
     // Files for other programs are written even if the G-code was not read back.
@@ -423,7 +423,8 @@ fn previews(
         pictures.extend(stills.into_iter().nth(middle));
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
         let setting = |r: Row| page::Setting { key: r.key, value: r.value, default: r.default, unit: r.unit };
-        let settings: Vec<page::Setting> = settings.rows().into_iter().map(setting).collect();
+        let rows = settings.profile_rows().into_iter().chain(settings.rows());
+        let settings: Vec<page::Setting> = rows.map(setting).collect();
         let contents = page::Contents { settings: &settings, pictures: &pictures, layers: &all, marks };
         save(path, page::report_html(report, &contents).as_bytes())?;
     }
@@ -431,7 +432,7 @@ fn previews(
 }
 
 /// Points that the report links to: the peak stress, the point of first failure, and the point of breakage.
-fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
+fn marks(report: &Report, program: &Program, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
     let mark = |what: &str, at: DVec3| page::Mark { what: what.into(), at: at.truncate(), z_mm: at.z };
     let stress = report.stress.as_ref().and_then(|s| s.peak_at_mm).map(DVec3::from_array);
     let weakest = report.strength.as_ref().map(|s| {
@@ -439,7 +440,12 @@ fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
         let z_mm = s.weakest.z_mm.unwrap_or(0.5 * report.z_max_mm - plate_from_part_mm.z);
         DVec3::new(s.weakest.x_mm, s.weakest.y_mm, z_mm)
     });
-    let first = report.reserve.as_ref().and_then(|r| r.least.as_ref()).map(|c| DVec3::from_array(c.at_mm));
+    let first = report.reserve.as_ref().and_then(|r| r.least.as_ref()).map(|c| {
+        // The button leads to the layer that is told: a place in a plate stands at its mid height.
+        let told = c.layer.checked_sub(1).and_then(|k| program.layers.get(k));
+        let [x, y, z] = c.at_mm;
+        DVec3::new(x, y, told.map_or(z, |layer| layer.z_mm - plate_from_part_mm.z))
+    });
     [("peak stress", stress), ("where it fails first", first), ("where it breaks", weakest)]
         .into_iter()
         .filter_map(|(what, at)| at.map(|at| mark(what, at + plate_from_part_mm)))
@@ -566,8 +572,11 @@ fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
     }
     if let Some(shape) = deformed_png(guide, GUIDE_PX) {
         let title = format!(
-            "Deformed shape under case {}, seen along {}, drawn {:.3} times larger; blue 0 mm to red {:.4} mm, at rest grey",
-            shape.case, shape.view, shape.magnified, shape.max_mm
+            "Deformed shape under case {}, seen along {}, drawn {} times larger; blue 0 mm to red {:.4} mm, at rest grey",
+            shape.case,
+            shape.view,
+            three_digits(shape.magnified),
+            shape.max_mm
         );
         let scale = Some(page::ColourScale { low: 0.0, high: shape.max_mm, what: "mm" });
         let picture = page::Picture { title, png: shape.png, of: page::Of::Stress, scale };

@@ -11,10 +11,21 @@ use crate::interrupt;
 
 struct Bar(ProgressBar);
 
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
 impl Progress for Bar {
     fn begin(&self, stage: Stage, total: usize) {
         self.0.set_position(0);
-        self.0.set_length(total as u64);
+        // A stage that counts no steps tells its name alone, and no "0 of 0".
+        if total == 0 {
+            self.0.unset_length();
+            self.0.set_style(style("{msg:<15}"));
+        } else {
+            self.0.set_length(total as u64);
+            self.0.set_style(style("{msg:<15} {wide_bar} {pos} of {len} {eta}"));
+        }
         self.0.set_message(match stage {
             Stage::Read => "reading",
             Stage::Slice => "slicing",
@@ -45,9 +56,7 @@ impl Drop for Bar {
 pub(crate) fn diagnostics() -> Arc<Diagnostics> {
     // The line is drawn on terminals only: a log file would get a line for each redraw.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
-        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos} of {len} {eta}");
-        let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Diagnostics::with_progress(Box::new(Bar(bar)))
+        Diagnostics::with_progress(Box::new(Bar(ProgressBar::no_length().with_style(style("{msg:<15}")))))
     } else {
         Diagnostics::default()
     });

@@ -3,7 +3,7 @@
 mod support;
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use support::{folder, grainpath, json};
 
@@ -36,7 +36,10 @@ fn completions_know_every_command_and_bash_accepts_them() {
         let script = grainpath(&dir, &["completions", shell]);
         assert!(script.status.success());
         let text = String::from_utf8_lossy(&script.stdout).into_owned();
-        for name in commands(&dir) {
+        let options = ["prusa-mk3s", "petg"];
+        // clap_complete writes no values of arguments without a dash for fish.
+        let words = ["tree-support", "s2-tension", "critical-angle"].into_iter().filter(|_| shell != "fish");
+        for name in commands(&dir).into_iter().chain(options.into_iter().chain(words).map(str::to_owned)) {
             assert!(text.contains(&name), "{shell} does not complete {name}");
         }
         if shell == "bash" {
@@ -54,7 +57,9 @@ fn there_is_a_manual_page_for_each_command_and_no_file_is_lost() {
     assert!(grainpath(&dir, &["man", "pages"]).status.success());
     for name in commands(&dir) {
         let page = std::fs::read_to_string(dir.join(format!("pages/grainpath-{name}.1"))).expect("a page");
-        assert!(page.contains(".TH") && page.contains("Examples"), "{name}: {page}");
+        let version = env!("CARGO_PKG_VERSION");
+        let title = format!(".TH grainpath-{name} 1 \"\" \"grainpath {version}\" \"\"\n");
+        assert!(page.contains(&title) && page.contains(".SH EXAMPLES\n  grainpath"), "{name}: {page}");
     }
     assert!(dir.join("pages/grainpath.1").is_file());
     let again = grainpath(&dir, &["man", "pages"]);
@@ -167,6 +172,7 @@ fn slice_says_which_profiles_it_assumed() {
     let told = |out: &std::process::Output| String::from_utf8_lossy(&out.stdout).into_owned();
     let text = told(&slice(&[]));
     assert!(text.contains("assumed printer generic-0.4, material pla, process standard;"), "{text}");
+    assert!(text.contains("the part of the scan: ") && text.contains(" x "), "{text}");
     let text = told(&slice(&["--set", "material.profile=petg"]));
     assert!(text.contains("assumed printer generic-0.4, process standard;"), "{text}");
     let all = ["printer.profile=voron-2.4", "material.profile=petg", "process.profile=fine"];
@@ -178,6 +184,17 @@ fn slice_says_which_profiles_it_assumed() {
     assert!(!file.is_empty() && slice(&[]).status.success());
     assert!(out.stdout == std::fs::read(dir.join("block.gcode")).expect("written"));
     assert!(String::from_utf8_lossy(&out.stderr).contains("assumed printer generic-0.4"));
+    // A reader that takes the first bytes and closes the pipe got what it wanted.
+    #[cfg(target_os = "linux")]
+    {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_grainpath"));
+        let pipes = command.args(["slice", "block.nrrd", "-o", "/dev/stdout"]).current_dir(&dir);
+        let mut run =
+            pipes.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        drop(run.stdout.take());
+        let out = run.wait_with_output().expect("it ends");
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    }
 }
 
 #[test]
@@ -217,6 +234,14 @@ fn new_asks_nothing_in_a_pipe_and_takes_printer_and_material() {
     let text = String::from_utf8_lossy(&out.stderr).into_owned();
     assert!(out.status.code() == Some(2) && text.contains("did you mean \"prusa-mk3s\"?"), "{text}");
     assert!(!dir.join("field").exists(), "a refusal writes nothing");
+    // Fibre needs a printer that lays it.
+    let out = grainpath(&dir, &["new", "continuous", "--printer", "voron-2.4", "--material", "petg"]);
+    let text = String::from_utf8_lossy(&out.stderr).into_owned();
+    let fitting = "these do: fibre-coextruded, fibre-separate\n";
+    assert!(out.status.code() == Some(2) && text.ends_with(fitting), "{text}");
+    assert!(!dir.join("continuous").exists(), "a refusal writes nothing");
+    let out = grainpath(&dir, &["new", "continuous", "--printer", "fibre-separate", "--material", "petg"]);
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
 }
 
 #[test]
@@ -224,9 +249,20 @@ fn errors_name_pages_that_are_there() {
     let dir = folder("doors-pages");
     std::fs::write(dir.join("empty.stl"), "").expect("a file");
     std::fs::write(dir.join("typo.toml"), "[shape]\nmehs = \"a.stl\"\n").expect("a file");
-    for (words, page) in
-        [(["slice", "empty.stl"], "docs/formats.md"), (["run", "typo.toml"], "docs/settings.md")]
-    {
+    std::fs::write(dir.join("box.stl"), support::box_stl([20.0, 20.0, 2.0])).expect("a file");
+    std::fs::write(dir.join("flat.stl"), support::box_stl([20.0, 20.0, 0.0])).expect("a file");
+    std::fs::write(dir.join("tab.svg"), "<svg/>").expect("a file");
+    std::fs::write(dir.join("board.png"), "x").expect("a file");
+    std::fs::write(dir.join("heavy.toml"), "[shape]\nmesh = \"box.stl\"\n[fill]\nmass_g = 500\n")
+        .expect("a file");
+    for (words, page) in [
+        (["slice", "empty.stl"], "docs/formats.md"),
+        (["slice", "flat.stl"], "docs/formats.md"),
+        (["slice", "tab.svg"], "docs/formats.md"),
+        (["slice", "board.png"], "docs/tutorials/photograph.md"),
+        (["run", "heavy.toml"], "docs/how-to/density.md"),
+        (["run", "typo.toml"], "docs/settings.md"),
+    ] {
         let out = grainpath(&dir, &[words[0], words[1], "--json"]);
         assert_eq!(json(&out)["page"], page);
         let text = String::from_utf8_lossy(&out.stderr).into_owned();

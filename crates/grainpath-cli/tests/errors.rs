@@ -169,6 +169,10 @@ fn jobs_and_usage() {
         "did you mean {bed_temp_c}",
     );
     fails("preset", &["new", "plat"], 2, "did you mean \"plate\"");
+    // No name is near, so none is proposed.
+    fails("no near profile", &["profiles", "foo"], 2, "no profile \"foo\". `grainpath profiles` lists all");
+    fails("no near preset", &["new", "vase"], 2, "no preset \"vase\". There are plate");
+    fails("dash", &["slice", "box.stl", "-o", "-"], 2, "/dev/stdout is standard output");
 }
 
 #[test]

@@ -225,6 +225,68 @@ fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
     }
 }
 
+/// The list and the errors tell a face at the same place, wherever the file lies and however the job turns it.
+#[test]
+fn errors_tell_the_places_that_the_list_tells() {
+    let dir = folder("faces-places");
+    // The file lies 10 mm above z = 0, on which a job's part stands.
+    let mesh = box_stl([40.0, 8.0, 2.0]);
+    let raised = mesh.lines().map(|line| match line.trim().strip_prefix("vertex ") {
+        Some(at) => {
+            let [x, y, z] = [0, 1, 2].map(|k| at.split_whitespace().nth(k).expect("three numbers"));
+            format!("vertex {x} {y} {}", z.parse::<f64>().expect("a number") + 10.0)
+        }
+        None => line.to_owned(),
+    });
+    std::fs::write(dir.join("bar.stl"), raised.collect::<Vec<_>>().join("\n")).expect("a mesh");
+    let listed = grainpath(&dir, &["inspect", "bar.stl", "--faces"]);
+    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+    assert!(
+        listed.contains("in the coordinates of the file") && listed.contains("z = 0, which is z 10 here")
+    );
+    let rows = json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"]));
+    let places: Vec<String> = (rows["faces"].as_array().expect("faces").iter())
+        .map(|row| {
+            let at = [0, 1, 2].map(|k| row["centre_mm"][k].as_f64().expect("a number"));
+            format!("{:.1} mm2 at {:.2}, {:.2}, {:.2} in the file", row["area_mm2"], at[0], at[1], at[2])
+        })
+        .collect();
+    for set in ["shape.scale=1", "shape.scale=2", "shape.rotate_deg=[90, 0, 0]"] {
+        let words = ["slice", "bar.stl", "--hold", "f:ffffff", "--load", "f:0000=1,0,0", "--set", set];
+        let refused = grainpath(&dir, &words);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let n = places.iter().filter(|place| told.contains(*place)).count();
+        assert!(refused.status.code() == Some(2) && n == 3, "{set}: {told} {places:?}");
+    }
+}
+
+/// A drawing has the faces of the part that it becomes.
+#[test]
+fn faces_of_a_drawing_are_listed_with_its_thickness() {
+    let dir = folder("faces-drawing");
+    let drawing = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"40mm\" height=\"8mm\" viewBox=\"0 0 40 8\">\
+                   <rect width=\"40\" height=\"8\"/></svg>";
+    std::fs::write(dir.join("bar.svg"), drawing).expect("a drawing");
+    let thick = ["--set", "shape.thickness_mm=2"];
+    let listed = json(&grainpath(&dir, &[&["inspect", "bar.svg", "--faces", "--json"][..], &thick].concat()));
+    let names = names(&listed);
+    let load = format!("{}=0,-20,0", names[1]);
+    let words = ["slice", "bar.svg", "--hold", &names[0], "--load", &load, "--json"];
+    let told = json(&grainpath(&dir, &[&words[..], &thick].concat()));
+    assert!(told["reserve"]["first_failure"][1].as_f64() > Some(0.0), "{told}");
+    for (words, says) in [
+        (vec!["inspect", "bar.svg", "--faces"], "add --set shape.thickness_mm=N"),
+        (
+            [&["slice", "bar.svg", "--hold", "left", "--load", &load][..], &thick].concat(),
+            "`grainpath inspect bar.svg --faces --set shape.thickness_mm=2` lists them",
+        ),
+    ] {
+        let refused = grainpath(&dir, &words);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && told.contains(says), "{told}");
+    }
+}
+
 #[test]
 fn names_that_mean_nothing_are_refused() {
     let dir = folder("faces-refused");

@@ -56,6 +56,23 @@ fn a_bar_is_laid_down_so_that_its_layers_do_not_part() {
     assert!((told / nominal(0) - 1.0).abs() < 0.3, "{told} {}", nominal(0));
 }
 
+/// In a part that lies as in its file, places of the plate are places of the file, and the frame can be named.
+#[test]
+fn loads_of_the_plate_turn_with_a_part_that_lies_as_in_its_file() {
+    let dir = folder("orient plate");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    fs::write(dir.join("bar.toml"), JOB.replace("frame = \"part\"\n", "")).expect("written");
+    let out = grainpath(&dir, &["orient", "bar.toml", "--json", "--write"]);
+    let report = json(&out);
+    assert!(out.status.success() && report["outputs"]["job"] == "bar.toml", "{report}");
+    let job = fs::read_to_string(dir.join("bar.toml")).expect("the job");
+    assert!(job.contains("[guide]\nframe = \"part\"\n") && job.contains("rotate_deg = ["), "{job}");
+    let again = json(&grainpath(&dir, &["orient", "bar.toml", "--json"]));
+    let first = |report: &serde_json::Value| report["poses"][0]["reserve"]["first_failure"][1].as_f64();
+    let ratio = first(&again).expect("a factor") / first(&report).expect("a factor");
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}: the same loads on the turned part");
+}
+
 #[test]
 fn poses_are_drawn_and_replace_no_input() {
     let dir = folder("orient drawn");
@@ -76,10 +93,18 @@ fn poses_are_drawn_and_replace_no_input() {
 fn what_cannot_stand_or_turn_is_refused_in_a_line() {
     let dir = folder("orient refused");
     fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
-    fs::write(dir.join("plate.toml"), JOB.replace("frame = \"part\"", "")).expect("written");
-    let out = grainpath(&dir, &["orient", "plate.toml", "--write", "--json"]);
+    // Twice as large as in the file: places of the plate are no places of the file.
+    let scaled = JOB.replace("frame = \"part\"", "").replace("[guide]", "scale = 2\n[guide]");
+    fs::write(dir.join("plate.toml"), &scaled).expect("written");
+    let out = grainpath(&dir, &["orient", "plate.toml", "--write", "--json", "--image", "poses.png"]);
     assert_eq!(out.status.code(), Some(2));
-    assert!(json(&out)["error"].as_str().expect("a line").contains("guide.frame = \"part\""));
+    let told = json(&out);
+    let told = told["error"].as_str().expect("a line");
+    assert!(told.contains("guide.frame = \"part\" and shape.rotate_deg = ["), "{told}");
+    assert!(dir.join("poses.png").is_file());
+    assert_eq!(fs::read_to_string(dir.join("plate.toml")).expect("the job"), scaled);
+    let out = grainpath(&dir, &["orient", "plate.toml", "--write"]);
+    assert!(String::from_utf8_lossy(&out.stdout).contains("rank"), "the poses are told all the same");
     // Half a millimetre wide, it stands on none of its sides.
     let thin = JOB.replace("[8, 8,", "[1, 1,");
     fs::write(dir.join("bar.stl"), box_stl([1.0, 1.0, 30.0])).expect("written");

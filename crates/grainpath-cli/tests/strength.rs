@@ -156,6 +156,22 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
     let told: f64 = told.split_once(" MiB").and_then(|t| t.0.parse().ok()).expect("a number");
     let all = number(&run, "peak_rss_mb");
     assert!(all == 0.0 || (told / all - 1.0).abs() < 0.1, "{told} MiB on the page, {all} in all");
+    // The page tells an interval where the terminal does, in its words: the nominal card says nothing about its scatter.
+    assert!(number(&run["strength"], "low_n") == own && !page.contains(" over the grid"), "no interval");
+    let words = [
+        "strength.enabled=true",
+        "output.report=bar.html",
+        "strength.corners=false",
+        "guide.kind=stress",
+        "fill.pattern=stripes",
+    ];
+    let sets: Vec<&str> = words.iter().flat_map(|set| ["--set", *set]).collect();
+    let out = grainpath(&dir, &[&["run", "along.toml"], &sets[..]].concat());
+    let terminal = String::from_utf8_lossy(&out.stdout).into_owned();
+    let words = "over the grid alone, with the nominal card";
+    assert!(terminal.contains(&format!(" N {words}), stiffness")), "{terminal}");
+    let page = fs::read_to_string(dir.join("bar.html")).expect("a report");
+    assert!(page.contains(&format!("<span>{words}</span>")) && page.contains("<span>first failure</span>"));
     let peak_n = |extra: &[&'static str]| {
         let mut all = args(&["strength", "--job", "along.toml", "--json"]);
         all.extend(extra);

@@ -49,6 +49,8 @@ pub fn parse_job(
     for (kind, default) in KINDS {
         apply_profile(&mut settings, kind, default, &job, &sets, load)?;
     }
+    let own = [settings.printer.rows(), settings.material.rows(), settings.process.rows()];
+    settings.of_profiles.extend(own.into_iter().flatten());
     // The profile's values are kept to find out later which strengths the job replaces.
     let profile_card = settings.material.clone();
     apply_file(&mut settings, &job)?;
@@ -137,6 +139,7 @@ fn apply_profile(
         }
     };
     let (text, name) = profile_text(kind, chosen, load, location)?;
+    settings.of_profiles.insert(format!("{kind}.profile"), format!("{chosen:?}"));
     let source = Source::parse(&text, &name)?;
     apply_table(settings, kind, &source.table, &source, &[])
 }
@@ -397,6 +400,18 @@ mod tests {
     fn parse(text: &str, sets: &[&str]) -> Result<Settings, String> {
         let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
         parse_job(text, "job.toml", &sets, &|p| Err(format!("cannot read {p}"))).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn rows_differ_from_the_profile_by_what_the_job_states() {
+        let changed = |text: &str| -> Vec<String> {
+            let job = parse(text, &[]).expect("a good job");
+            let rows = job.profile_rows().into_iter().chain(job.rows());
+            rows.filter(|r| r.value != r.default).map(|r| r.key).collect()
+        };
+        assert_eq!(changed(""), Vec::<String>::new(), "the default profiles replace no setting of the job");
+        let job = "[material]\nprofile = \"petg\"\nbed_temp_c = 71\n[process]\nwalls = 3\n";
+        assert_eq!(changed(job), ["material.profile", "material.bed_temp_c", "process.walls"]);
     }
 
     #[test]

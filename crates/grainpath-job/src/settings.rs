@@ -13,6 +13,7 @@ use toml::Value;
 use super::fill_density::FillDensity;
 use super::layer_angles::LayerAngles;
 use super::loads::{Case, Fixture, Load};
+use super::profiles::KINDS;
 use super::regions::JobRegion;
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use super::wall_count::WallCount;
@@ -461,6 +462,8 @@ pub struct Settings {
     pub output: OutputSection,
     /// Regions with settings of their own, in the order of the file.
     pub regions: Vec<JobRegion>,
+    /// The names of the profiles, and the values of their sections before the job's own keys, as text by section and key.
+    pub of_profiles: BTreeMap<String, String>,
     /// Warnings about assumed or overruled settings from reading the job. A run reports them together
     /// with its own warnings.
     pub warnings: Vec<Warning>,
@@ -589,7 +592,18 @@ impl Settings {
         all.into_iter().flatten().collect()
     }
 
-    /// The keys of the sections in use, with their present and their default values; then a row for each region.
+    /// The profiles of the job, beside the default ones.
+    pub fn profile_rows(&self) -> Vec<Row> {
+        let row = |(kind, default): &(&str, &str)| {
+            let key = format!("{kind}.profile");
+            let value = self.of_profiles.get(&key)?.clone();
+            Some(Row { key, value, default: format!("{default:?}"), unit: "" })
+        };
+        KINDS.iter().filter_map(row).collect()
+    }
+
+    /// The keys of the sections in use, with their present values and those that they have without a word of the job; then
+    /// a row for each region.
     pub fn rows(&self) -> Vec<Row> {
         let all = [
             self.shape.rows(),
@@ -612,7 +626,9 @@ impl Settings {
         let mut usual: BTreeMap<String, Param> =
             Self::params().into_iter().map(|p| (format!("{}.{}", p.section, p.key), p)).collect();
         let row = |(key, value): (String, String)| {
-            usual.remove(&key).map(|p| Row { key, value, default: p.default, unit: p.unit })
+            let of_profile = self.of_profiles.get(&key).cloned();
+            let param = usual.remove(&key)?;
+            Some(Row { key, value, default: of_profile.unwrap_or(param.default), unit: param.unit })
         };
         let region = |(k, r): (usize, &JobRegion)| Row {
             key: format!("region[{}]", k + 1),
@@ -632,7 +648,7 @@ pub struct Row {
     pub key: String,
     /// The value of this job, as TOML has it; empty where it is unset.
     pub value: String,
-    /// The default, for jobs that do not give a value.
+    /// The value for jobs that do not give one: that of the section's profile, or the default.
     pub default: String,
     /// Unit; empty for none.
     pub unit: &'static str,

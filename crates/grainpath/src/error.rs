@@ -84,22 +84,22 @@ impl Error {
     pub fn page(&self) -> Option<&'static str> {
         Some(match self {
             Self::Job(_) => "docs/settings.md",
-            Self::Mesh { .. } | Self::Outline { .. } => "docs/formats.md",
+            Self::Mesh { .. } | Self::Outline { .. } | Self::Shape { .. } => "docs/formats.md",
             Self::Volume(_) | Self::Slices(_) | Self::Scan { .. } | Self::Dimension(_) => "docs/ct.md",
             Self::Image { .. } | Self::Grain { .. } => "docs/woodgrain.md",
             Self::Guide(e) if e.is_usage() => "docs/how-to/loads.md",
             Self::Guide(_) => "docs/stress.md",
             Self::Directions { .. } | Self::Field { .. } => "docs/directions.md",
-            Self::Densities { .. } | Self::Density(_) | Self::GradedMass { .. } => "docs/how-to/density.md",
+            Self::Densities { .. } | Self::Density(_) | Self::GradedMass { .. } | Self::Mass { .. } => {
+                "docs/how-to/density.md"
+            }
             Self::Fibre(_) => "docs/how-to/fibre.md",
             Self::Strength(_) => "docs/strength.md",
             Self::Gcode(GcodeError::UnknownPlaceholder { .. }) => "docs/gcode.md",
             // The message is enough; no page says more.
-            Self::Shape { .. }
-            | Self::Region(_)
+            Self::Region(_)
             | Self::Gcode(_)
             | Self::OutsideBed { .. }
-            | Self::Mass { .. }
             | Self::FilledElsewhere { .. }
             | Self::Interrupted(_) => return None,
         })

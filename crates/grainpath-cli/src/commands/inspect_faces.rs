@@ -1,20 +1,23 @@
-//! `grainpath inspect FILE --faces`: lists the faces of a mesh, each with the line that selects it in a job.
+//! `grainpath inspect FILE --faces`: lists the faces of a mesh or a drawing, each with the line that selects it in a job.
 //!
 //! Coordinates are those of the file in mm. The unit, scale, rotation and position that a job sets do not
 //! change the names of faces, so the names listed here hold in every job with this file.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use grainpath::shape::{Repair, assumed_unit, mend};
 use grainpath_core::faces::{Face, Faces, Surface};
+use grainpath_core::spelling::counted;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Diagnostics, TriMesh};
-use grainpath_io::MeshFile;
+use grainpath_io::{MeshFile, sniff_outline};
 use grainpath_view::faces::faces_png;
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
-use crate::{Failure, cad, files};
+use crate::inputs::{read_body, settings};
+use crate::{ExitCode, Failure, cad, files};
 
 /// Most faces that are listed; a mesh without flat or round faces may have a face for each facet.
 /// Source: derived. A person still reads a list of this length to its end.
@@ -26,8 +29,28 @@ const IMAGE_PX: u32 = 1600;
 pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let bytes = files::read(&args.file)?;
-    let file = cad::mesh(bytes, &name, &Diagnostics::default())?;
-    let by = if file.unit.is_some() { "the file says so" } else { "assumed" };
+    // Names that a job may read as those of a drawing are read as such here too.
+    let is_outline = sniff_outline(&bytes);
+    let file = if is_outline {
+        let mut settings = settings("", "--set", &args.sets, Path::new(""))?;
+        settings.shape.outline.clone_from(&name);
+        if settings.shape.thickness_mm == 0.0 {
+            let why = "a drawing has faces once it has a thickness: add --set shape.thickness_mm=N";
+            return Err(Failure { code: ExitCode::Usage, ..Failure::of_file(&args.file, why) });
+        }
+        read_body(&settings, &args.file, &Diagnostics::default())?.0
+    } else if let Some(set) = args.sets.first() {
+        return Err(Failure::usage(format!(
+            "--set {set} is of no use: the faces of a mesh depend on no setting"
+        )));
+    } else {
+        cad::mesh(bytes, &name, &Diagnostics::default())?
+    };
+    let by = match (is_outline, file.unit.is_some()) {
+        (true, _) => "extruded",
+        (false, true) => "the file says so",
+        (false, false) => "assumed",
+    };
     let (mesh, faces, unit) = of_file(file, &name, &Diagnostics::default())?;
     let unit = format!("{} ({by})", unit.name());
     let shown = faces.len().min(LISTED);
@@ -44,7 +67,17 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
         files::print(&format!("{value}\n"));
         return Ok(());
     }
-    let mut text = format!("{name}: {} faces, lengths in mm, unit of the file {unit}\n", faces.len());
+    let mut text = format!(
+        "{name}: {}, lengths in mm in the coordinates of the file, unit of the file {unit}\n",
+        counted(faces.len(), "face")
+    );
+    let low_mm = mesh.bounds().map_or(0.0, |(low, _)| rounded(low.z));
+    if low_mm != 0.0 {
+        let _ = writeln!(
+            text,
+            "a job's part stands on z = 0, which is z {low_mm} here, unless guide.frame is \"part\""
+        );
+    }
     for row in &rows {
         text.push_str(&line(row));
     }
@@ -54,8 +87,11 @@ pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     // A name that two faces share selects neither.
     if let Some(first) = rows.iter().find(|row| row["doubtful"] == json!(false)) {
         let face = word(first, "name");
-        let _ =
-            writeln!(text, "to plan along a load, N: grainpath slice {name} --hold {face} --load FACE=X,Y,Z");
+        let sets: String = args.sets.iter().map(|set| format!(" --set {set}")).collect();
+        let _ = writeln!(
+            text,
+            "to plan along a load, N: grainpath slice {name}{sets} --hold {face} --load FACE=X,Y,Z"
+        );
     }
     files::print(&text);
     Ok(())

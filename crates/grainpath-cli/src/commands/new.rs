@@ -3,9 +3,9 @@
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
-use grainpath_core::spelling::nearest;
+use grainpath_core::spelling::question;
 use grainpath_job::edit::{value_of, with_value, without_value};
-use grainpath_job::{default_profile, profile, profiles_of};
+use grainpath_job::{JobError, Profile, Settings, default_profile, profile, profiles_of};
 
 use crate::args::New;
 use crate::{Failure, files};
@@ -26,9 +26,9 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         (name, None) => grainpath_parts::presets::preset(name),
     };
     let Some(mut example) = example else {
-        let near = nearest(&args.preset, names);
+        let near = question(&args.preset, names);
         return Err(Failure::usage(format!(
-            "no preset {:?}; did you mean {near:?}? There are {}",
+            "no preset {:?}{near} There are {}",
             args.preset,
             names.join(", ")
         )));
@@ -41,9 +41,7 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     }
     let first = String::from_utf8_lossy(&example[0].1).into_owned();
     // Examples with fibre need a fibre printer and the settings made for it, so the user is not asked.
-    let no_files = |_: &str| Err("examples use shipped profiles alone".to_owned());
-    let job = grainpath_job::parse_job(&first, "job.toml", &[], &no_files);
-    let for_fibre = job.is_ok_and(|settings| settings.fibre.enabled);
+    let for_fibre = parsed(&first).is_ok_and(|settings| settings.fibre.enabled);
     let at_terminal = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let may_ask = at_terminal && !args.yes && !for_fibre;
     for (what, given) in [(PRINTER, &args.printer), (MATERIAL, &args.material)] {
@@ -56,11 +54,17 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
             None => None,
         };
         let Some(name) = chosen.filter(|name| *name != own) else { continue };
-        for (_, content) in example.iter_mut().filter(|(file, _)| file.ends_with(".toml")) {
-            // The file with the true dimensions of the scan is TOML too, but not a job.
-            if let Ok(text) = std::str::from_utf8(content)
-                && text.lines().any(|l| l.starts_with("[shape"))
-            {
+        for (_, content) in example.iter_mut() {
+            if let Some(text) = job_text(content) {
+                if let Err(why) = parsed(&with_profile(text, what, name)) {
+                    let fits = |p: &Profile| parsed(&with_profile(text, what, p.name)).is_ok();
+                    let fitting: Vec<&str> = profiles_of(kind).filter(|p| fits(p)).map(|p| p.name).collect();
+                    return Err(Failure::usage(format!(
+                        "{kind} {name} does not do for {}: {why}; these do: {}",
+                        args.preset,
+                        fitting.join(", ")
+                    )));
+                }
                 *content = with_profile(text, what, name).into_bytes();
             }
         }
@@ -76,12 +80,23 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The text of a file of an example if it is a job. The file with the true dimensions of a scan is TOML too.
+fn job_text(content: &[u8]) -> Option<&str> {
+    std::str::from_utf8(content).ok().filter(|text| text.lines().any(|l| l.starts_with("[shape")))
+}
+
+/// The settings of a job of an example.
+fn parsed(job: &str) -> Result<Settings, JobError> {
+    let no_files = |_: &str| Err("examples use shipped profiles alone".to_owned());
+    grainpath_job::parse_job(job, "job.toml", &[], &no_files)
+}
+
 /// The name of the profile if it exists; otherwise an error that lists the names that do.
 fn known(kind: &str, name: &str) -> Result<&'static str, String> {
     profile(kind, name).map(|p| p.name).ok_or_else(|| {
         let names: Vec<&str> = profiles_of(kind).map(|p| p.name).collect();
-        let near = nearest(name, names.iter().copied());
-        format!("no {kind} {name:?}; did you mean {near:?}? There are {}", names.join(", "))
+        let near = question(name, names.iter().copied());
+        format!("no {kind} {name:?}{near} There are {}", names.join(", "))
     })
 }
 

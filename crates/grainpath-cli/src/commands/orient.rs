@@ -7,6 +7,7 @@ use std::time::Instant;
 use grainpath::orient::{self, BeadDirections, Pose, PoseReserve};
 use grainpath::run::config;
 use grainpath::run::placed_mesh;
+use grainpath::shape::Standing;
 use grainpath::support;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::units::bead_area_mm2;
@@ -64,12 +65,6 @@ impl Ranked {
 pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
-    if args.write && is_loaded(&settings) && settings.guide.frame == LoadFrame::Placed {
-        return Err(Failure::usage(format!(
-            "{}: --write would turn the part but not its loads; set guide.frame = \"part\" and give coordinates as in the shape's file",
-            args.job.display()
-        )));
-    }
     let mut claims = Claims::default();
     claims.read("job", &args.job);
     claims.read("shape", &shape);
@@ -78,7 +73,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     }
     claims.check()?;
     let diagnostics = progress::diagnostics();
-    let (mut ranked, solve_s) =
+    let (mut ranked, standing, solve_s) =
         ranked(&settings, Given::default(), &shape, &folder, args.image.is_some(), &diagnostics)?;
     let warnings = diagnostics.warnings();
     drop(diagnostics);
@@ -91,25 +86,17 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
             written.insert("image", image.display().to_string());
         }
     }
+    let mut refused = None;
     if args.write {
-        let [x, y, z] = ranked[0].rotate_deg;
-        let rotation = format!("[{x}, {y}, {z}]");
-        let text = with_value(&files::read_text(&args.job)?, "shape", "rotate_deg", &rotation);
-        let text = text.filter(|text| {
-            let read = settings_of(text, "job", &[], &folder);
-            read.is_ok_and(|s| s.shape.rotate_deg == ranked[0].rotate_deg)
-        });
-        let refused = || {
-            Failure::usage(format!(
-                "{}: there is no line [shape] to write below; add shape.rotate_deg = {:?} by hand",
-                args.job.display(),
-                ranked[0].rotate_deg
-            ))
-        };
-        outputs::save(&args.job, text.ok_or_else(refused)?.as_bytes())?;
-        written.insert("job", args.job.display().to_string());
+        match turned_job(&files::read_text(&args.job)?, &settings, &standing, ranked[0].rotate_deg, &folder) {
+            Ok(text) => {
+                outputs::save(&args.job, text.as_bytes())?;
+                written.insert("job", args.job.display().to_string());
+            }
+            Err(why) => refused = Some(Failure::usage(format!("{}: {why}", args.job.display()))),
+        }
     }
-    if args.common.json {
+    if args.common.json && refused.is_none() {
         let mut value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "poses": ranked.iter().map(Ranked::json).collect::<Vec<_>>(),
             "stages_s": { "guide": (solve_s * 1e4).round() / 1e4 }, "warnings": warnings,
@@ -118,13 +105,50 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
             value["outputs"] = json!(written);
         }
         files::print(&format!("{value}\n"));
-    } else {
+    } else if !args.common.json {
         let mut text = table(&ranked);
         warnings.iter().for_each(|w| text.push_str(&format!("warning: {w}\n")));
         written.iter().for_each(|(what, path)| text.push_str(&format!("{what}: {path}\n")));
         files::print(&text);
     }
-    Ok(())
+    refused.map_or(Ok(()), Err)
+}
+
+/// The text of a job with its part turned, and its loads with it. Loads that are given in the frame of the plate become
+/// loads in the frame of the part where their numbers mean the same in both.
+///
+/// # Errors
+/// What to write by hand.
+fn turned_job(
+    text: &str,
+    settings: &Settings,
+    standing: &Standing,
+    rotate_deg: [f64; 3],
+    folder: &Path,
+) -> Result<String, String> {
+    let is_placed = is_loaded(settings) && settings.guide.frame == LoadFrame::Placed;
+    if is_placed && !(standing.is_as_in_file() && standing.shift() == DVec3::ZERO) {
+        return Err(format!(
+            "--write would turn the part but not its loads; give their coordinates as in the shape's file, and add \
+             guide.frame = \"part\" and shape.rotate_deg = {rotate_deg:?}"
+        ));
+    }
+    let [x, y, z] = rotate_deg;
+    let turned = with_value(text, "shape", "rotate_deg", &format!("[{x}, {y}, {z}]"));
+    let turned = match turned {
+        Some(text) if is_placed => with_value(&text, "guide", "frame", "\"part\""),
+        turned => turned,
+    };
+    let is_read = |text: &String| {
+        settings_of(text, "job", &[], folder).is_ok_and(|s| {
+            s.shape.rotate_deg == rotate_deg && (!is_placed || s.guide.frame == LoadFrame::Part)
+        })
+    };
+    turned.filter(is_read).ok_or_else(|| {
+        let (table, frame) =
+            if is_placed { (" or [guide]", " and guide.frame = \"part\"") } else { ("", "") };
+        format!("there is no line [shape]{table} to write below; add shape.rotate_deg = {rotate_deg:?}{frame} by hand")
+    })
 }
 
 /// The poses of a job's part, the best first, as `grainpath orient --json` prints them. The part is read from the job's
@@ -139,12 +163,12 @@ pub fn poses_json(
     folder: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Value>, Failure> {
-    let (ranked, _) = ranked(settings, given, shape, folder, false, diagnostics)?;
+    let (ranked, ..) = ranked(settings, given, shape, folder, false, diagnostics)?;
     Ok(ranked.iter().map(Ranked::json).collect())
 }
 
-/// The poses of a job's part, the best first, with their pictures if `pictured`, and the seconds that solving the loads
-/// took. Without fixtures and loads, poses are ranked by support and height.
+/// The poses of a job's part, the best first, with their pictures if `pictured`; where the part stands in the job; and the
+/// seconds that solving the loads took. Without fixtures and loads, poses are ranked by support and height.
 fn ranked(
     settings: &Settings,
     given: Given,
@@ -152,7 +176,7 @@ fn ranked(
     folder: &Path,
     pictured: bool,
     diagnostics: &Diagnostics,
-) -> Result<(Vec<Ranked>, f64), Failure> {
+) -> Result<(Vec<Ranked>, Standing, f64), Failure> {
     let needed = || Failure::usage("orient needs a part from a mesh or an outline");
     let file = match given.shape {
         Some(Handed::Mesh(file)) => file,
@@ -172,10 +196,9 @@ fn ranked(
     let solve_s = start.elapsed().as_secs_f64();
     let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
     let placed = placed_mesh(&config::placing(settings), file.clone(), diagnostics).map_err(source)?;
-    let turned = config::standing(settings, placed.lowered_mm).rotation;
-    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES).map_err(|e| Failure {
-        code: ExitCode::Physics,
-        ..Failure::usage(format!("{}: {e}", shape.display()))
+    let standing = config::standing(settings, placed.lowered_mm);
+    let poses = orient::poses(&placed.mesh, standing.rotation.transpose(), MOST_POSES).map_err(|e| {
+        Failure { code: ExitCode::Physics, ..Failure::usage(format!("{}: {e}", shape.display())) }
     })?;
     let strength = config::strength(settings);
     let beads = beads(settings);
@@ -204,7 +227,7 @@ fn ranked(
     };
     // The sort is stable: poses of equal rank stay sorted by the flat they stand on.
     ranked.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
-    Ok((ranked, solve_s))
+    Ok((ranked, standing, solve_s))
 }
 
 /// Whether a job has fixtures, loads or load cases.

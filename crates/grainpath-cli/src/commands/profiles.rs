@@ -1,5 +1,6 @@
 //! `grainpath profiles`: printers, materials and processes that come with grainpath.
 
+use grainpath_core::spelling::question;
 use grainpath_job::PROFILES;
 
 use crate::args::Profiles;
@@ -9,8 +10,8 @@ use crate::{Failure, files};
 pub(crate) fn profiles(args: &Profiles) -> Result<(), Failure> {
     if let Some(name) = &args.name {
         let Some(p) = PROFILES.iter().find(|p| p.name == name) else {
-            let near = grainpath_core::spelling::nearest(name, PROFILES.iter().map(|p| p.name));
-            return Err(Failure::usage(format!("no profile {name:?}; did you mean {near:?}?")));
+            let near = question(name, PROFILES.iter().map(|p| p.name));
+            return Err(Failure::usage(format!("no profile {name:?}{near} `grainpath profiles` lists all")));
         };
         let json = serde_json::json!({ "kind": p.kind, "name": p.name, "toml": p.text });
         // The text of the profile is printed unchanged with its comments, so that users can copy it to a file of

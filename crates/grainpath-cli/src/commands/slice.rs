@@ -18,6 +18,9 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 
+/// Endings of drawings.
+const DRAWINGS: [&str; 2] = ["svg", "dxf"];
+
 /// Endings of pictures that are read.
 const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "bmp"];
 
@@ -76,12 +79,16 @@ fn job_of(model: &Path, is_raw: bool) -> Result<(String, Option<&'static str>), 
 
 /// The tables `fill` and `guide` of a job whose beads follow the stress. `holds` names the faces of the mesh that are
 /// held, `loads` the faces that are loaded, each with its force.
-fn loaded_job(model: &Path, holds: &[String], loads: &[String]) -> Result<String, Failure> {
+fn loaded_job(model: &Path, holds: &[String], loads: &[String], sets: &[String]) -> Result<String, Failure> {
+    // A drawing has faces once it has a thickness.
+    let sets: String = (sets.iter().filter(|set| set.starts_with("shape.") && has_ending(model, &DRAWINGS)))
+        .map(|set| format!(" --set {set}"))
+        .collect();
     let mut job = String::from("[fill]\npattern = \"stripes\"\ndensity = 1\n\n[guide]\nkind = \"stress\"\n");
     let face = |option: &str, name: &str| {
         name.trim().parse::<FaceName>().map_err(|_| {
             Failure::usage(format!(
-                "{option} {name}: a face has a name such as f:9c1e; `grainpath inspect {} --faces` lists them",
+                "{option} {name}: a face has a name such as f:9c1e; `grainpath inspect {} --faces{sets}` lists them",
                 model.display()
             ))
         })
@@ -127,7 +134,7 @@ pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     let file = serde_json::Value::from(model.display().to_string());
     let (job, assumed) = job_of(model, false)?;
     let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf", "step", "stp", "iges", "igs"]);
-    let shape = if has_ending(model, &["svg", "dxf"]) {
+    let shape = if has_ending(model, &DRAWINGS) {
         format!(
             "[shape]\noutline = {file}\nthickness_mm = 4    # a drawing has no height: say how thick the part is\n"
         )
@@ -194,7 +201,8 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
         if has_ending(&args.model, &PICTURES) && !says_size {
             return Err(Failure::usage(
                 "a photograph needs the size of its board in mm: --set 'shape.photo.size_mm=[WIDTH,HEIGHT]' --set shape.photo.thickness_mm=N",
-            ));
+            )
+            .see("docs/tutorials/photograph.md"));
         }
     } else if is_picture(&args.model) {
         return Err(Failure::input(format!("{name}: no such file or directory")));
@@ -209,13 +217,18 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     if !args.loads.is_empty() {
         if assumed.is_some() {
             return Err(Failure::usage(format!(
-                "{name}: --hold and --load name faces of a mesh, which it is not"
+                "{name}: --hold and --load name faces of a mesh or a drawing, which it is not"
             )));
         }
-        job = loaded_job(&args.model, &args.hold, &args.loads)?;
+        job = loaded_job(&args.model, &args.hold, &args.loads, &args.common.sets)?;
         assumed = Some("a part with a load on its faces: dense stripes along the stress");
     }
     let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;
+    if args.output.as_deref() == Some(Path::new("-")) {
+        return Err(Failure::usage(
+            "-o - names no file; /dev/stdout is standard output, and ./- a file with the name -",
+        ));
+    }
     if args.model == Path::new("-") && args.output.is_none() && settings.output.gcode.is_empty() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
     }
@@ -234,11 +247,11 @@ pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
         (None, None) => args.model.with_extension("gcode"),
     };
     settings.output.gcode = output.display().to_string();
-    if has_ending(&args.model, &["svg", "dxf"]) {
+    if has_ending(&args.model, &DRAWINGS) {
         settings.shape.outline = args.model.display().to_string();
         // A drawing has no height, and any default would be a guess.
         if settings.shape.thickness_mm == 0.0 {
-            return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
+            return Err(Failure::usage("an outline needs --set shape.thickness_mm=N").see("docs/formats.md"));
         }
     }
     let here = Path::new("");

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath_core::spelling::question;
 use grainpath_parts::specimen::SPECIMENS;
 use grainpath_parts::test_pieces::{TEST_PIECES, TestPiece};
 
@@ -23,11 +24,8 @@ pub(crate) fn specimen(args: &Specimen) -> Result<(), Failure> {
     }
     let Some(specimen) = SPECIMENS.iter().find(|s| s.name == name) else {
         let names: Vec<&str> = all().map(|s| s.0).collect();
-        let near = grainpath_core::spelling::nearest(name, names.iter().copied());
-        return Err(Failure::usage(format!(
-            "no specimen {name:?}; did you mean {near:?}? There are {}",
-            names.join(", ")
-        )));
+        let near = question(name, names.iter().copied());
+        return Err(Failure::usage(format!("no specimen {name:?}{near} There are {}", names.join(", "))));
     };
     write_mesh(&output, &[&(specimen.mesh)()])?;
     files::print(&format!("{}\n", output.display()));

@@ -71,11 +71,13 @@ pub struct Face {
 /// // The name of a face finds it again.
 /// assert_eq!(faces.find(&faces.name(top)).unwrap(), top);
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Faces {
     faces: Vec<Face>,
     descriptions: Vec<Description>,
     of_triangle: Vec<u32>,
+    /// Scale and shift of the mesh from its file, for messages.
+    from_file: (f64, DVec3),
 }
 
 /// Rounding error of coordinates in mesh files, as a share of the largest coordinate: 6e-8 for 32-bit
@@ -85,7 +87,7 @@ const ROUNDING: f64 = 5e-6;
 impl Faces {
     /// Finds the faces of a mesh, largest first.
     pub fn segment(mesh: &TriMesh) -> Self {
-        let Some((low, high)) = mesh.bounds() else { return Self::default() };
+        let Some((low, high)) = mesh.bounds() else { return Self::empty() };
         let largest = low.abs().max(high.abs()).max_element().max((high - low).length());
         let graph = Graph::new(mesh, ROUNDING * largest);
         let pieces = planes::flat_pieces(&graph);
@@ -93,6 +95,16 @@ impl Faces {
         let mut surfaces = grow::curved(&graph, &pieces, &mut label);
         leftovers::label(&graph, &pieces, &mut label, &mut surfaces);
         Self::gathered(&graph, label, &surfaces, (low, high))
+    }
+
+    /// No faces.
+    fn empty() -> Self {
+        Self {
+            faces: Vec::new(),
+            descriptions: Vec::new(),
+            of_triangle: Vec::new(),
+            from_file: (1.0, DVec3::ZERO),
+        }
     }
 
     /// Number of faces.
@@ -108,6 +120,13 @@ impl Faces {
     /// The faces, by area, largest first.
     pub fn all(&self) -> &[Face] {
         &self.faces
+    }
+
+    /// The same faces, told by errors in the coordinates of the file, as `grainpath inspect --faces` lists them. The mesh
+    /// is the file's scaled by `scale` and then shifted by `shift_mm`.
+    #[must_use]
+    pub fn told_in_file(self, scale: f64, shift_mm: DVec3) -> Self {
+        Self { from_file: (scale, shift_mm), ..self }
     }
 
     /// The face that a triangle of the mesh belongs to.
@@ -166,15 +185,16 @@ impl Faces {
         let mut text = String::new();
         for face in faces {
             let f = &self.faces[face];
-            let c = f.centroid;
+            let (scale, shift_mm) = self.from_file;
+            let c = (f.centroid - shift_mm) / scale;
             let join = if text.is_empty() { "" } else { ", " };
             // Writing to a `String` cannot fail.
             let _ = write!(
                 text,
-                "{join}{} ({} of {:.1} mm2 at {:.2}, {:.2}, {:.2})",
+                "{join}{} ({} of {:.1} mm2 at {:.2}, {:.2}, {:.2} in the file)",
                 self.name(face),
                 f.surface.word(),
-                f.area_mm2,
+                f.area_mm2 / (scale * scale),
                 c.x,
                 c.y,
                 c.z
@@ -222,7 +242,7 @@ impl Faces {
             face.triangles.iter().for_each(|&t| of_triangle[t as usize] = f as u32);
         }
         let (faces, descriptions) = faces.into_iter().unzip();
-        Self { faces, descriptions, of_triangle }
+        Self { faces, descriptions, of_triangle, from_file: (1.0, DVec3::ZERO) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The report page: one file that needs no network.
 //!
 //! Order: the part and its numbers, warnings, a slider of layers, stress, strength, fibre, steps towards the guide,
-//! dimensions, and settings that differ from their defaults. The other settings and the time taken are folded away.
+//! dimensions, and settings that differ from their profiles and defaults. The other settings and the time taken are folded away.
 //! Pictures and layers stand in the page as base64, so that it is a single file. `layers.rs` packs the layers and
 //! `page.js` draws them. Fonts and colours come from the reader's system, light or dark.
 //!
@@ -13,6 +13,7 @@ mod packed_layers;
 use std::fmt::Write;
 
 use base64::Engine;
+use grainpath_core::spelling::counted;
 use grainpath_core::{DVec2, Role};
 
 use crate::layer::{LayerPicture, Ramp, role_colour};
@@ -68,7 +69,7 @@ pub struct Setting {
     pub key: String,
     /// The value of this run.
     pub value: String,
-    /// Its default value.
+    /// The value that it has without a word of the job: that of the section's profile, or the default.
     pub default: String,
     /// Its unit; empty where it has none.
     pub unit: &'static str,
@@ -223,7 +224,7 @@ fn table<'a>(rows: impl Iterator<Item = (&'a str, String)>) -> String {
     format!("<table>{rows}</table>\n")
 }
 
-/// The settings of the run: first those that differ from their defaults, then the others, folded away.
+/// The settings of the run: first those that differ from their profiles and defaults, then the others, folded away.
 fn settings_section(settings: &[Setting]) -> String {
     let (changed, usual): (Vec<&Setting>, Vec<&Setting>) =
         settings.iter().partition(|s| s.value != s.default);
@@ -232,9 +233,9 @@ fn settings_section(settings: &[Setting]) -> String {
     };
     let mut out = String::from("<h2>Settings</h2>\n");
     if changed.is_empty() {
-        out += "<p>All settings have their defaults.</p>\n";
+        out += "<p>All settings are those of the profiles, or have their defaults.</p>\n";
     } else {
-        out += "<table id=\"changed\"><tr><th>setting</th><th>here</th><th>default</th></tr>";
+        out += "<table id=\"changed\"><tr><th>setting</th><th>here</th><th>profile or default</th></tr>";
         for s in &changed {
             let _ = write!(
                 out,
@@ -249,8 +250,8 @@ fn settings_section(settings: &[Setting]) -> String {
     let rows = usual.iter().map(|s| (s.key.as_str(), with_unit(&s.value, s.unit)));
     let _ = writeln!(
         out,
-        "<details id=\"usual\"><summary>{} settings with their defaults</summary>{}</details>",
-        usual.len(),
+        "<details id=\"usual\"><summary>{} as in the profiles or by default</summary>{}</details>",
+        counted(usual.len(), "setting"),
         table(rows)
     );
     out
@@ -371,10 +372,14 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     // The breaking load comes first, because most readers look for it.
     if let Some(s) = &r.strength {
         all.push((format!("{} N", three_digits(s.peak_load_n)), "breaks at"));
-        all.push((
-            format!("{} to {} N", three_digits(s.low_n), three_digits(s.high_n)),
-            "interval of the breaking load",
-        ));
+        if s.low_n < s.high_n {
+            let interval = format!("{} to {} N", three_digits(s.low_n), three_digits(s.high_n));
+            all.push((interval, s.over_what()));
+        }
+    }
+    if let Some(least) = r.reserve.as_ref().and_then(|r| r.least.as_ref()) {
+        let [_, nominal, _] = least.first_failure;
+        all.push((format!("{nominal:.2} times the load"), "first failure"));
     }
     if let Some(StressReport { max_von_mises_mpa, .. }) = &r.stress {
         all.push((format!("{max_von_mises_mpa:.2} MPa"), "peak stress (von Mises)"));
@@ -492,7 +497,7 @@ mod tests {
         assert!(changed.contains("<th>process.bead_width_mm</th><td>0.6 mm</td><td>0.45 mm</td>"), "{page}");
         assert!(changed.contains("&lt;part&gt; mm</td><td></td>"), "what users wrote is escaped: {page}");
         assert!(!changed.contains("layer_height_mm") && usual.contains("layer_height_mm"), "{page}");
-        assert!(usual.contains("1 settings with their defaults"), "{page}");
+        assert!(usual.contains("1 setting as in the profiles or by default"), "{page}");
     }
 
     #[test]

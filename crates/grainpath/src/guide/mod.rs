@@ -564,11 +564,13 @@ impl Places<'_> {
 /// plate.
 pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
     if standing.rotation == DMat3::IDENTITY {
-        return Faces::segment(mesh);
+        // The mesh is not moved back, so that coordinates of unturned parts stay exact to the last bit.
+        return Faces::segment(mesh).told_in_file(standing.scale, standing.shift());
     }
     let back = standing.rotation.transpose();
     let vertices = mesh.vertices.iter().map(|p| back * (*p - standing.shift())).collect();
-    Faces::segment(&TriMesh { vertices, triangles: mesh.triangles.clone() })
+    let turned = TriMesh { vertices, triangles: mesh.triangles.clone() };
+    Faces::segment(&turned).told_in_file(standing.scale, DVec3::ZERO)
 }
 
 /// The part whose directions a guide computes.

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
+use grainpath_core::spelling::counted;
 use grainpath_core::{DVec2, Region, Role, Warning, WarningId};
 use grainpath_fea::resultant::{CaseBalance, Resultant};
 use grainpath_gcode::{Program, Quality, Written, quality};
@@ -373,7 +374,8 @@ impl SupportReport {
     /// The report of planned supports. `beads_mm3` is the volume of their beads, `solid_mm3` the volume of their solid.
     pub fn new(support: &Support, beads_mm3: Option<f64>, solid_mm3: f64, density_g_cm3: f64) -> Self {
         let round = |v: f64| (v * 1e3).round() / 1e3;
-        let grams = |v: f64| (v * 1e-3 * density_g_cm3 * 1e4).round() / 1e4;
+        // The sum of no volumes is -0; adding zero turns it into 0.
+        let grams = |v: f64| (v * 1e-3 * density_g_cm3 * 1e4).round() / 1e4 + 0.0;
         Self {
             volume_mm3: beads_mm3.map(round),
             mass_g: beads_mm3.map(grams),
@@ -405,11 +407,11 @@ impl SupportReport {
             n => format!("; {n} more so near the plate that nothing fits below"),
         };
         format!(
-            "support: {printed}{:.2} g as a solid, in {} trees at {} contacts{near}, {} overhangs not reached",
+            "support: {printed}{:.2} g as a solid, in {} at {}{near}, {} not reached",
             self.solid_mass_g,
-            self.trees,
-            self.contacts,
-            self.unreached.len()
+            counted(self.trees, "tree"),
+            counted(self.contacts, "contact"),
+            counted(self.unreached.len(), "overhang")
         )
     }
 }
@@ -520,6 +522,10 @@ impl Report {
                     }
                 ));
             }
+        }
+        if let Some(scan) = &self.scan {
+            let [x, y, z] = scan.size_mm;
+            lines.push(format!("the part of the scan: {x:.2} x {y:.2} x {z:.2} mm"));
         }
         if let Some(t) = &self.texture {
             lines.push(format!(

@@ -17,6 +17,7 @@
 
 use grainpath_core::mesh::{EdgeUses, Examined, MeshHealth, find_repeats, find_strays};
 use grainpath_core::nesting::turn_outward;
+use grainpath_core::spelling::counted;
 use grainpath_core::{Diagnostics, TriMesh, WarningId};
 
 use super::ShapeError;
@@ -110,22 +111,23 @@ struct Found {
 
 impl Found {
     fn warn(&self, diagnostics: &Diagnostics) {
-        let warn = |id: WarningId, n: usize, text: &str| {
+        let warn = |id: WarningId, n: usize, thing: &str, text: &str| {
             if n > 0 {
-                diagnostics.warn(id, format!("mesh: {n} {text}"));
+                diagnostics.warn(id, format!("mesh: {}{text}", counted(n, thing)));
             }
         };
-        warn(WarningId::MeshRepaired, self.welded, "open edges closed by merging near vertices");
-        warn(WarningId::MeshRepaired, self.repeated, "facets that repeat others left out");
-        warn(WarningId::MeshStray, self.stray, "shells without volume beside the part left out");
-        warn(WarningId::MeshOpen, self.open, "open edges; the sections were closed where they are cut");
+        warn(WarningId::MeshRepaired, self.welded, "open edge", " closed by merging near vertices");
+        warn(WarningId::MeshRepaired, self.repeated, "repeated facet", " left out");
+        warn(WarningId::MeshStray, self.stray, "shell", " without volume beside the part left out");
+        warn(WarningId::MeshOpen, self.open, "open edge", "; the sections were closed where they are cut");
         warn(
             WarningId::MeshNonManifold,
             self.nonmanifold,
-            "edges with more than two faces; sections were united by winding number",
+            "edge",
+            " with more than two faces; sections were united by winding number",
         );
-        warn(WarningId::MeshRepaired, self.turned_facets, "badly wound facets turned");
-        warn(WarningId::MeshRepaired, self.turned_shells, "inside-out shells turned");
+        warn(WarningId::MeshRepaired, self.turned_facets, "badly wound facet", " turned");
+        warn(WarningId::MeshRepaired, self.turned_shells, "inside-out shell", " turned");
     }
 }
 
@@ -158,13 +160,13 @@ fn mend_body(
 /// The defects of a mesh in words.
 pub(crate) fn defects(health: &MeshHealth) -> String {
     let mut parts = Vec::new();
-    for (n, what) in [
-        (health.open_edges, "open edges"),
-        (health.nonmanifold_edges, "edges with more than two faces"),
-        (health.badly_wound_edges, "badly wound edges"),
+    for (n, thing, what) in [
+        (health.open_edges, "open edge", ""),
+        (health.nonmanifold_edges, "edge", " with more than two faces"),
+        (health.badly_wound_edges, "badly wound edge", ""),
     ] {
         if n > 0 {
-            parts.push(format!("{n} {what}"));
+            parts.push(format!("{}{what}", counted(n, thing)));
         }
     }
     if health.volume < 0.0 {

@@ -39,7 +39,7 @@ impl Standing {
     }
 
     /// Whether the part has the same size and rotation as in its file.
-    pub(crate) fn is_as_in_file(&self) -> bool {
+    pub fn is_as_in_file(&self) -> bool {
         self.scale == 1.0 && self.rotation == DMat3::IDENTITY
     }
 

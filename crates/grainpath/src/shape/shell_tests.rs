@@ -152,7 +152,7 @@ fn facets_that_repeat_others_go() {
         assert_eq!(mesh.triangles.len(), 12);
         assert!((mesh.signed_volume() - 1000.0).abs() < 1e-9, "{}", mesh.signed_volume());
         let told: Vec<_> = diagnostics.warnings().into_iter().map(|w| (w.id, w.text)).collect();
-        let wanted = format!("mesh: {n} facets that repeat others left out");
+        let wanted = format!("mesh: {} left out", grainpath_core::spelling::counted(n, "repeated facet"));
         assert_eq!(told, [(WarningId::MeshRepaired, wanted)]);
         let strict = mend(bodies, Repair::Strict, &Diagnostics::default());
         assert!(matches!(strict, Err(ShapeError::Defects { defects }) if defects.contains(&n.to_string())));

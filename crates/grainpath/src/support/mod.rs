@@ -20,6 +20,7 @@ mod walls;
 
 use grainpath_core::buckets::PointGrid3;
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::spelling::counted;
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::PaintedSupports;
@@ -319,8 +320,9 @@ impl Support {
         if self.bending.over > 0 {
             let Bending { worst_mm, at, over } = self.bending;
             let text = format!(
-                "support: {over} tips move by more than {:.2} mm under a side load of {} N while they are printed, \
+                "support: {} bent by more than {:.2} mm under a side load of {} N during the print, \
                  the furthest by {worst_mm:.2} mm",
+                counted(over, "tip"),
                 settings.tip_moves_at_most_mm(),
                 settings.side_load_n,
             );

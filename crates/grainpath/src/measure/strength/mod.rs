@@ -1000,15 +1000,20 @@ pub fn three_digits(v: f64) -> String {
 }
 
 impl StrengthReport {
-    /// The interval of the peak load, in words.
+    /// The interval of the peak load, in words, which say what it is over.
     pub fn over(&self) -> String {
-        match self.corners.len() {
-            0 | 1 => "nominal card alone".to_owned(),
-            _ => format!(
-                "{} to {} N over the card of the material and the grid",
-                three_digits(self.low_n),
-                three_digits(self.high_n)
-            ),
+        if self.low_n == self.high_n {
+            return "nominal card alone".to_owned();
+        }
+        format!("{} to {} N {}", three_digits(self.low_n), three_digits(self.high_n), self.over_what())
+    }
+
+    /// What the interval of the peak load is over. The nominal card alone says nothing about the scatter of the material.
+    pub fn over_what(&self) -> &'static str {
+        if self.corners.len() > 1 {
+            "over the card of the material and the grid"
+        } else {
+            "over the grid alone, with the nominal card"
         }
     }
 
