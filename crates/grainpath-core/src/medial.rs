@@ -6,8 +6,8 @@
 //! makes a fork. In a strip of constant width this is the medial axis itself. The width is the part of an
 //! inner side across the axis, smoothed over three nodes. Branches that only reach into a corner are shorter
 //! than 0.9 of the thickness at their fork and are cut off. At a fork the two branches that continue most
-//! nearly straight become one line. An open line is extended to 0.4 widths before the border, because the
-//! round end of the bead fills the rest.
+//! nearly straight become one line; the third ends there. Elsewhere an open line is extended to 0.4 widths before the
+//! border, because the round end of the bead fills the rest.
 //!
 //! Lengths are in mm. Samples are 0.06 to 0.4 mm apart, 0.6 of the mean thickness, but farther on long
 //! borders: about 100 000 samples a polygon at most, and 5000 an edge. Cost: n log n for n samples. The width
@@ -69,6 +69,8 @@ struct Node {
     chord: DVec2,
     /// Indices of the neighbouring nodes, at most three; unused entries are `NONE`.
     next: [u32; 3],
+    /// Whether the line ends here because another goes on through the fork.
+    beside_fork: bool,
 }
 
 const NONE: u32 = u32::MAX;
@@ -119,7 +121,12 @@ impl Graph {
                     if *slot == NONE {
                         *slot = graph.nodes.len() as u32;
                         let [p, q] = e.positions().map(|p| DVec2::new(p.x, p.y));
-                        graph.nodes.push(Node { at: 0.5 * (p + q), chord: q - p, next: [NONE; 3] });
+                        graph.nodes.push(Node {
+                            at: 0.5 * (p + q),
+                            chord: q - p,
+                            next: [NONE; 3],
+                            beside_fork: false,
+                        });
                     }
                     *slot
                 })
@@ -130,7 +137,12 @@ impl Graph {
                 [a, b] => graph.join(a, b),
                 [a, b, c] => {
                     let middle = graph.nodes.len() as u32;
-                    graph.nodes.push(Node { at: centre, chord: DVec2::ZERO, next: [NONE; 3] });
+                    graph.nodes.push(Node {
+                        at: centre,
+                        chord: DVec2::ZERO,
+                        next: [NONE; 3],
+                        beside_fork: false,
+                    });
                     [a, b, c].into_iter().for_each(|n| graph.join(middle, n));
                 }
                 _ => {}
@@ -260,6 +272,7 @@ impl Graph {
             let pairs = [(straight(0, 1), 2), (straight(0, 2), 1), (straight(1, 2), 0)];
             let odd = pairs.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |p| p.1);
             self.cut(fork, node.next[odd]);
+            self.nodes[node.next[odd] as usize].beside_fork = true;
         }
     }
 }
@@ -291,13 +304,19 @@ fn finish(
         (0..n).map(|i| 0.25 * (raw[around(i, -1)] + 2.0 * raw[i] + raw[around(i, 1)])).collect();
     if !closed {
         let (first, last) = (-tangent(0), tangent(n - 1));
-        let reach = |p: DVec2, d: DVec2, w: f64| {
-            let free = clipper.crossings(p, p + d * 3.0 * max_mm).first().map_or(0.0, |c| c.t * 3.0 * max_mm);
+        let reach = |i: usize, d: DVec2| {
+            let (p, w) = (points[i], widths[i]);
+            // Beyond a fork lies the line that goes on through it, and further on another part of the region.
+            if nodes[i].beside_fork {
+                return p;
+            }
+            let far = 3.0 * max_mm;
+            let free = clipper.crossings(p, p + d * far).first().map_or(0.0, |c| c.t * far);
             // The bead's round end reaches farther than its last point, so the line stops 0.4
             // widths before the border.
             p + d * (free - 0.4 * w).max(0.0)
         };
-        let (a, b) = (reach(points[0], first, widths[0]), reach(points[n - 1], last, widths[n - 1]));
+        let (a, b) = (reach(0, first), reach(n - 1, last));
         points.insert(0, a);
         widths.insert(0, widths[0]);
         points.push(b);
@@ -312,6 +331,9 @@ fn finish(
 /// A bead for a place so short that its axis is the middle of a single chord. The bead runs at right angles to the chord.
 fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &mut Vec<MedialPath>) {
     let [node] = nodes else { return };
+    if node.beside_fork {
+        return;
+    }
     let along = DVec2::new(-node.chord.y, node.chord.x).normalize_or_zero();
     let reach = 4.0 * max_mm;
     let free =
@@ -389,6 +411,25 @@ mod tests {
             assert_eq!(paths.len(), 1, "{paths:?}");
             assert!(paths[0].widths_mm.iter().all(|w| (w - 0.5).abs() < 0.03), "{:?}", paths[0].widths_mm);
             assert!((covered(&paths) - 10.0).abs() < 0.4, "{}", covered(&paths));
+        }
+    }
+
+    #[test]
+    fn a_branch_ends_at_the_line_that_goes_on_through_its_fork() {
+        // Pockets between discs, joined by necks: branches that went on through their forks would cross pockets and necks.
+        let square = Region::rectangle(DVec2::splat(-4.5), DVec2::splat(4.5));
+        for (radius, shift) in [(1.25, 0.0), (1.25, 0.4), (1.35, 0.7), (1.4, 0.2)] {
+            let disc = |k: i32| {
+                let middle = DVec2::new(
+                    3.0 * f64::from(k % 3 - 1) + shift * f64::from(k / 3 - 1),
+                    3.0 * f64::from(k / 3 - 1),
+                );
+                let at = |i: u32| middle + radius * direction(f64::from(i) / 60.0 * std::f64::consts::TAU);
+                Region::from(Polygon { outer: (0..60).map(at).collect(), holes: vec![] })
+            };
+            let left = (0..9).fold(square.clone(), |left, k| left.difference(&disc(k)));
+            let share = covered(&medial_axis(&left, 0.2, 1.55)) / left.area_mm2();
+            assert!(share > 0.8 && share < 1.1, "radius {radius}, shift {shift}: {share}");
         }
     }
 

@@ -714,6 +714,7 @@ mod tests {
 
     #[test]
     fn a_turned_or_mirrored_part_has_the_same_cells_where_they_overflow() {
+        type Map = fn(DVec2) -> DVec2;
         // A zigzag whose turns overlap beside a wall, and two beads on top of each other: much has to flow.
         let mut places = Vec::new();
         for k in 0..12 {
@@ -732,7 +733,7 @@ mod tests {
         let overfull =
             |sheet: &BeadSheet| covered(sheet, &grid).iter().filter(|c| 0.1 / 0.2 * **c > 0.5).count();
         assert!(overfull(&sheet(&|p| p)) > 20);
-        let turned: [(&str, fn(DVec2) -> DVec2); 4] = [
+        let turned: [(&str, Map); 4] = [
             ("by 180 degrees", |p| DVec2::new(-p.x, -p.y)),
             ("by 90 degrees", |p| DVec2::new(-p.y, p.x)),
             ("by 270 degrees", |p| DVec2::new(p.y, -p.x)),
