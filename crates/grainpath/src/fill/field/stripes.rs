@@ -246,15 +246,21 @@ pub(crate) fn spaced(
     lay(centrelines, &infill_region, &border, context, share, out);
 }
 
-/// The strips in an area that beads along the field would leave open in part. Beads of any width do so in a strip that one
-/// single bead fills: those across are shorter than is worth a start. Beads of one width leave a share of a bead open beside
-/// them, which is a tenth or more of a strip of up to [`ONE_WIDTH_STRIP`] beads.
+/// The strips in an area that beads along the field would leave open in part. Beads of any width do so where one single bead
+/// fills the whole area: those across are shorter than is worth a start. Beads of one width leave a share of a bead open
+/// beside them, which is a tenth or more of a strip of up to [`ONE_WIDTH_STRIP`] beads.
 fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
-    let widest_mm = match context.widths {
-        BeadWidths::Variable => widest_single_mm(context.bead_width_mm, context.height_mm),
-        BeadWidths::Constant => ONE_WIDTH_STRIP * context.spacing_mm(),
-    };
-    let mut thin = border.difference(&border.offset(-0.5 * widest_mm, MITER).offset(0.5 * widest_mm, MITER));
+    let half_mm = 0.5
+        * match context.widths {
+            BeadWidths::Variable => widest_single_mm(context.bead_width_mm, context.height_mm),
+            BeadWidths::Constant => ONE_WIDTH_STRIP * context.spacing_mm(),
+        };
+    let core = border.offset(-half_mm, MITER);
+    // Beads of any width taper into the thin ends of wider areas.
+    if context.widths == BeadWidths::Variable && !core.is_empty() {
+        return Region::default();
+    }
+    let mut thin = border.difference(&core.offset(half_mm, MITER));
     // The tips of corners that offsets round off are no strips.
     thin.polygons.retain(|p| p.area_mm2() > context.spacing_mm() * context.spacing_mm());
     thin

@@ -463,8 +463,10 @@ fn is_of_width(path: &Toolpath) -> bool {
     (0..path.points.len()).all(|i| (path.width_at(i) - WIDTH).abs() < 1e-12)
 }
 
+type Strip = (&'static str, Region, fn(DVec2) -> f64);
+
 /// A strip and a ring of this width, mm, each under a field that meets its borders across, aslant or not at all.
-fn strips(mm: f64) -> [(&'static str, Region, fn(DVec2) -> f64); 5] {
+fn strips(mm: f64) -> [Strip; 5] {
     let bar = Region::rectangle(DVec2::new(-10.0, -0.5 * mm), DVec2::new(10.0, 0.5 * mm));
     let disk = |r: f64| {
         let rim = |k: usize| direction(k as f64 / 144.0 * TAU) * r;
