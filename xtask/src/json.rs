@@ -15,8 +15,9 @@ use serde_json::Value;
 const NAMED: [&str; 5] = ["stages_s", "outputs", "strength.modes", "strength.corners", "rows[].corners"];
 
 /// Listed keys that none of the jobs below prints: places of warnings that they do not have, grids of directions,
-/// overhangs out of reach, pictures in programs of others, reasons for which nothing is told.
-const NOT_HERE: [&str; 8] = [
+/// overhangs out of reach, cones, pictures in programs of others, reasons for which nothing is told.
+const NOT_HERE: [&str; 9] = [
+    "faces[].half_angle_deg",
     "field.axis_order",
     "reserve.untold",
     "support.unreached[][]",
@@ -128,6 +129,7 @@ pub fn check() -> Result<(), String> {
         "run texture.toml --json",
         "compare plane.toml plane.toml --json",
         "inspect plate/plate.stl --json",
+        "inspect plate/plate.stl --faces --json",
         "inspect bar.gcode --json",
     ] {
         let value: Value = serde_json::from_str(&told(line)?).map_err(|e| format!("{line}: {e}"))?;
