@@ -486,7 +486,8 @@ async fn check_job(
         engine.check(&job, &roots)
     };
     // A job with an error was checked as well as one without: the request succeeded.
-    let error = tokio::task::spawn_blocking(checked).await.map_err(fault)?.err().map(|refusal| refusal.message);
+    let error =
+        tokio::task::spawn_blocking(checked).await.map_err(fault)?.err().map(|refusal| refusal.message);
     Ok(Json(json!({ "ok": error.is_none(), "error": error })))
 }
 
@@ -687,9 +688,7 @@ async fn bytes_of_beads(
 }
 
 /// A picture that the engine draws on a blocking thread.
-async fn pictured(
-    draw: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'static,
-) -> Answer<Response> {
+async fn pictured(draw: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'static) -> Answer<Response> {
     let png = tokio::task::spawn_blocking(draw).await.map_err(fault)??;
     Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "no-cache")], png).into_response())
 }

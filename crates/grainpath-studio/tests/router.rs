@@ -1321,7 +1321,11 @@ fn parts_layers_and_cases_have_pictures() {
         (format!("{stress}/stress/1/picture"), "stress of bend".to_owned()),
     ] {
         let answer = bench.get(&format!("/v1/jobs/{address}"));
-        assert_eq!((answer.status, answer.header("content-type")), (StatusCode::OK, "image/png"), "{address}");
+        assert_eq!(
+            (answer.status, answer.header("content-type")),
+            (StatusCode::OK, "image/png"),
+            "{address}"
+        );
         assert_eq!(String::from_utf8(answer.bytes).expect("words"), words);
     }
     for (address, status) in [

@@ -41,7 +41,13 @@ pub fn numbered_png(
         let shown: Vec<Option<usize>> = view.triangle.iter().map(|t| t.and_then(face_of)).collect();
         numbered(&shown, view.size, n_faces)
     };
-    both_sides(mesh, &|t| face_of(t).is_some(), &|t| colour(face_of(t).unwrap_or_default()), &numbers, width_px)
+    both_sides(
+        mesh,
+        &|t| face_of(t).is_some(),
+        &|t| colour(face_of(t).unwrap_or_default()),
+        &numbers,
+        width_px,
+    )
 }
 
 /// A picture of a value at each vertex, of the same two sides as [`faces_png`]: blue at 0, red at the largest value. Each
@@ -162,8 +168,9 @@ mod tests {
             let view = view(&cube, &|_| true, t, 200);
             view.triangle.iter().map(|t| t.and_then(|t| faces.of_triangle(t))).collect()
         };
-        let seen =
-            |t: DVec3| -> Vec<usize> { numbered(&shown(t), 200, faces.len()).into_iter().map(|n| n.0).collect() };
+        let seen = |t: DVec3| -> Vec<usize> {
+            numbered(&shown(t), 200, faces.len()).into_iter().map(|n| n.0).collect()
+        };
         let (front, back) = (seen(towards), seen(-towards));
         assert_eq!((front.len(), back.len()), (3, 3));
         assert!(front.iter().all(|f| !back.contains(f)), "{front:?} {back:?}");

@@ -725,9 +725,7 @@ pub(crate) fn fibre(s: &Settings, n_layers: usize) -> Option<FibreSettings> {
 pub(crate) fn loads_beads_unevenly(s: &Settings) -> bool {
     let is_open =
         |s: &Settings| !s.fill.density.is_dense() || s.fill.mass_g.is_some() || s.process.walls.least() == 0;
-    is_open(s)
-        || s.regions.iter().any(|r| is_open(&s.in_region(r)))
-        || s.fibre.enabled
+    is_open(s) || s.regions.iter().any(|r| is_open(&s.in_region(r))) || s.fibre.enabled
 }
 
 /// Width of beads with fibre, mm, if the whole part is dense. In a dense part the width decides how much

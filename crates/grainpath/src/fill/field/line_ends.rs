@@ -415,7 +415,7 @@ impl End<'_> {
             }
             let [left_mm, right_mm] = self.sides(next, along);
             // Where extensions do not keep to the middle, one side may have all the room and the other none.
-            if left_mm.min(right_mm) < 0.5 * LEAST_APART * spacing_mm {
+            if !self.room.middle && left_mm.min(right_mm) < 0.5 * LEAST_APART * spacing_mm {
                 return false;
             }
             let room = (left_mm + right_mm) / spacing_mm;

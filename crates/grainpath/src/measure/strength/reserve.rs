@@ -174,7 +174,9 @@ enum Untold {
     Peak,
     #[error("the whole part lies near fixtures and loads, where failure is not evaluated")]
     Nothing,
-    #[error("sparse infill, fibre or open borders share the load unevenly, and the forces in the beads cannot be solved: {0}")]
+    #[error(
+        "sparse infill, fibre or open borders share the load unevenly, and the forces in the beads cannot be solved: {0}"
+    )]
     Uneven(StrengthError),
     #[error(transparent)]
     Strength(#[from] StrengthError),
