@@ -160,6 +160,8 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
     assert!(number(&run["strength"], "low_n") == own && !page.contains(" over the grid"), "no interval");
     let words = [
         "strength.enabled=true",
+        // The program of the first run is tested below.
+        "output.gcode=guided.gcode",
         "output.report=bar.html",
         "strength.corners=false",
         "guide.kind=stress",

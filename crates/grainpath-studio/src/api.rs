@@ -696,6 +696,7 @@ async fn pictured(draw: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'stat
 async fn part_picture(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
     let run = found(&studio, id)?;
     let engine = Arc::clone(&studio.engine);
+    // A plan that still runs has a program before it has a result.
     if let Some(drawn) = run.drawn().filter(|drawn| !drawn.program.layers.is_empty()) {
         return pictured(move || Ok(engine.picture(Pictured::Part(&drawn.program)))).await;
     }

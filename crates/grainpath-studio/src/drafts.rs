@@ -79,6 +79,7 @@ pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
 pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     let _held = lock(roots)?;
     let mut all = told(roots)?;
+    // Numbers of different pages cannot be compared; of those the last one to come stays.
     let is_later = |d: &Draft| d.path == draft.path && d.page == draft.page && d.change > draft.change;
     if !draft.page.is_empty() && all.iter().any(is_later) {
         return Ok(());

@@ -1328,6 +1328,7 @@ fn parts_layers_and_cases_have_pictures() {
         );
         assert_eq!(String::from_utf8(answer.bytes).expect("words"), words);
     }
+    // What a job has not is missing, and a range beyond the layers is wrong.
     for (address, status) in [
         (format!("{stress}/picture"), StatusCode::NOT_FOUND),
         (format!("{stress}/stress/2/picture"), StatusCode::NOT_FOUND),

@@ -70,6 +70,7 @@ fn both_sides(
     let size = (width_px / 2).max(8) as usize;
     let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
     let views = [towards, -towards].map(|t| view(mesh, is_drawn, t, size));
+    // Opaque: a picture of a part lies on pages of any ground.
     let mut rgba = vec![255u8; 2 * size * size * 4];
     for (side, view) in views.iter().enumerate() {
         let place = |x: usize, y: usize| 4 * (y * 2 * size + side * size + x);
@@ -80,12 +81,14 @@ fn both_sides(
             rgba[at..at + 3].copy_from_slice(&colour);
         }
         for (face, (x, y)) in numbers(view) {
+            // A number at the rim of a view stays inside its half of the picture.
             let mut paint = |x: usize, y: usize, colour: [u8; 3]| {
                 if x < size && y < size {
                     let at = place(x, y);
                     rgba[at..at + 3].copy_from_slice(&colour);
                 }
             };
+            // Large pictures get larger digits, which stay as large beside the part.
             let (text, dot) = ((face + 1).to_string(), (size / 300).max(1));
             let (wide, high) = digits::size(&text, dot);
             digits::write(&text, (x.saturating_sub(wide / 2), y.saturating_sub(high / 2)), dot, &mut paint);

@@ -72,19 +72,12 @@ pub(crate) fn man(args: &Man) -> Result<(), Failure> {
 /// A manual page with an empty date, which keeps its bytes the same on every day, and with the examples under their usual
 /// heading. clap_mangen writes an empty date as no date, so that the version takes its place.
 fn with_usual_headings(page: &str) -> String {
-    let mut out = String::new();
-    for line in page.lines() {
-        let title = line.strip_prefix(".TH ").and_then(|rest| rest.split(' ').next());
-        match (title, line) {
-            (Some(title), _) => {
-                out.push_str(&format!(".TH {title} 1 \"\" \"grainpath {}\" \"\"", env!("CARGO_PKG_VERSION")));
-            }
-            (None, ".SH EXTRA") => out.push_str(".SH EXAMPLES"),
-            // The heading says it.
-            (None, "Examples:") => continue,
-            (None, line) => out.push_str(line),
-        }
-        out.push('\n');
-    }
-    out
+    // The heading says what the line below it says.
+    let page = page.replace("\n.SH EXTRA\n", "\n.SH EXAMPLES\n").replace("\nExamples:\n", "\n");
+    let titled = |line: &str| match line.strip_prefix(".TH ").and_then(|rest| rest.split(' ').next()) {
+        Some(title) => format!(".TH {title} 1 \"\" \"grainpath {}\" \"\"\n", env!("CARGO_PKG_VERSION")),
+        None => format!("{line}\n"),
+    };
+    // Every line ends with a newline, the last one too, as groff wants it.
+    page.lines().map(titled).collect()
 }

@@ -201,12 +201,14 @@ impl Engine for Commands {
                 layer_png(&LayerPicture::from(&program.layers[layer]), &options)
             }
             Pictured::Shape(surface) => {
+                // Triangles of faces too small to be named have none; they are left out, as in `inspect --faces`.
                 let face_of = |t: usize| Some(surface.face[t]).filter(|f| *f != u32::MAX).map(|f| f as usize);
                 let n_faces = (0..surface.face.len()).filter_map(face_of).max().map_or(0, |last| last + 1);
                 let mesh = mesh_of(&surface.vertices, &surface.triangles);
                 numbered_png(&mesh, &face_of, n_faces, width)
             }
             Pictured::Stress(stress, case) => {
+                // The first six of the nine values are the stress; the others are the displacement.
                 let value = |v: &[f32; 9]| von_mises(&std::array::from_fn(|k| f64::from(v[k])));
                 let values: Vec<f64> = case.values.iter().map(value).collect();
                 values_png(&mesh_of(&stress.points, &stress.triangles), &values, width)

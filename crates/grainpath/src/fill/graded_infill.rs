@@ -60,7 +60,7 @@ const FINEST: f64 = DENSE_FROM / SQRT_2;
 pub(crate) const WINDOW_MM: f64 = 5.0;
 /// Distance between points at which a bead may change its width, mm. Source: derived: a quarter of the window.
 const VERTICES_MM: f64 = 1.25;
-/// Rounds of fitting. Measured by `every_pattern_lays_the_density_of_each_cell`: the worst cell of `grid` is off by 11 % of
+/// Rounds of fitting. Measured: in `every_pattern_lays_the_density_of_each_cell` the worst cell of `grid` is off by 11 % of
 /// full with 3 rounds, by 7 with 6 and by 6 with 8.
 const ROUNDS: usize = 8;
 /// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:

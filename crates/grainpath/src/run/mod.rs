@@ -561,6 +561,7 @@ fn plan_stack(
     let on_cells = guide.as_ref().filter(|guide| is_uneven || guide.is_plate).and_then(|guide| {
         let setup = test.clone().map_or_else(test_setup, Ok);
         match setup {
+            // Bearing loads, torque and imported stress are none of a test's loads.
             Err(_) if !is_uneven => None,
             setup if guide.is_plate => Some(setup),
             setup => Some(setup.map(TestSetup::into_solid)),

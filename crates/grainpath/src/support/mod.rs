@@ -234,7 +234,14 @@ pub fn plan(
     diagnostics: &Diagnostics,
 ) -> Result<Support, Interrupted> {
     diagnostics.begin(Stage::Support, 4);
-    let overhangs = overhang::find(mesh, stack, settings);
+    let mut overhangs = overhang::find(mesh, stack, settings);
+    if settings.interface_lines {
+        if settings.style == Style::Tree {
+            walls::hold(&mut overhangs, mesh, stack, settings);
+        }
+        interface::lengthen_tips(&mut overhangs.contacts, &overhangs.lines, stack, settings);
+    }
+    overhang::hold_mid_air(&mut overhangs, stack, settings);
     diagnostics.check()?;
     diagnostics.advance(1);
     if overhangs.contacts.is_empty() {

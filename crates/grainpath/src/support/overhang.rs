@@ -30,7 +30,7 @@ use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
 use super::contact::{Contact, ContactGrid, Reason, Sample};
-use super::{Style, SupportSettings, interface, walls};
+use super::{SupportSettings, interface};
 
 /// A facet counts as upright if the sine of its lean is less than this. Source: derived. In a layer of 0.2 mm its wall
 /// then steps outwards by 0.004 mm, a hundredth of a bead.
@@ -159,14 +159,6 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         out.lines = interface::lines(&facets, &grids, settings);
     }
     out.samples = samples.into_iter().map(|s| s.2).collect();
-    if settings.interface_lines {
-        if settings.style == Style::Tree {
-            walls::hold(&mut out, mesh, stack, settings);
-        }
-        interface::lengthen_tips(&mut out.contacts, &out.lines, stack, settings);
-    }
-    out.mid_air = mid_air(stack, |p| settings.blocked(p));
-    hold_mid_air(&mut out, stack, settings);
     out
 }
 
@@ -596,8 +588,9 @@ pub(crate) fn inner_point(polygon: &Polygon) -> DVec2 {
     })
 }
 
-/// Gives every piece that begins in mid-air a contact at its underside, and long pieces several.
-fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
+/// Finds the pieces that begin in mid-air and gives every one a contact at its underside, and long pieces several.
+pub(super) fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
+    out.mid_air = mid_air(stack, |p| settings.blocked(p));
     let d = settings.spacing_mm();
     let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
     by_height.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -26,6 +26,9 @@ use super::overhang::Overhangs;
 /// The longest stretch of a wall that is left over air, as a share of L. Source: derived. Both ends of a stretch are known
 /// to [`STEP_MM`] and move by half a bead with the beads below; at L = 10 mm that is 0.85 mm.
 const LONGEST_SHARE: f64 = 0.9;
+/// A wall is held by a contact that lies beside it by at most this many bead widths. Source: derived. The line across two walls
+/// from a contact below the outer one reaches as far.
+const BESIDE_BEADS: f64 = 2.0;
 /// Distance of the points at which walls are judged, mm. Source: derived. Less than half a bead, so that no bead across a
 /// wall falls between two points.
 const STEP_MM: f64 = 0.2;
@@ -115,11 +118,27 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
     };
     let found: Vec<Vec<Free>> = (1..stack.layers().len()).into_par_iter().map(of_layer).collect();
     let spacing_mm = SPACING_SHARE * settings.max_unsupported_mm;
+    let placed: Vec<(usize, DVec2)> = out
+        .contacts
+        .iter()
+        .map(|c| (heights.end_below(c.at.z, settings.z_gap_mm), c.at.truncate()))
+        .collect();
     for in_layer in found {
         let mut added: Vec<DVec2> = Vec::new();
         for Free { layer, wall, points, closed } in in_layer {
             let layer = &stack.layers()[layer];
             let (h, z_mm) = (layer.height_mm(), layer.z_top_mm() - layer.height_mm());
+            // A contact beside the wall, as in the middle of a narrow strip, holds it by a line of its own.
+            let end = heights.end_below(z_mm, settings.z_gap_mm);
+            for c in placed.iter().filter(|c| c.0 == end).map(|c| c.1) {
+                // On a narrow strip the contact may hold the walls of both sides.
+                for p in nearest(&points, closed, c).filter(|p| p.distance(c) <= BESIDE_BEADS * w) {
+                    let last = p + (p - c).normalize_or_zero() * depth_mm(wall, h, settings);
+                    let n = (c.distance(last) / LINE_STEP_MM).ceil().max(1.0) as usize;
+                    added.extend((0..=n).map(|i| c.lerp(last, i as f64 / n as f64)));
+                    out.lines.push(vec![c.extend(z_mm), last.extend(z_mm)]);
+                }
+            }
             let free: Vec<bool> =
                 points.iter().map(|p| added.iter().all(|q| q.distance(*p) > reach_mm)).collect();
             for (stretch, closed) in stretches(&points, closed, &free, longest_mm) {
@@ -142,6 +161,18 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
             }
         }
     }
+}
+
+/// The points of a stretch that are nearer to a place than those beside them: one of each side of a narrow strip.
+fn nearest(points: &[DVec2], closed: bool, place: DVec2) -> impl Iterator<Item = DVec2> {
+    let n = points.len();
+    let mm = move |i: usize| points[i % n].distance(place);
+    let is_nearest = move |i: &usize| {
+        // Of two points at one distance the first is taken. The ends of an open stretch have one neighbour.
+        let (has_before, has_after) = (closed || *i > 0, closed || i + 1 < n);
+        (!has_before || mm(*i) < mm(i + n - 1)) && (!has_after || mm(*i) <= mm(i + 1))
+    };
+    (0..n).filter(is_nearest).map(|i| points[i])
 }
 
 /// Depth of the centreline of a wall below the rim of its layer.
