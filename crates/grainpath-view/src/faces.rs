@@ -24,6 +24,9 @@ struct View {
     size: usize,
 }
 
+/// A face, and the pixel of its number, x and y.
+type Numbered = (usize, (usize, usize));
+
 /// A picture of the faces, `width_px` wide and half as high; numbers count from 1.
 pub fn faces_png(mesh: &TriMesh, faces: &Faces, width_px: u32) -> Vec<u8> {
     numbered_png(mesh, &|t| faces.of_triangle(t), faces.len(), width_px)
@@ -64,7 +67,7 @@ fn both_sides(
     mesh: &TriMesh,
     is_drawn: &dyn Fn(usize) -> bool,
     colour: &dyn Fn(usize) -> [u8; 3],
-    numbers: &dyn Fn(&View) -> Vec<(usize, (usize, usize))>,
+    numbers: &dyn Fn(&View) -> Vec<Numbered>,
     width_px: u32,
 ) -> Vec<u8> {
     let size = (width_px / 2).max(8) as usize;
@@ -141,7 +144,7 @@ fn view(mesh: &TriMesh, is_drawn: &dyn Fn(usize) -> bool, towards: DVec3, size: 
 
 /// The faces that are large enough to be numbered, of a view with the face `shown` in each of its pixels, `size` a row. Each
 /// has the pixel of the face that is nearest to the middle of its visible pixels.
-fn numbered(shown: &[Option<usize>], size: usize, n_faces: usize) -> Vec<(usize, (usize, usize))> {
+fn numbered(shown: &[Option<usize>], size: usize, n_faces: usize) -> Vec<Numbered> {
     let mut sums = vec![(0usize, 0usize, 0usize); n_faces];
     let seen = || shown.iter().enumerate().filter_map(|(i, f)| Some((i % size, i / size, (*f)?)));
     for (x, y, f) in seen() {
