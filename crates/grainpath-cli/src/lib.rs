@@ -245,8 +245,10 @@ fn installed(page: &str) -> String {
     // `usr/bin/grainpath` has its pages in `usr/share/doc/grainpath/docs`.
     let program = std::env::current_exe().ok();
     let prefix = program.as_deref().and_then(Path::parent).and_then(Path::parent);
-    let path = prefix.map(|prefix| prefix.join("share/doc/grainpath").join(page));
-    path.filter(|path| path.is_file()).map_or_else(|| page.to_owned(), |path| path.display().to_string())
+    // Where /proc is not mounted, as in a bare root, a program does not know its own path.
+    let prefix = prefix.unwrap_or(Path::new("/usr"));
+    let path = prefix.join("share/doc/grainpath").join(page);
+    if path.is_file() { path.display().to_string() } else { page.to_owned() }
 }
 
 /// Prints the failure of a command. Returns the exit code.
