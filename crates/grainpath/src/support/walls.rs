@@ -69,8 +69,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
     let mut holders: Vec<Vec<DVec2>> = vec![Vec::new(); stack.layers().len() + 1];
     let mut add = |p: DVec3| holders[heights.end_below(p.z, settings.z_gap_mm)].push(p.truncate());
     for pair in out.lines.iter().flat_map(|line| line.windows(2)) {
-        let n = (pair[0].distance(pair[1]) / LINE_STEP_MM).ceil().max(1.0) as usize;
-        (0..=n).for_each(|i| add(pair[0].lerp(pair[1], i as f64 / n as f64)));
+        points_between(pair[0], pair[1]).for_each(&mut add);
     }
     out.contacts.iter().for_each(|c| add(c.at));
     let reach_mm = ((FREE_STEP_BEADS * w).powi(2) - 0.25 * JUDGED_MM * JUDGED_MM).max(0.0).sqrt();
@@ -134,9 +133,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
                 // On a narrow strip the contact may hold the walls of both sides.
                 for p in nearest(&points, closed, c).filter(|p| p.distance(c) <= BESIDE_BEADS * w) {
                     let last = p + (p - c).normalize_or_zero() * depth_mm(wall, h, settings);
-                    let n = (c.distance(last) / LINE_STEP_MM).ceil().max(1.0) as usize;
-                    added.extend((0..=n).map(|i| c.lerp(last, i as f64 / n as f64)));
-                    out.lines.push(vec![c.extend(z_mm), last.extend(z_mm)]);
+                    add_line([c, last].map(|p| p.extend(z_mm)), &mut out.lines, &mut added);
                 }
             }
             let free: Vec<bool> =
@@ -147,9 +144,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
                     let inner_mm = depth_mm(settings.part_walls - 1, h, settings) + 0.5 * w - own_mm;
                     // Of very many walls, each gets its own contacts.
                     let [first, last] = [-own_mm, inner_mm.min(0.5 * spacing_mm)].map(|mm| p + inwards * mm);
-                    let n = (first.distance(last) / LINE_STEP_MM).ceil().max(1.0) as usize;
-                    added.extend((0..=n).map(|i| first.lerp(last, i as f64 / n as f64)));
-                    out.lines.push(vec![first.extend(z_mm), last.extend(z_mm)]);
+                    add_line([first, last].map(|p| p.extend(z_mm)), &mut out.lines, &mut added);
                     out.contacts.push(Contact {
                         at: p.extend(z_mm),
                         normal: -DVec3::Z,
@@ -161,6 +156,18 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
             }
         }
     }
+}
+
+/// Points of an interface line from one end to the other, [`LINE_STEP_MM`] apart at most.
+fn points_between(first: DVec3, last: DVec3) -> impl Iterator<Item = DVec3> {
+    let n = (first.distance(last) / LINE_STEP_MM).ceil().max(1.0) as usize;
+    (0..=n).map(move |i| first.lerp(last, i as f64 / n as f64))
+}
+
+/// Adds an interface line, and its points to those that hold walls.
+fn add_line([first, last]: [DVec3; 2], lines: &mut Vec<Vec<DVec3>>, holders: &mut Vec<DVec2>) {
+    holders.extend(points_between(first, last).map(DVec3::truncate));
+    lines.push(vec![first, last]);
 }
 
 /// The points of a stretch that are nearer to a place than those beside them: one of each side of a narrow strip.
