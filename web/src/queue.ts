@@ -43,7 +43,8 @@ export async function queue(into: HTMLElement, isWanted: () => boolean, ended: (
       if (isEmpty !== (table.parentElement === null)) {
         into.replaceChildren(...(isEmpty ? [] : [el("h2", {}, "Worked on and waiting"), table, error]));
       }
-      if (over.length > 0) await ended();
+      // What ended while the list was read is asked for at once, so that no run stands in both for long.
+      if (over.length > 0) { await ended(); continue; }
     } catch (problem) {
       say(problem);
       into.replaceChildren(error);
