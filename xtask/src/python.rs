@@ -167,13 +167,13 @@ fn from_sdist(wheels: &Path) -> Result<(), String> {
     let unpacked = wheels.join(folder);
     // The members of the workspace that the package does not need are left out of the source distribution. Cargo then
     // takes them out of the lock, which `--locked` would refuse; that nothing else changes is checked instead.
-    let oldest: &[&str] = if cfg!(target_os = "linux") {
+    // Measured: at the highest level the wheel has 7.78 MB, at maturin's own 8.03 MB; packing takes 2 s longer.
+    let mut options = vec!["--compression-level", "9"];
+    if cfg!(target_os = "linux") {
         setup::zig()?;
-        &["--zig", "--compatibility", "manylinux2014"]
-    } else {
-        &[]
-    };
-    build(&unpacked.join(MANIFEST), wheels, "dist", oldest)?;
+        options.extend(["--zig", "--compatibility", "manylinux2014"]);
+    }
+    build(&unpacked.join(MANIFEST), wheels, "dist", &options)?;
     let read = |path: PathBuf| fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()));
     let (ours, theirs) = (read(crate::root().join("Cargo.lock"))?, read(unpacked.join("Cargo.lock"))?);
     match not_in(&theirs, &ours) {

@@ -21,7 +21,7 @@ const PYTHON: [&str; 8] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx"
 /// Python packages that build and test the package `grainpath`.
 const PYTHON_PACKAGE: [&str; 9] = [
     "numpy",
-    "maturin>=1.9.3",
+    "maturin>=1.16",
     "pytest>=8",
     "hypothesis>=6",
     "mypy>=1.11",
