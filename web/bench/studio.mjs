@@ -2,7 +2,7 @@
 // `cargo xtask bench studio` runs it; GRAINPATH_DATA may name a folder with meshes/3DBenchy.3mf. Frames say nothing about a
 // graphics card: the name of the renderer is printed with them.
 
-import { existsSync, readFileSync } from "node:fs";
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 import { boxStl, e, folder, launch, settle, shaped, shown, stl, studio, visit } from "../tests/bench.mjs";
@@ -40,13 +40,16 @@ const benchy = process.env.GRAINPATH_DATA ? join(process.env.GRAINPATH_DATA, "me
 const files = folder({ "plate.stl": boxStl([60, 40, 4]), "ball.stl": stl(ball(30, 500)), "million.gcode": program(1_000_000) });
 const browser = await launch();
 /** Asks a server, without a browser. */
-const asking = (address) => (path, init = {}) => fetch(`${address.origin}/v1/${path}`, { ...init, headers: { authorization: `Bearer ${address.searchParams.get("token")}`, "content-type": "application/json", ...init.headers } });
+const asking = (address) => async (path, init = {}) => {
+  const answer = await fetch(`${address.origin}/v1/${path}`, { ...init, headers: { authorization: `Bearer ${address.searchParams.get("token")}`, "content-type": "application/json", ...init.headers } });
+  return answer.status === 204 ? null : answer.json();
+};
 /** A page at the welcome, on a server of its own: it would follow the last run of one that has served others. */
 const opened = async () => {
   const server = await studio(files.dir);
   const { page, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
-  return { page, api: asking(new URL(server.address)), close: async () => { await close(); await server.end(); } };
+  return { page, api: asking(new URL(server.address)), child: server.child, close: async () => { await close(); await server.end(); } };
 };
 try {
   const dist = new URL("../../crates/grainpath-studio/dist/", import.meta.url);
@@ -93,8 +96,8 @@ try {
     const api = asking(new URL(server.address));
     const times = [];
     for (let k = 0; k < 20; k++) {
-      const begun = await (await api("jobs", { method: "POST", body: JSON.stringify({ kind: "plan", text: `[shape]\nmesh = ${JSON.stringify(files.at("ball.stl"))}\n` }) })).json();
-      const state = async () => (await (await api(`jobs/${begun.id}`)).json()).phase;
+      const begun = await api("jobs", { method: "POST", body: JSON.stringify({ kind: "plan", text: `[shape]\nmesh = ${JSON.stringify(files.at("ball.stl"))}\n` }) });
+      const state = async () => (await api(`jobs/${begun.id}`)).phase;
       await new Promise((done) => setTimeout(done, 150 + 100 * k));
       if ((await state()) !== "running") continue;
       const asked = performance.now();
@@ -116,7 +119,7 @@ try {
     row("a million segments: file to first layer", `${((Date.now() - begun) / 1000).toFixed(2)} s`, "");
     await shown(page);
     const id = await page.evaluate(() => document.documentElement.dataset.shown);
-    const index = await (await api(`jobs/${id}/layers`)).json();
+    const index = await api(`jobs/${id}/layers`);
     // Node unpacks what it fetches, so the size that crossed is that of the browser's record.
     const wire = await page.evaluate(() => performance.getEntriesByType("resource").filter((r) => /layers\/\d+-\d+$/.test(r.name)).reduce((sum, r) => sum + r.encodedBodySize, 0));
     if (wire > 0) row("bytes a segment on the wire", (wire / index.records).toFixed(2), "<= 12");
@@ -126,6 +129,28 @@ try {
     await page.keyboard.press("l");
     await settle(page);
     row("a frame of one layer of 5000", `${(await frame()).toFixed(1)} ms`, "<= 15 ms");
+    await close();
+  }
+
+  {
+    writeFileSync(files.at("large.gcode"), program(6_400_000));
+    const { page, api, child, close } = await opened();
+    await page.click("#open");
+    const begun = Date.now();
+    await page.click('#chooser .files button:has-text("large.gcode")');
+    await page.waitForFunction(() => performance.getEntriesByName("first-layer").length > 0, null, { timeout: 300_000 });
+    const first = (Date.now() - begun) / 1000;
+    const { elapsed_s } = await api((await api("jobs")).jobs.map(({ id }) => `jobs/${id}`)[0]);
+    row(`a program of ${(statSync(files.at("large.gcode")).size / 1e6).toFixed(0)} MB: reading, then to the first layer`, `${elapsed_s.toFixed(2)}, ${(first - elapsed_s).toFixed(2)} s`, "<= 2 s after reading");
+    await shown(page);
+    const client = await page.context().newCDPSession(page);
+    await client.send("HeapProfiler.collectGarbage");
+    const { usedSize, backingStorageSize } = await client.send("Runtime.getHeapUsage");
+    const arrays = backingStorageSize ?? (await page.evaluate(() => window.studio.viewer.beads.words.byteLength));
+    row("the same: heap of the page with its arrays", `${((usedSize + arrays) / 1e6).toFixed(0)} MB`, "<= 300 MB");
+    // Linux alone tells the most memory that a process has had.
+    const peak = existsSync(`/proc/${child.pid}/status`) ? / *VmHWM: *(\d+) kB/.exec(readFileSync(`/proc/${child.pid}/status`, "utf8").replaceAll("\t", " ")) : null;
+    if (peak) row("the same: peak of the server", `${(Number(peak[1]) / 1024).toFixed(0)} MiB`, "<= 1.5 GB");
     await close();
   }
 
@@ -149,4 +174,4 @@ try {
   await browser.close();
   files.remove();
 }
-if (rows.length < 8) throw new Error("the bench did not reach its end");
+if (rows.length < 15) throw new Error("the bench did not reach its end");

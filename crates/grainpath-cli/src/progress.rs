@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::Arc;
+use std::time::Duration;
 
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::{Progress, Stage};
@@ -11,6 +12,9 @@ use crate::interrupt;
 
 struct Bar(ProgressBar);
 
+/// The line of a stage that counts no steps.
+const NAME_AND_TIME: &str = "{msg:<15} {elapsed}";
+
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
@@ -18,10 +22,11 @@ fn style(template: &str) -> ProgressStyle {
 impl Progress for Bar {
     fn begin(&self, stage: Stage, total: usize) {
         self.0.set_position(0);
-        // A stage that counts no steps tells its name alone, and no "0 of 0".
+        self.0.reset_elapsed();
+        // A stage that counts no steps tells how long it has taken, and no "0 of 0".
         if total == 0 {
             self.0.unset_length();
-            self.0.set_style(style("{msg:<15}"));
+            self.0.set_style(style(NAME_AND_TIME));
         } else {
             self.0.set_length(total as u64);
             self.0.set_style(style("{msg:<15} {wide_bar} {pos} of {len} {eta}"));
@@ -56,7 +61,10 @@ impl Drop for Bar {
 pub(crate) fn diagnostics() -> Arc<Diagnostics> {
     // The line is drawn on terminals only: a log file would get a line for each redraw.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
-        Diagnostics::with_progress(Box::new(Bar(ProgressBar::no_length().with_style(style("{msg:<15}")))))
+        let bar = ProgressBar::no_length().with_style(style(NAME_AND_TIME));
+        // The seconds go on while a stage counts nothing, as the strength test.
+        bar.enable_steady_tick(Duration::from_secs(1));
+        Diagnostics::with_progress(Box::new(Bar(bar)))
     } else {
         Diagnostics::default()
     });
