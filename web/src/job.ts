@@ -79,7 +79,8 @@ export class JobPanel {
   wanted(): Record<string, unknown> | null {
     if (!this.editor || !this.opened) return null;
     const isUnchanged = this.opened.kind === "job" && this.editor.value === this.saved;
-    if (isUnchanged) return { file: this.opened.path };
+    // A file that has changed on the disk since is refused: what runs is what is shown.
+    if (isUnchanged) return { file: this.opened.path, shown: this.saved };
     return { text: this.textElsewhere(), name: this.opened.name.replace(/\.[^.]*$/, "") };
   }
 

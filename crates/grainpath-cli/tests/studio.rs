@@ -599,6 +599,28 @@ fn jobs_reach_no_file_outside_the_studio() {
     }
 }
 
+#[test]
+fn a_run_replaces_nothing_of_another_run() {
+    let dir = folder("studio others");
+    fs::write(dir.join("block.stl"), box_stl([20.0, 12.0, 3.0])).expect("written");
+    let studio = Studio::start(&dir, &[]);
+    let shape = format!("[shape]\nmesh = {:?}\n", dir.join("block.stl").display().to_string());
+    let plan =
+        |name: &str, text: String| studio.run(&object!({ "kind": "plan", "text": text, "name": name }));
+    assert_eq!(plan("first", shape.clone())["phase"], "done");
+    let work = dir.join("grainpath-studio");
+    let kept = |name: &str| fs::read(work.join(name)).expect("it is there");
+    let before = ["first/block.gcode", "history.jsonl"].map(kept);
+    for other in ["../first/block.gcode", "../history.jsonl", "../drafts.json", "../uploads/a.stl"] {
+        let state = plan("second", format!("{shape}[output]\ngcode = {other:?}\n"));
+        let told = state["error"].as_str().expect("a sentence");
+        assert!(told.contains("outputs of a run in the studio stay in its own folder"), "{told}");
+    }
+    assert_eq!(["first/block.gcode", "history.jsonl"].map(kept), before);
+    assert_eq!(plan("third", format!("{shape}[output]\ngcode = \"deep/part.gcode\"\n"))["phase"], "done");
+    assert!(work.join("third/deep/part.gcode").is_file());
+}
+
 /// The lines of the page of documentation, as a reader copies them.
 #[cfg(unix)]
 #[test]

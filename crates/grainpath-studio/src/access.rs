@@ -67,8 +67,9 @@ impl Access {
     }
 
     pub(crate) fn has_token(&self, headers: &HeaderMap, name: &str) -> bool {
-        let bearer = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
-        if bearer.and_then(|v| v.strip_prefix("Bearer ")).is_some_and(|t| self.is_token(t.trim())) {
+        let given = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok()?.split_once(' '));
+        // The name of a scheme may be in any case (RFC 9110, section 11.1).
+        if given.is_some_and(|(scheme, t)| scheme.eq_ignore_ascii_case("bearer") && self.is_token(t.trim())) {
             return true;
         }
         let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
@@ -110,6 +111,17 @@ mod tests {
             assert!(access.foreign(&headers(&[("host", host)])).is_some(), "{host}");
         }
         assert!(access.foreign(&HeaderMap::new()).is_some());
+    }
+
+    #[test]
+    fn the_scheme_of_a_token_is_in_any_case() {
+        let access = Access::new(&[]).expect("random bytes");
+        let has = |words: String| access.has_token(&headers(&[("authorization", &words)]), "cookie");
+        for scheme in ["Bearer", "bearer", "BEARER"] {
+            assert!(has(format!("{scheme} {}", access.token())), "{scheme}");
+        }
+        assert!(!has(format!("Basic {}", access.token())));
+        assert!(!has(access.token().to_owned()));
     }
 
     #[test]

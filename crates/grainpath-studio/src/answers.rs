@@ -85,7 +85,12 @@ pub(crate) fn fault(_: tokio::task::JoinError) -> Problem {
 /// Whether the client accepts gzip.
 pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
     let given = headers.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok()).unwrap_or_default();
-    given.split(',').any(|word| word.trim().starts_with("gzip"))
+    // `gzip;q=0` says that it is not wanted (RFC 9110, section 12.5.3).
+    given.split(',').any(|word| {
+        let (name, weight) = word.split_once(';').unwrap_or((word, "q=1"));
+        let weight = weight.trim().trim_start_matches("q=").parse::<f64>();
+        name.trim().eq_ignore_ascii_case("gzip") && weight != Ok(0.0)
+    })
 }
 
 /// Bytes as gzip, for answers that are made once.

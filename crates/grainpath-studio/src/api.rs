@@ -31,7 +31,7 @@ use crate::gate::check;
 use crate::openapi::{self, Route};
 use crate::records::Records;
 use crate::refusal::{Refusal, plain};
-use crate::roots::{Roots, safe_name};
+use crate::roots::{Roots, safe_name, temporary, write_whole};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
 use crate::{assets, cut_view, drafts, history, runs, surface_bytes, uploads};
@@ -233,7 +233,7 @@ fn save_text(roots: &Roots, name: &FilePath, text: &str) -> Result<PathBuf, Prob
     let folder = path.parent().unwrap_or(roots.work());
     std::fs::create_dir_all(folder).map_err(wrong)?;
     // Under a temporary name first, so that a full disk leaves no half of a job.
-    let mut file = tempfile::Builder::new().prefix(".save-").tempfile_in(folder).map_err(wrong)?;
+    let mut file = temporary(folder).map_err(wrong)?;
     std::io::Write::write_all(&mut file, text.as_bytes()).map_err(wrong)?;
     match file.persist_noclobber(&path) {
         Ok(_) => Ok(path),
@@ -287,9 +287,7 @@ fn write_example(studio: &Studio, name: &str) -> Result<PathBuf, Refusal> {
     };
     let folder = studio.roots.new_folder(&safe_name(name))?;
     for (file, content) in &files {
-        let path = folder.join(file);
-        std::fs::write(&path, content)
-            .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))?;
+        write_whole(&folder.join(file), content)?;
     }
     let job = files.first().map(|(file, _)| file.as_str()).unwrap_or_default();
     Ok(folder.join(job))
@@ -313,18 +311,40 @@ async fn example(
 enum Wanted {
     /// Reads a program.
     View { file: String },
-    /// Shows the shape of a job: a file, or a text that is not saved.
-    Shape { file: Option<String>, text: Option<String>, name: Option<String> },
+    /// Shows the shape of a job.
+    Shape(GivenJob),
     /// Solves the loads of a job, without paths.
-    Stress { file: Option<String>, text: Option<String>, name: Option<String> },
+    Stress(GivenJob),
     /// Ranks the poses of a job's part.
-    Orient { file: Option<String>, text: Option<String>, name: Option<String> },
+    Orient(GivenJob),
     /// Grows the supports of a job.
-    Supports { file: Option<String>, text: Option<String>, name: Option<String> },
-    /// Plans a job: a file, or a text that is saved first, with a name for its folder.
-    Plan { file: Option<String>, text: Option<String>, name: Option<String> },
+    Supports(GivenJob),
+    /// Plans a job. A text is saved first, in the folder of the run.
+    Plan(GivenJob),
     /// Tests the part of a job, or a program with the loads and the material of a job.
-    Strength { file: Option<String>, text: Option<String>, name: Option<String>, program: Option<String> },
+    Strength(GivenTest),
+}
+
+/// A job: a file, or a text with a name for its run.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenJob {
+    file: Option<String>,
+    text: Option<String>,
+    name: Option<String>,
+    /// The text of the file as the page shows it. A file that reads otherwise by now is refused.
+    shown: Option<String>,
+}
+
+/// A job of a strength test, as [`GivenJob`], and the program that is tested in place of its plan.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenTest {
+    file: Option<String>,
+    text: Option<String>,
+    name: Option<String>,
+    shown: Option<String>,
+    program: Option<String>,
 }
 
 /// A file's name without its ending.
@@ -359,47 +379,57 @@ fn view(file: &FilePath, diagnostics: &grainpath_core::Diagnostics) -> Result<Fi
     Ok(Finished { report, program: Arc::new(program), warnings, ..Finished::default() })
 }
 
-/// A job, and the new folder of its run. A job that is a text is saved there.
-fn job_and_folder(
-    roots: &Roots,
-    file: Option<&str>,
-    text: Option<String>,
-    name: Option<&str>,
-) -> Result<(JobText, PathBuf), Refusal> {
-    match (file, text) {
-        (Some(file), None) => {
-            let job = job_text(roots, FilePath::new(file))?;
-            let folder = roots.new_folder(&safe_name(&stem(FilePath::new(file))))?;
-            Ok((job, folder))
-        }
-        (None, Some(text)) => {
-            let folder = roots.new_folder(&safe_name(name.unwrap_or("job")))?;
-            let path = folder.join("job.toml");
-            std::fs::write(&path, &text)
-                .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))?;
-            // Paths in the text are relative to the saved file, so that the command line reads the file in the same way.
-            Ok((JobText { text, name: path.display().to_string(), folder: folder.clone() }, folder))
-        }
-        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
-    }
-}
-
 const FILE_OR_TEXT: &str = "a job needs either \"file\" or \"text\"";
 
-/// A job that is not saved, and its title. If the job is a text, its paths are relative to the working folder.
-fn unsaved(
-    roots: &Roots,
-    file: Option<&str>,
-    text: Option<String>,
-    name: Option<String>,
-) -> Result<(JobText, String), Refusal> {
-    match (file, text) {
-        (Some(file), None) => Ok((job_text(roots, FilePath::new(file))?, stem(FilePath::new(file)))),
-        (None, Some(text)) => {
-            let title = name.unwrap_or_else(|| "job".to_owned());
-            Ok((JobText { text, name: "job.toml".to_owned(), folder: roots.work().to_owned() }, title))
+impl GivenJob {
+    /// The job of a file, unless the file has changed since the page has read it.
+    fn of_file(&self, roots: &Roots, file: &str) -> Result<JobText, Refusal> {
+        let job = job_text(roots, FilePath::new(file))?;
+        // A text area has neither a mark of the byte order nor CR at the ends of lines.
+        let as_shown = |text: &str| text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+        if self.shown.as_deref().is_some_and(|shown| as_shown(shown) != as_shown(&job.text)) {
+            return Err(Refusal::usage(format!(
+                "{}: has changed on the disk since it was opened; open it again, or save what is shown under another name",
+                job.name
+            )));
         }
-        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
+        Ok(job)
+    }
+
+    /// The job and the new folder of its run. A job that is a text is saved there.
+    fn in_folder(self, roots: &Roots) -> Result<(JobText, PathBuf), Refusal> {
+        match (&self.file, &self.text) {
+            (Some(file), None) => {
+                let job = self.of_file(roots, file)?;
+                let folder = roots.new_folder(&safe_name(&stem(FilePath::new(file))))?;
+                Ok((job, folder))
+            }
+            (None, Some(text)) => {
+                let folder = roots.new_folder(&safe_name(self.name.as_deref().unwrap_or("job")))?;
+                let path = folder.join("job.toml");
+                write_whole(&path, text.as_bytes())?;
+                // Paths in the text are relative to the saved file, so that the command line reads the file in the same way.
+                let name = path.display().to_string();
+                Ok((JobText { text: text.clone(), name, folder: folder.clone() }, folder))
+            }
+            (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
+        }
+    }
+
+    /// The job without a folder, and its title. If the job is a text, its paths are relative to the working folder.
+    fn unsaved(self, roots: &Roots) -> Result<(JobText, String), Refusal> {
+        match (&self.file, self.text) {
+            (Some(file), None) => {
+                let file = file.clone();
+                let job = Self { text: None, ..self }.of_file(roots, &file)?;
+                Ok((job, stem(FilePath::new(&file))))
+            }
+            (None, Some(text)) => {
+                let title = self.name.unwrap_or_else(|| "job".to_owned());
+                Ok((JobText { text, name: "job.toml".to_owned(), folder: roots.work().to_owned() }, title))
+            }
+            (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
+        }
     }
 }
 
@@ -412,27 +442,27 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             let title = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
             studio.runs.add(Kind::View, title, Box::new(move |d, _| view(&file, d)))
         }
-        Wanted::Shape { file, text, name } => {
-            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+        Wanted::Shape(given) => {
+            let (job, title) = given.unsaved(&roots)?;
             studio.runs.add(Kind::Shape, title, Box::new(move |d, _| engine.shape(&job, &roots, d)))
         }
-        Wanted::Stress { file, text, name } => {
-            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+        Wanted::Stress(given) => {
+            let (job, title) = given.unsaved(&roots)?;
             studio.runs.add(Kind::Stress, title, Box::new(move |d, _| engine.stress(&job, &roots, d)))
         }
-        Wanted::Orient { file, text, name } => {
-            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+        Wanted::Orient(given) => {
+            let (job, title) = given.unsaved(&roots)?;
             studio.runs.add(Kind::Orient, title, Box::new(move |d, _| engine.orient(&job, &roots, d)))
         }
-        Wanted::Supports { file, text, name } => {
-            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+        Wanted::Supports(given) => {
+            let (job, title) = given.unsaved(&roots)?;
             studio.runs.add(Kind::Supports, title, Box::new(move |d, _| engine.supports(&job, &roots, d)))
         }
-        Wanted::Plan { file, text, name } => {
-            let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
+        Wanted::Plan(given) => {
+            let input = given.file.as_ref().map(PathBuf::from);
+            let (job, out) = given.in_folder(&roots)?;
             let title = stem(&out);
             let name = title.clone();
-            let input = file.map(PathBuf::from);
             let work: runs::Work = Box::new(move |d, ready| {
                 let finished = engine.plan(&job, &out, &roots, d, ready)?;
                 history::add(&roots, Kind::Plan, &name, input.as_deref(), &finished);
@@ -440,12 +470,12 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             });
             studio.runs.add(Kind::Plan, title, work)
         }
-        Wanted::Strength { file, text, name, program } => {
+        Wanted::Strength(GivenTest { file, text, name, shown, program }) => {
             let program = program.map(|p| roots.readable(FilePath::new(&p))).transpose()?;
-            let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
+            let input = program.clone().or_else(|| file.as_ref().map(PathBuf::from));
+            let (job, out) = GivenJob { file, text, name, shown }.in_folder(&roots)?;
             let name = stem(&out);
             let title = name.clone();
-            let input = program.clone().or_else(|| file.map(PathBuf::from));
             let work: runs::Work = Box::new(move |d, _| {
                 let finished = engine.strength(&job, program.as_deref(), &roots, d)?;
                 history::add(&roots, Kind::Strength, &name, input.as_deref(), &finished);
@@ -465,12 +495,12 @@ impl Wanted {
     fn text(&self) -> Option<&str> {
         match self {
             Self::View { .. } => None,
-            Self::Shape { text, .. }
-            | Self::Stress { text, .. }
-            | Self::Orient { text, .. }
-            | Self::Supports { text, .. }
-            | Self::Plan { text, .. }
-            | Self::Strength { text, .. } => text.as_deref(),
+            Self::Shape(job)
+            | Self::Stress(job)
+            | Self::Orient(job)
+            | Self::Supports(job)
+            | Self::Plan(job) => job.text.as_deref(),
+            Self::Strength(test) => test.text.as_deref(),
         }
     }
 }
@@ -482,7 +512,8 @@ async fn check_job(
 ) -> Answer<Json<serde_json::Value>> {
     let (text, engine, roots) = (text?, Arc::clone(&studio.engine), Arc::clone(&studio.roots));
     let checked = move || {
-        let (job, _) = unsaved(&roots, None, Some(text), None)?;
+        let given = GivenJob { file: None, text: Some(text), name: None, shown: None };
+        let (job, _) = given.unsaved(&roots)?;
         engine.check(&job, &roots)
     };
     // A job with an error was checked as well as one without: the request succeeded.
@@ -807,6 +838,9 @@ async fn section_bytes(
     headers: HeaderMap,
 ) -> Answer<Response> {
     let Query(Plane { axis, at }) = query?;
+    if !at.is_finite() {
+        return Err(Refusal::usage(format!("at is {at} and should be a position on the axis, mm")).into());
+    }
     let cut = move |stress: &StressSurface, case: &CaseValues| {
         surface_bytes::section(&cut_view::cut(&stress.volume, &case.inside, axis as usize, at))
     };

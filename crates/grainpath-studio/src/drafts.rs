@@ -5,7 +5,6 @@
 //! from writing at the same time. Where two pages change one job, the last change stays.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -13,12 +12,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::file_kind::FileKind;
 use crate::refusal::{Refusal, plain};
-use crate::roots::Roots;
+use crate::roots::{Roots, write_whole};
 
 /// Name of the file.
-const FILE: &str = "drafts.json";
+pub(crate) const FILE: &str = "drafts.json";
 /// Name of the file that is locked while the drafts are read and written anew. It is empty and stays.
-const LOCK: &str = ".drafts.lock";
+pub(crate) const LOCK: &str = ".drafts.lock";
 /// The greatest number of drafts that are kept, the newest ones. Source: chosen; a page lists no more.
 const MOST: usize = 20;
 /// The greatest number of bytes of all their texts. Source: chosen; jobs have some kilobytes.
@@ -100,10 +99,6 @@ pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     all.truncate(n);
     let path = roots.writable(&roots.work().join(FILE))?;
     let failed = |e: std::io::Error| wrong(&path, &plain(&e));
-    // A full disk or a crash leaves the earlier file, because only a whole one gets its name.
-    let mut file = tempfile::Builder::new().prefix(".drafts-").tempfile_in(roots.work()).map_err(failed)?;
     let bytes = serde_json::to_vec(&all).map_err(|e| failed(e.into()))?;
-    file.write_all(&bytes).map_err(failed)?;
-    file.persist(&path).map_err(|e| failed(e.error))?;
-    Ok(())
+    write_whole(&path, &bytes).map_err(|e| wrong(&path, &e.message))
 }

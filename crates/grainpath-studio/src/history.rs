@@ -15,7 +15,7 @@ use crate::roots::Roots;
 use crate::runs::Kind;
 
 /// Name of the file.
-const FILE: &str = "history.jsonl";
+pub(crate) const FILE: &str = "history.jsonl";
 /// The greatest number of runs that are listed, the newest ones. Source: chosen; a page lists no more.
 const MOST_TOLD: usize = 200;
 /// Number of bytes that are read at the end of the file. Source: chosen; 200 lines take about a fifth of it.

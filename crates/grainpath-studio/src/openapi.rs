@@ -348,6 +348,7 @@ fn schemas() -> Value {
             "file": { "type": "string", "description": "A job file, run as it is." },
             "text": { "type": "string", "description": "The text of a job, saved before it runs." },
             "name": { "type": "string", "description": "Name of the folder of the run." },
+            "shown": { "type": "string", "description": "The text of the file as the client shows it. A file that reads otherwise by now is refused." },
         }));
         schema["required"] = json!(["kind"]);
         schema["additionalProperties"] = json!(false);

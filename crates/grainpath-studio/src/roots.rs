@@ -101,7 +101,9 @@ impl Roots {
     /// [`Refusal`] where it cannot be made.
     pub fn new_folder(&self, name: &str) -> Result<PathBuf, Refusal> {
         let wrong = |e: io::Error| Refusal::usage(format!("{}: {}", self.work.display(), plain(&e)));
-        for k in 1.. {
+        // A folder under a name of the studio itself would be in the way of the file.
+        let first = if OWN_NAMES.contains(&name) { 2 } else { 1 };
+        for k in first.. {
             let folder = self.work.join(if k == 1 { name.to_owned() } else { format!("{name}-{k}") });
             match fs::create_dir(&folder) {
                 Ok(()) => return Ok(folder),
@@ -113,12 +115,42 @@ impl Roots {
     }
 }
 
+/// Names in the working folder that the studio uses itself.
+const OWN_NAMES: [&str; 4] = [UPLOADS, crate::drafts::FILE, crate::drafts::LOCK, crate::history::FILE];
+/// Name of the folder of files that were dropped on the page.
+pub(crate) const UPLOADS: &str = "uploads";
+
+/// A temporary file in a folder, which gets its name when it is whole. Who may read it is what the system gives new files,
+/// so that others can where the folder is shared; `tempfile` alone would keep it to the user.
+pub(crate) fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".studio-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// Writes a file below the working folder. A disk that is full leaves no half of it.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Refusal> {
+    let wrong = |e: io::Error| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e)));
+    let mut file = temporary(path.parent().unwrap_or(Path::new("."))).map_err(wrong)?;
+    io::Write::write_all(&mut file, bytes).map_err(wrong)?;
+    file.persist(path).map(drop).map_err(|e| wrong(e.error))
+}
+
 /// Greatest length of a name, bytes. Source: file systems take 255, and a folder of a run is named after it with a word and a
 /// number.
 const MOST_NAME_BYTES: usize = 200;
 /// Greatest length of the ending that a shortened name keeps, bytes. Source: chosen; the longest that is opened, `.nii.gz`,
 /// has 7.
 const MOST_ENDING_BYTES: usize = 16;
+
+/// A name before and from its ending, which says what kind of file it is. `.nii.gz` is one ending.
+pub(crate) fn stem_and_ending(name: &str) -> (&str, &str) {
+    let at = name.rfind('.').unwrap_or(name.len());
+    let packed = name[..at].strip_suffix(".nii").filter(|_| &name[at..] == ".gz");
+    name.split_at(packed.map_or(at, str::len))
+}
 
 /// The last part of a name from the page, without characters that a path or a shell could misread.
 pub fn safe_name(name: &str) -> String {
@@ -132,11 +164,7 @@ pub fn safe_name(name: &str) -> String {
     if kept.len() <= MOST_NAME_BYTES {
         return kept.to_owned();
     }
-    // The ending says what kind of file it is; `.nii.gz` is one ending.
-    let ending = kept.rfind('.').map_or("", |at| &kept[at..]);
-    let stem = &kept[..kept.len() - ending.len()];
-    let ending = if stem.ends_with(".nii") { &kept[stem.len() - 4..] } else { ending };
-    let ending = if ending.len() <= MOST_ENDING_BYTES { ending } else { "" };
+    let ending = Some(stem_and_ending(kept).1).filter(|e| e.len() <= MOST_ENDING_BYTES).unwrap_or_default();
     let mut end = MOST_NAME_BYTES - ending.len();
     while !kept.is_char_boundary(end) {
         end -= 1;
@@ -197,6 +225,40 @@ mod tests {
             std::os::unix::fs::symlink(at("secret/later"), at("in/studio/later")).expect("a link");
             assert!(roots.writable(&at("in/studio/link/a")).is_err());
             assert!(roots.writable(&at("in/studio/later")).is_err());
+        }
+    }
+
+    #[test]
+    fn a_run_takes_no_name_of_the_studio() {
+        let (_dir, roots) = roots();
+        for name in OWN_NAMES {
+            let folder = roots.new_folder(name).expect("a folder");
+            assert_eq!(folder.file_name().and_then(|n| n.to_str()), Some(format!("{name}-2").as_str()));
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn files_are_as_readable_as_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let (dir, _) = roots();
+        let (plain, whole) = (dir.path().join("plain"), dir.path().join("whole"));
+        fs::write(&plain, "a").expect("a file");
+        write_whole(&whole, b"a").expect("a file");
+        let mode = |path: &Path| fs::metadata(path).expect("it is there").permissions().mode();
+        assert_eq!(mode(&whole), mode(&plain));
+    }
+
+    #[test]
+    fn endings_are_those_of_kinds_of_files() {
+        for (name, parts) in [
+            ("vol.nii.gz", ("vol", ".nii.gz")),
+            ("a.b.stl", ("a.b", ".stl")),
+            ("part", ("part", "")),
+            ("vol.nii", ("vol", ".nii")),
+            ("page.html.gz", ("page.html", ".gz")),
+        ] {
+            assert_eq!(stem_and_ending(name), parts);
         }
     }
 

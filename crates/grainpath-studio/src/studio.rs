@@ -59,10 +59,22 @@ impl Studio {
     pub fn new(options: &Options, engine: Arc<dyn Engine>) -> Result<Self, Refusal> {
         let base = options.base.trim_end_matches('/');
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "/-_.~".contains(c);
-        let is_path = base.is_empty() || base.starts_with('/');
+        // An empty part would send the browser to another host ("//host"), and browsers take ".." out of an address.
+        let is_part = |part: &str| !matches!(part, "" | "." | "..");
+        let is_path =
+            base.is_empty() || base.strip_prefix('/').is_some_and(|rest| rest.split('/').all(is_part));
         if !is_path || !base.chars().all(is_plain) {
             let given = &options.base;
             return Err(Refusal::usage(format!("--base {given:?} should be a path like /grainpath")));
+        }
+        // A browser's Host is compared without its port.
+        let is_host = |host: &str| {
+            !host.is_empty() && !host.contains('/') && (host.ends_with(']') || !host.contains(':'))
+        };
+        if let Some(host) = options.hosts.iter().find(|host| !is_host(host)) {
+            return Err(Refusal::usage(format!(
+                "--allow-host {host:?} should be a name alone, without http:// and without a port"
+            )));
         }
         let mut folders = options.roots.clone();
         let opened = match &options.file {

@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::answers::{Problem, in_words};
 use crate::refusal::{Refusal, plain};
-use crate::roots::safe_name;
+use crate::roots::{UPLOADS, safe_name, stem_and_ending, temporary};
 use crate::studio::Studio;
 
 #[derive(Deserialize)]
@@ -48,12 +48,12 @@ pub(crate) async fn upload(
     if announced.is_some_and(|n| n > studio.max_upload) {
         return Err(too_large(&studio));
     }
-    let folder = studio.roots.writable(&studio.roots.work().join("uploads"))?;
+    let folder = studio.roots.writable(&studio.roots.work().join(UPLOADS))?;
     let shown = folder.display().to_string();
     let wrong =
         |e: std::io::Error| Problem::from(Refusal::usage(format!("cannot write {shown}: {}", plain(&e))));
     std::fs::create_dir_all(&folder).map_err(wrong)?;
-    let mut file = tempfile::Builder::new().prefix(".upload-").tempfile_in(&folder).map_err(wrong)?;
+    let mut file = temporary(&folder).map_err(wrong)?;
     let (mut chunks, mut length) = (body.into_data_stream(), 0_u64);
     while let Some(chunk) = chunks.next().await {
         let broken = |_| Problem::new(StatusCode::BAD_REQUEST, "the upload broke off; drop the file again");
@@ -69,8 +69,7 @@ pub(crate) async fn upload(
         return Err(Refusal::input("the file is empty").into());
     }
     let name = safe_name(&query.name);
-    let (stem, ending) =
-        name.rsplit_once('.').map_or((name.as_str(), String::new()), |(s, e)| (s, format!(".{e}")));
+    let (stem, ending) = stem_and_ending(&name);
     for k in 1.. {
         let free = if k == 1 { name.clone() } else { format!("{stem}-{k}{ending}") };
         let path = folder.join(free);

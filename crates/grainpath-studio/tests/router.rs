@@ -630,6 +630,15 @@ fn photographs_are_shown_and_other_files_are_not() {
 
 // ---- uploads ----
 
+#[test]
+fn a_second_file_of_a_name_keeps_its_whole_ending() {
+    let bench = Bench::new();
+    for name in ["vol.nii.gz", "vol-2.nii.gz", "vol-3.nii.gz"] {
+        let path = send(&bench, "vol.nii.gz", vec![0]).json()["path"].as_str().expect("a path").to_owned();
+        assert!(path.ends_with(&format!("uploads/{name}")), "{path}");
+    }
+}
+
 fn send(bench: &Bench, name: &str, bytes: Vec<u8>) -> support::Answer {
     let request = bench.request("POST", &format!("/v1/uploads?name={name}")).body(Body::from(bytes));
     bench.raw(request.expect("a request"))
@@ -781,6 +790,25 @@ fn a_job_file_is_planned_as_it_is() {
     assert!(path.ends_with("files/studio/job/part.gcode"), "{path}");
     let index = bench.get(&format!("/v1/jobs/{}/layers", state["id"])).json();
     assert_eq!(index["layers"].as_array().expect("layers").len(), 10);
+}
+
+#[test]
+fn a_job_file_that_has_changed_since_it_was_opened_is_refused() {
+    let bench = Bench::new();
+    let (path, file) = (bench.path("files/job.toml"), bench.shown("files/job.toml"));
+    let opened = fs::read_to_string(&path).expect("a job");
+    let begin = |kind: &str, shown: &str| {
+        bench.post("/v1/jobs", &json!({ "kind": kind, "file": file, "shown": shown }))
+    };
+    // A page shows neither a mark of the byte order nor CR.
+    fs::write(&path, format!("\u{feff}{}", opened.replace('\n', "\r\n"))).expect("written");
+    assert_eq!(begin("shape", &opened).status, StatusCode::ACCEPTED);
+    fs::write(&path, format!("{opened}\n# by another program\n")).expect("written");
+    for kind in ["plan", "shape", "stress", "orient", "supports", "strength"] {
+        let answer = begin(kind, &opened);
+        assert!(answer.error().contains("has changed on the disk since it was opened"), "{kind}");
+    }
+    assert!(!bench.path("files/studio/job").exists(), "nothing was begun");
 }
 
 #[test]
@@ -1375,13 +1403,22 @@ fn wrong_options_are_refused() {
     for (options, words) in [
         (Options { base: "grainpath".into(), ..good.clone() }, "--base"),
         (Options { base: "/a b".into(), ..good.clone() }, "--base"),
+        (Options { base: "//other.example".into(), ..good.clone() }, "--base"),
+        (Options { base: "/a/../b".into(), ..good.clone() }, "--base"),
+        (Options { hosts: vec!["lab:8000".into()], ..good.clone() }, "a name alone"),
+        (Options { hosts: vec!["http://lab".into()], ..good.clone() }, "a name alone"),
         (Options { roots: vec![dir.path().join("none")], ..good.clone() }, "no such file"),
         (Options { file: Some(dir.path().join("none.stl")), ..good.clone() }, "no such file"),
     ] {
         let refused = Studio::new(&options, Arc::new(support::Planner)).err().expect("refused");
         assert!(refused.message.contains(words), "{}", refused.message);
     }
-    assert!(Studio::new(&good, Arc::new(support::Planner)).is_ok());
+    let named = Options {
+        hosts: vec!["lab.example".into(), "[fd00::1]".into()],
+        base: "/tools/grainpath/".into(),
+        ..good
+    };
+    assert!(Studio::new(&named, Arc::new(support::Planner)).is_ok());
 }
 
 // ---- the description ----

@@ -146,11 +146,20 @@ fn settings(job: &JobText, roots: &Roots) -> Result<Settings, Refusal> {
     Ok(settings)
 }
 
-/// Checks that the studio may read all claimed inputs and write all claimed outputs.
-fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
+/// Checks that the studio may read all claimed inputs, and that all claimed outputs lie in the folder of the run. Elsewhere
+/// below the working folder they could replace what another run wrote, or the history.
+fn allowed(claims: &Claims, roots: &Roots, out: Option<&Path>) -> Result<(), Refusal> {
     let (read, written) = claims.paths();
     read.iter().try_for_each(|path| roots.readable(path).map(drop))?;
-    written.iter().try_for_each(|path| roots.writable(path).map(drop))?;
+    for path in written {
+        let real = roots.writable(path)?;
+        if !out.is_some_and(|out| real.starts_with(out)) {
+            let path = path.display();
+            return Err(Refusal::usage(format!(
+                "{path}: outputs of a run in the studio stay in its own folder; name them in [output] without \"..\""
+            )));
+        }
+    }
     claims.check().map_err(refusal)
 }
 
@@ -166,7 +175,7 @@ fn looked_at(job: &JobText, roots: &Roots, with_scans: bool) -> Result<(Settings
     let shape = shape_of(&settings, &job.folder).ok_or_else(|| refusal(no_shape(&job.name)))?;
     let mut claims = Claims::default();
     claim_inputs(&settings, &shape, &job.folder, &mut claims);
-    allowed(&claims, roots)?;
+    allowed(&claims, roots, None)?;
     Ok((settings, shape))
 }
 
@@ -264,7 +273,7 @@ impl Engine for Commands {
         claims.read("the job file", Path::new(&job.name));
         claim_inputs(&settings, &shape, &job.folder, &mut claims);
         paths.claim(&mut claims);
-        allowed(&claims, roots)?;
+        allowed(&claims, roots, Some(out))?;
         let (planned, read_s) =
             plan_given(&settings, self.given(), &shape, &job.folder, diagnostics).map_err(refusal)?;
         let truth = None;
@@ -306,7 +315,7 @@ impl Engine for Commands {
         let mut claims = Claims::default();
         let shape = shape_of(&settings, &job.folder);
         claim_inputs(&settings, shape.as_deref().unwrap_or(Path::new("")), &job.folder, &mut claims);
-        allowed(&claims, roots)?;
+        allowed(&claims, roots, None)?;
         let bytes = program.map(|p| files::read(&roots.readable(p)?).map_err(refusal)).transpose()?;
         let input = program.unwrap_or(Path::new(&job.name)).to_owned();
         let tested = TestedJob {
