@@ -144,7 +144,7 @@ export function held(isWanted = () => true) {
     await answered.finished();
     await settle(page);
   };
-  return { answer, asked, free };
+  return { answer, asked, free, go };
 }
 
 /** Waits until the server works on nothing: a new page follows the run that an earlier test left. */
