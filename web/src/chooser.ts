@@ -22,9 +22,13 @@ export async function chooser(dialog: HTMLDialogElement, beside: string | null):
       if (dialog.open) dialog.close();
       resolve(chosen);
     };
+    let asked = 0;
     const go = async (path: string): Promise<void> => {
+      const own = ++asked;
       try {
         const listing = await api.files(path);
+        // A large folder may come after one that was chosen later.
+        if (own !== asked) return;
         here.textContent = listing.path;
         const rows: Node[] = [];
         if (listing.parent) rows.push(el("button", { type: "button", onclick: () => void go(listing.parent!) }, el("span", {}, ".."), el("span", {}, "up")));
@@ -41,7 +45,7 @@ export async function chooser(dialog: HTMLDialogElement, beside: string | null):
         list.replaceChildren(...rows);
         (list.querySelector("button:not(:disabled)") as HTMLElement | null)?.focus();
       } catch (error) {
-        here.textContent = (error as Error).message;
+        if (own === asked) here.textContent = (error as Error).message;
       }
     };
     const tops = roots.length > 1 ? el("div", { class: "row" }, ...roots.map((r) => el("button", { type: "button", onclick: () => void go(r) }, r))) : null;

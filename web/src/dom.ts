@@ -95,6 +95,24 @@ export function warning(w: Warning): HTMLElement {
   return el("p", { class: "warning" }, `${place && `${place}: `}${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`);
 }
 
+/** Draws what is in a box anew. The focus stays on the control of the same id, and so does what is typed there and not entered yet. */
+export function redraw(box: HTMLElement, ...children: (Node | string)[]): void {
+  const before = document.activeElement;
+  const isTyped = before instanceof HTMLInputElement && box.contains(before) && before.value !== (before.dataset.shown ?? before.value);
+  const [typed, from, to] = isTyped ? [before.value, before.selectionStart, before.selectionEnd] : [null, null, null];
+  // A browser takes what is typed in a field for entered when the field goes.
+  if (isTyped) before.value = before.dataset.shown!;
+  box.replaceChildren(...children);
+  const after = before?.id && document.activeElement !== before ? document.getElementById(before.id) : null;
+  if (!after || !box.contains(after)) return;
+  after.focus({ preventScroll: true });
+  if (typed === null || !(after instanceof HTMLInputElement)) return;
+  after.value = typed;
+  after.setSelectionRange(from, to);
+  // What a script has put there, no browser takes for entered.
+  after.addEventListener("blur", () => { if (after.value !== after.dataset.shown) after.dispatchEvent(new Event("change")); }, { once: true });
+}
+
 /** The element of the page with this id. */
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);

@@ -68,22 +68,23 @@ const SAME_MASS = 0.01;
  */
 export async function history(dialog: HTMLDialogElement, chosen: number | string[], again: (run: api.RunRow, mass_g: number, beside: string) => void, open: (run: api.RunRow) => void): Promise<void> {
   let { runs } = await api.history();
-  let marked: number[] = typeof chosen === "number" ? [...runs.keys()].filter((k) => runs[k]!.strength).slice(0, chosen) : chosen.map((name) => runs.findIndex((run) => run.name === name)).filter((k) => k >= 0);
+  const marked = typeof chosen === "number" ? runs.filter((run) => run.strength).slice(0, chosen) : chosen.flatMap((name) => runs.find((run) => run.name === name) ?? []);
   const answer = el("div", { id: "compared", role: "status" });
-  const boxOf = (run: api.RunRow, k: number) => {
-    const box = el("input", { type: "checkbox", checked: marked.includes(k), "aria-label": `Compare ${file(run)} of ${when(run)}`, onchange: () => {
-      if (box.checked) marked.push(k); else marked.splice(marked.indexOf(k), 1);
+  const boxes = new Map<api.RunRow, HTMLInputElement>();
+  const boxOf = (run: api.RunRow) => {
+    const box = el("input", { type: "checkbox", checked: marked.includes(run), "aria-label": `Compare ${file(run)} of ${when(run)}`, onchange: () => {
+      if (box.checked) marked.push(run); else marked.splice(marked.indexOf(run), 1);
       // Two at a time: the one that was marked longest gives way.
-      if (marked.length > 2) boxes[marked.shift()!]!.checked = false;
+      if (marked.length > 2) boxes.get(marked.shift()!)!.checked = false;
       tell();
     } });
+    boxes.set(run, box);
     return box;
   };
-  let boxes: HTMLInputElement[] = [];
   const tell = () => {
     if (marked.length < 2) { answer.replaceChildren(el("p", { class: "note" }, runs.length > 1 ? "Mark two runs to see them side by side." : "Two runs can be seen side by side.")); return; }
     // The older one comes first.
-    const [b, a] = [...marked].sort((p, q) => p - q).map((k) => runs[k]!) as [api.RunRow, api.RunRow];
+    const [b, a] = [...marked].sort((p, q) => runs.indexOf(p) - runs.indexOf(q)) as [api.RunRow, api.RunRow];
     const head = (run: api.RunRow) => el("th", { scope: "col" }, `${file(run)}, ${when(run)}`);
     const both = a.strength && b.strength ? ratio(a.strength, b.strength) : null;
     // What counts is a plan of that mass: load over mass alone takes a part for as strong as it is heavy.
@@ -102,27 +103,31 @@ export async function history(dialog: HTMLDialogElement, chosen: number | string
     );
   };
   const list = el("div");
-  const fill = () => {
-    boxes = runs.map(boxOf);
-    list.replaceChildren(runs.length === 0 ? el("p", { class: "note" }, "None yet: plans and strength tests are listed here, and stay when the studio is ended.")
-      : el("div", { class: "files" }, el("table", { id: "all-runs" },
-        el("tr", {}, ...["", "When", "What", "File", "Mass", "Time", "Breaks at", "Open"].map((name) => el("th", { scope: "col" }, name || el("span", { class: "sr" }, "Compare")))),
-        ...runs.map((run, k) => el("tr", {}, el("td", {}, boxes[k]!), el("td", {}, when(run)), el("td", {}, run.kind === "plan" ? "plan" : "strength test"), el("td", { title: run.name }, file(run)),
-          el("td", { class: "n" }, words(run.mass_g, 2, "g")), el("td", { class: "n" }, run.time_s === null ? "–" : duration(run.time_s)), el("td", { class: "n" }, words(run.strength?.peak_load_n, 0, "N")), el("td", {}, el("button", { type: "button", "data-open": run.name, "aria-label": `Open ${file(run)} of ${when(run)}`, onclick: () => { dialog.close(); open(run); } }, "Open")))))));
-    tell();
+  const rowOf = (run: api.RunRow) => el("tr", {}, el("td", {}, boxOf(run)), el("td", {}, when(run)), el("td", {}, run.kind === "plan" ? "plan" : "strength test"), el("td", { title: run.name }, file(run)),
+    el("td", { class: "n" }, words(run.mass_g, 2, "g")), el("td", { class: "n" }, run.time_s === null ? "–" : duration(run.time_s)), el("td", { class: "n" }, words(run.strength?.peak_load_n, 0, "N")), el("td", {}, el("button", { type: "button", "data-open": run.name, "aria-label": `Open ${file(run)} of ${when(run)}`, onclick: () => { dialog.close(); open(run); } }, "Open")));
+  const heads = el("tr", {}, ...["", "When", "What", "File", "Mass", "Time", "Breaks at", "Open"].map((name) => el("th", { scope: "col" }, name || el("span", { class: "sr" }, "Compare"))));
+  /** Puts rows of runs on top of the list. The others stay as they are, and so does the focus on their controls. */
+  const add = (added: api.RunRow[]) => {
+    if (runs.length === 0) list.replaceChildren(el("p", { class: "note" }, "None yet: plans and strength tests are listed here, and stay when the studio is ended."));
+    else if (!heads.parentElement) list.replaceChildren(el("div", { class: "files" }, el("table", { id: "all-runs" }, heads)));
+    heads.after(...added.map(rowOf));
+    if (marked.length < 2 || added.length === runs.length) tell();
   };
-  fill();
+  add(runs);
   const busy = el("div");
   dialog.replaceChildren(busy, el("h2", {}, "Runs in this folder"), list, answer, el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.showModal();
-  // A run that has ended comes to the top of the list, and the marks stay with theirs.
+  // A run that has ended comes to the top of the list.
   void queue(busy, () => dialog.open && busy.isConnected, async () => {
+    const { runs: now } = await api.history();
     const last = runs[0];
-    ({ runs } = await api.history());
-    const added = last ? runs.findIndex((run) => run.at_s === last.at_s && run.name === last.name) : runs.length;
-    if (added === 0) return;
-    marked = added < 0 ? [] : marked.map((k) => k + added).filter((k) => k < runs.length);
-    fill();
+    const known = last ? now.findIndex((run) => run.at_s === last.at_s && run.name === last.name) : now.length;
+    // Nothing of the list is told any more: it is made anew.
+    if (known < 0) { [runs, marked.length] = [[], 0]; heads.remove(); }
+    const added = known < 0 ? now : now.slice(0, known);
+    if (added.length === 0 && known >= 0) return;
+    runs = [...added, ...runs];
+    add(added);
   });
 }
 

@@ -21,6 +21,9 @@ export class Inside {
   private readonly pointWords = el("output", { id: "degenerate-count" });
   private isBusy = false;
   private isStale = false;
+  private hasLines = false;
+  /** Counts the wishes for lines: tracing takes its time, and the last wish counts. */
+  private asked = 0;
 
   constructor(private readonly view: StressView, private readonly job: number, private readonly low: Vector3, private readonly high: Vector3, private readonly parts: Parts) {}
 
@@ -67,7 +70,7 @@ export class Inside {
   setCase(k: number): void {
     this.ofCase = k;
     this.section();
-    if (this.view.hasLines) void this.lines(true);
+    if (this.hasLines) void this.lines(true);
     this.points();
   }
 
@@ -102,8 +105,12 @@ export class Inside {
   }
 
   private async lines(isWanted: boolean): Promise<void> {
+    this.hasLines = isWanted;
+    const own = ++this.asked;
     try {
-      this.view.setLines(isWanted ? await api.bytes(`v1/jobs/${this.job}/stress/${this.ofCase}/lines`) : null);
+      const bytes = isWanted ? await api.bytes(`v1/jobs/${this.job}/stress/${this.ofCase}/lines`) : null;
+      if (own !== this.asked) return;
+      this.view.setLines(bytes);
       if (isWanted && !this.view.hasLines) this.parts.say("No stress in this part is clear enough for a line.");
       document.documentElement.dataset.lines = String(isWanted);
     } catch (error) {

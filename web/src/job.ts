@@ -5,7 +5,7 @@ import { BoardPicture, type Point } from "./board";
 import { byId, el, numberField, numberOf, showValue } from "./dom";
 import { drafts, forget, keep } from "./drafts";
 import type { Open } from "./main";
-import { SettingsForm, plain } from "./settings";
+import { SettingsForm, plain, type Schema } from "./settings";
 import { get, set, value } from "./toml";
 
 interface Parts {
@@ -92,15 +92,20 @@ export class JobPanel {
 
   /** Saves the text under a new name below the working folder; that file is the open one from then on. */
   private async saveAs(name: string): Promise<void> {
-    if (!this.editor || !name.trim()) return;
+    const { editor, opened } = this;
+    if (!editor || !opened || !name.trim()) return;
     const text = this.textElsewhere();
     try {
       const { path } = await api.save(/\.toml$/i.test(name) ? name.trim() : `${name.trim()}.toml`, text);
-      if (this.opened) await forget(this.opened.path);
-      this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
-      [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
-      this.put(text);
-      this.parts.renamed(path);
+      // Another job may be open by now, or more may have been typed.
+      if (this.editor === editor) {
+        const now = this.textElsewhere();
+        this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
+        [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
+        if (now === editor.value) this.changed(); else this.put(now);
+        this.parts.renamed(path);
+      }
+      await forget(opened.path);
       this.parts.say(`Saved as ${path}`);
     } catch (error) {
       this.parts.say((error as Error).message, true);
@@ -138,25 +143,27 @@ export class JobPanel {
   /** The text that the page has seen last. */
   private shown = "";
 
+  /** Nothing can be typed before changes that were not saved are here too. */
   async open(opened: Open): Promise<void> {
+    this.close();
     this.opened = opened;
-    this.notice = null;
     try {
-      if (opened.kind === "job") {
-        const { text, folder } = await api.text(opened.path);
-        [this.saved, this.folder] = [text, folder];
-      } else [this.saved, this.folder] = [(await api.jobFor(opened.path)).text, ""];
-      await this.build();
-      await this.takeDraft();
+      const isJob = opened.kind === "job";
+      const [{ text, folder }, all, { profiles }, schema] = await Promise.all([isJob ? api.text(opened.path) : api.jobFor(opened.path), drafts(), api.profiles(), api.schema()]);
+      // Another file may have been opened meanwhile.
+      if (this.opened !== opened) return;
+      [this.saved, this.folder] = [text, isJob ? folder : ""];
+      this.build(profiles, schema);
+      this.takeDraft(all.find((d) => d.path === opened.path));
     } catch (error) {
+      if (this.opened !== opened) return;
       this.close();
       this.parts.say((error as Error).message, true);
     }
   }
 
   /** Puts changes of this file that were not saved back, or offers them where the file is another one by now. */
-  private async takeDraft(): Promise<void> {
-    const draft = (await drafts()).find((d) => d.path === this.opened?.path);
+  private takeDraft(draft: api.Draft | undefined): void {
     if (!draft || draft.text === this.saved) return;
     const when = new Date(1000 * draft.at_s).toLocaleString();
     if (draft.from === this.saved) {
@@ -168,8 +175,7 @@ export class JobPanel {
     }
   }
 
-  private async build(): Promise<void> {
-    const [{ profiles }, schema] = await Promise.all([api.profiles(), api.schema()]);
+  private build(profiles: api.Profile[], schema: Schema): void {
     const editor = el("textarea", { spellcheck: "false", "aria-label": "Job file, TOML", oninput: () => {
       // All that is typed in one go is undone in one go.
       if (!this.isTyping) this.record();

@@ -6,7 +6,7 @@
 import { Matrix4, Vector3 } from "three";
 import * as api from "./api";
 import { gradient, ramp, type Rgb } from "./colours";
-import { el, fixed, numberField, showValue, warning } from "./dom";
+import { el, fixed, numberField, redraw, showValue, warning } from "./dom";
 import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
 import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity, type Side } from "./part";
@@ -40,6 +40,8 @@ export class LoadsPanel {
   private readonly picked = el("div", { id: "picked" });
   private readonly answer = el("div", { id: "stress" });
   private isActive = false;
+  /** The load case that was chosen last. */
+  private wanted = 0;
   /** The fields that are drawn, without their values. */
   private drawn = "";
 
@@ -60,16 +62,17 @@ export class LoadsPanel {
       this.legend();
       return;
     }
+    const isOpen = (document.getElementById("all-faces") as HTMLDetailsElement | null)?.open ?? false;
     const faces = report.faces.map((_, face) => {
-      const button = el("button", { type: "button", class: "face", "data-face": face, "aria-pressed": "false", onclick: (event) => this.parts.shape.choose(face, (event as MouseEvent).shiftKey || (event as MouseEvent).ctrlKey) }, this.parts.shape.words(face));
+      const button = el("button", { type: "button", class: "face", id: `face-${face}`, "data-face": face, "aria-pressed": "false", onclick: (event) => this.parts.shape.choose(face, (event as MouseEvent).shiftKey || (event as MouseEvent).ctrlKey) }, this.parts.shape.words(face));
       for (const [event, lit] of [["focus", face], ["pointerenter", face], ["blur", -1], ["pointerleave", -1]] as const) button.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
       return el("li", {}, button);
     });
     // A scan has no faces, and its stress is solved with its plan.
     const isPreview = report.preview !== undefined;
-    this.panel.replaceChildren(...(isPreview ? [el("p", { class: "note" }, "A scan has no faces: places are boxes and planes, written in the text of the job.")] : [
+    redraw(this.panel, ...(isPreview ? [el("p", { class: "note" }, "A scan has no faces: places are boxes and planes, written in the text of the job.")] : [
       el("h2", {}, "Chosen faces"), this.tools(), this.picked,
-      el("details", { id: "all-faces" }, el("summary", {}, `All faces (${report.faces_in_all})`), el("ul", { class: "plain faces" }, ...faces), ...(report.faces_in_all > report.faces.length ? [el("p", { class: "note" }, `${report.faces_in_all - report.faces.length} smaller ones are not listed.`)] : [])),
+      el("details", { id: "all-faces", open: isOpen }, el("summary", {}, `All faces (${report.faces_in_all})`), el("ul", { class: "plain faces" }, ...faces), ...(report.faces_in_all > report.faces.length ? [el("p", { class: "note" }, `${report.faces_in_all - report.faces.length} smaller ones are not listed.`)] : [])),
     ]),
       el("h2", {}, "Fixtures and loads"), this.list,
       ...(isPreview ? [] : [
@@ -84,6 +87,9 @@ export class LoadsPanel {
     this.drawn = "";
     this.textChanged();
     this.chosenChanged();
+    // What a drag does stays; the line of a split would lie on the part before.
+    const drag = this.parts.viewer()?.dragging ?? "turn";
+    this.setGesture(drag === "split" ? "turn" : drag);
   }
 
   /** Ways of choosing several faces at once. */
@@ -136,12 +142,12 @@ export class LoadsPanel {
   }
 
   /** A place on a face for the text; `back` gives points and directions in the coordinates of the text. */
-  private onFace(name: string, side: Side | null, isOfPart = this.parts.shape.report!.frame_is_part): string {
+  private onFace(name: string, side: Side | null, isOfPart = this.isOfPart): string {
     if (!side) return `{ face = ${quoted(name)} }`;
     const [point, normal] = [side.point.clone(), side.normal.clone()];
     if (isOfPart) {
       const { report } = this.parts.shape;
-      const back = this.rotation.transpose();
+      const back = this.parts.shape.standing.transpose();
       point.sub(new Vector3().fromArray(report!.shift_mm)).applyMatrix4(back).divideScalar(report!.scale);
       normal.applyMatrix4(back);
     }
@@ -164,11 +170,7 @@ export class LoadsPanel {
     // Fields stay while only their values change, so that the one that is entered next is still there.
     const rows = JSON.stringify([this.items.map((i) => [i.name, i.place, i.block !== null, Object.keys(i.keys)]), this.cases.map((c) => c.name)]);
     if (rows === this.drawn) this.fill();
-    else {
-      const focused = document.activeElement?.id ?? "";
-      this.list.replaceChildren(...this.rows());
-      if (focused && this.list.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused)?.focus();
-    }
+    else redraw(this.list, ...this.rows());
     this.drawn = rows;
     const follow = document.getElementById("follow") as HTMLInputElement | null;
     if (follow) follow.checked = get(this.text, "guide", "kind") === '"stress"';
@@ -358,26 +360,29 @@ export class LoadsPanel {
     }
   }
 
-  private get rotation(): Matrix4 {
-    const [a, b, c] = this.parts.shape.report!.rotation as [number[], number[], number[]];
-    return new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
+  /** Whether loads have the coordinates of the file. The text says it, which is ahead of the screen while the part is turned. */
+  private get isOfPart(): boolean { return get(this.text, "guide", "frame") === '"part"' && !this.parts.shape.report!.preview; }
+  /** What turns a direction of the part on screen into the coordinates of the job's loads. */
+  private get intoJob(): Matrix4 {
+    const { standing, turned, report } = this.parts.shape;
+    if (report!.preview) return new Matrix4();
+    return this.isOfPart ? standing.transpose() : turned.multiply(standing.transpose());
   }
-  /** A direction of the part as it stands, in the coordinates of the job's loads; and back. */
-  private toJob(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation.transpose()) : v; }
-  private toPart(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation) : v; }
+  private toJob(v: Vector3): Vector3 { return v.applyMatrix4(this.intoJob); }
+  private toPart(v: Vector3): Vector3 { return v.applyMatrix4(this.intoJob.transpose()); }
 
   /** Fixtures and loads by the coordinates of the file, which stay when the part is turned together with them. */
   inFile(): string {
     if (!this.parts.shape.report) return "";
-    const back = get(this.text, "guide", "frame") === '"part"' ? new Matrix4() : this.rotation.transpose();
+    const back = this.isOfPart ? new Matrix4() : this.parts.shape.turned.transpose();
     const turned = (v: Value) => { const three = numbers(v); return three ? new Vector3().fromArray(three).applyMatrix4(back).toArray().map(plainNumber) : v; };
     return JSON.stringify([this.items.map((i) => [i.name, i.place, Object.entries(i.keys).map(([key, v]) => [key, turned(v)])]), this.cases.map((_, k) => this.weight(k))]);
   }
 
   /** The text of the job with its loads in the frame of the part, so that they turn with it; or why that cannot be. */
   turning(): { text: string } | { refused: string } {
-    if (this.items.length === 0 || this.parts.shape.report!.frame_is_part) return { text: this.text };
-    const back = this.rotation.transpose();
+    if (this.items.length === 0 || this.isOfPart) return { text: this.text };
+    const back = this.parts.shape.turned.transpose();
     const vectors = [...KINDS.filter(([, , isVector]) => isVector).map(([key]) => key as string), "displacement_mm"];
     let text = this.text;
     for (const [k, item] of this.items.entries()) {
@@ -419,7 +424,7 @@ export class LoadsPanel {
     const part = side && view && chosen.length === 1 ? view.patch(chosen[0]!, side).area : null;
     const turnSide = el("button", { type: "button", id: "other-side", onclick: () => { side?.normal.negate(); this.chosenChanged(); } }, "The other part");
     const wholeFace = el("button", { type: "button", id: "whole-face", onclick: () => { this.parts.shape.side = null; this.chosenChanged(); } }, "The whole face");
-    this.picked.replaceChildren(
+    redraw(this.picked,
       chosen.length === 0 ? el("p", { class: "note" }, "Click a face on the part; with shift further ones. Or take them from the list.") : el("ul", { class: "plain" }, ...chosen.map((f) => el("li", {}, this.parts.shape.words(f)))),
       ...(part === null ? [] : [el("div", { class: "row", id: "part-of-face" }, el("span", {}, `A part of it: ${fixed(part, 1)} mm²`), turnSide, wholeFace)]),
       el("div", { class: "row" }, hold, load, gravity, undo, redo),
@@ -473,7 +478,7 @@ export class LoadsPanel {
   /** A point of the text on the part as it stands. */
   private pointToPart(at: Vector3): Vector3 {
     const { report } = this.parts.shape;
-    return report!.frame_is_part ? at.multiplyScalar(report!.scale).applyMatrix4(this.rotation).add(new Vector3().fromArray(report!.shift_mm)) : at;
+    return this.isOfPart ? at.multiplyScalar(report!.scale).applyMatrix4(this.parts.shape.standing).add(new Vector3().fromArray(report!.shift_mm)) : at;
   }
 
   private draw(): void {
@@ -544,12 +549,13 @@ export class LoadsPanel {
     if (!end) return;
     try {
       const [result, bytes, nine] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/stress`), api.bytes(`v1/jobs/${end.id}/stress/0`)]);
-      // Another part may have come meanwhile.
-      if (this.parts.shape.view !== view) return;
+      // Another part, or the answer to a later question, may have come meanwhile.
+      if (this.parts.shape.view !== view || (this.stress && this.stress.id > end.id)) return;
       const shown = new StressView(bytes, () => { document.documentElement.dataset.stress = String(end.id); });
       shown.take(new Float32Array(nine));
       view.setStress(shown);
       this.stress = { view: shown, id: end.id, cases: result.cases ?? [], report: result.report.stress as api.StressReport, text, warnings: result.warnings, inside: new Inside(shown, end.id, view.low, view.high, this.parts) };
+      this.wanted = 0;
       this.shown = { ...this.shown, case: 0, scale: null, magnified: 0, isOn: true };
       this.tell();
     } catch (error) {
@@ -558,11 +564,15 @@ export class LoadsPanel {
   }
 
   private async showCase(k: number): Promise<void> {
-    if (!this.stress) return;
+    const { stress } = this;
+    if (!stress) return;
+    this.wanted = k;
     try {
-      this.stress.view.take(new Float32Array(await api.bytes(`v1/jobs/${this.stress.id}/stress/${k}`)));
+      const nine = await api.bytes(`v1/jobs/${stress.id}/stress/${k}`);
+      if (this.stress !== stress || this.wanted !== k) return;
+      stress.view.take(new Float32Array(nine));
       this.shown = { ...this.shown, case: k, scale: null };
-      this.stress.inside.setCase(k);
+      stress.inside.setCase(k);
       this.colour();
     } catch (error) {
       this.parts.say((error as Error).message, true);
@@ -570,7 +580,7 @@ export class LoadsPanel {
   }
 
   private tell(): void {
-    const { report, cases, warnings, view } = this.stress!;
+    const { report, cases, warnings, view, text } = this.stress!;
     const fact = (name: string, words: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, words));
     const on = el("input", { type: "checkbox", id: "stress-on", checked: true, onchange: () => { this.shown.isOn = on.checked; this.parts.shape.view?.showStress(on.checked); this.legend(); this.parts.viewer()?.draw(); } });
     const what = el("select", { id: "quantity", onchange: () => { this.shown = { ...this.shown, what: what.value as Quantity, scale: null }; this.colour(); } }, ...QUANTITIES.map(([key, words, unit]) => el("option", { value: key, selected: key === this.shown.what }, `${words}, ${unit}`)));
@@ -607,7 +617,8 @@ export class LoadsPanel {
     const at = report.peak_at_mm?.map((v) => fixed(v, 1)).join(", ");
     const sum = (rows: api.Resultant[] | undefined) => (rows ?? []).map((r) => fact(`${r.name}${cases.length > 1 ? ` (${r.case})` : ""}`, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
     this.answer.replaceChildren(
-      el("p", { class: "warning", id: "stale", hidden: true }, "Fixtures or loads have changed since; solve again."),
+      // They may have changed while it was solved.
+      el("p", { class: "warning", id: "stale", hidden: text === this.loadsOf(this.text) }, "Fixtures or loads have changed since; solve again."),
       el("table", {}, fact("Peak, von Mises", `${fixed(report.max_von_mises_mpa, 2)} MPa${at ? ` at ${at}` : ""}`, "peak-stress"),
         ...(report.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${fixed(report.max_displacement_mm, 4)} mm`, "peak-moved")]),
         ...(report.reserve === undefined ? [] : [fact("Strength along the beads over the peak", `${fixed(report.reserve, 2)} ×`)]),

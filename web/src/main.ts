@@ -4,7 +4,7 @@ import * as api from "./api";
 import { Beads, TRAVEL, type Bead, type Value } from "./beads";
 import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, MARK_COLOURS, type ColourBy } from "./colours";
-import { byId, duration, el, fixed, player, warning } from "./dom";
+import { byId, duration, el, fixed, player, redraw, warning } from "./dom";
 import { drafts, forget } from "./drafts";
 import { history } from "./history";
 import { howFar } from "./queue";
@@ -38,6 +38,8 @@ let pictured: { id: number; index: api.Index } | null = null;
 /** What is open: a program, a job or a mesh, and the program that is on screen. */
 export interface Open { path: string; kind: api.FileKind; name: string }
 let opened: Open | null = null;
+/** Is aborted once another file is opened: answers to what was asked for the one before are not shown any more. */
+let opening = new AbortController();
 let roots: string[] = [];
 /** The folder that runs are written to. */
 let work = "";
@@ -59,27 +61,41 @@ shape.onChosen = () => { shape.chosenChanged(); loads.chosenChanged(); };
 
 function say(message: string, isError = false): void {
   const box = byId("progress");
-  box.replaceChildren(el("span", isError ? { class: "error", role: "alert" } : {}, message), el("button", { type: "button", onclick: () => (box.hidden = true) }, "Close"));
+  box.replaceChildren(el("span", isError ? { class: "error", role: "alert" } : {}, message), el("button", { type: "button", onclick: unsay }, "Close"));
   box.hidden = false;
 }
 
+/** How far the runs are that go on, the one that was begun last at the end. */
+const going: HTMLElement[][] = [];
+
+/** Takes the message away; a run that goes on is seen again, with its button. */
+function unsay(): void {
+  const [box, last] = [byId("progress"), going.at(-1)];
+  if (last) box.replaceChildren(...last);
+  box.hidden = !last;
+}
+
 /** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said
- * unless it is `outdated`. */
+ * unless it is `outdated`, and where another file is open by then. */
 async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Promise<api.JobState | null> {
   // A field that shows what the text does not hold would be taken for what is run.
   const field = wanted.kind === "view" || wanted.kind === "shape" ? null : document.querySelector<HTMLInputElement>("[aria-invalid]");
   if (field) { say(`Nothing was run: ${field.labels?.[0]?.firstChild?.textContent || field.id} is ${field.value || "empty"} and ${field.dataset.wrong}`, true); return null; }
+  const { signal } = opening;
   try {
-    return await watch(await api.begin(wanted), outdated);
+    const end = await watch(await api.begin(wanted), outdated, signal);
+    if (!end || !signal.aborted) return end;
+    // Plans and tests are kept, and looked for.
+    if (end.kind === "plan" || end.kind === "strength") say(`${end.title} is done. Another file is open by now; Runs, above, opens it.`);
   } catch (error) {
     say((error as Error).message, true);
-    return null;
   }
+  return null;
 }
 
-/** Shows how far a run is that was begun, here or before the page was loaded, and gives its state at the end as `run` does. */
-async function watch(begun: api.JobState, outdated?: AbortSignal): Promise<api.JobState | null> {
-  const box = byId("progress");
+/** Shows how far a run is that was begun, here or before the page was loaded, and gives its state at the end as `run` does.
+ * Its first layers come on screen unless `signal` says that another file is open by then. */
+async function watch(begun: api.JobState, outdated: AbortSignal | undefined, signal: AbortSignal): Promise<api.JobState | null> {
   try {
     const cancel = () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true));
     if (outdated?.aborted) { cancel(); return null; }
@@ -87,8 +103,9 @@ async function watch(begun: api.JobState, outdated?: AbortSignal): Promise<api.J
     const words = el("span");
     const bar = el("progress", { "aria-label": "Progress" });
     const stop = el("button", { type: "button", onclick: cancel }, "Cancel");
-    box.replaceChildren(words, bar, stop);
-    box.hidden = false;
+    const told = [words, bar, stop];
+    going.push(told);
+    unsay();
     const shown = Date.now();
     const since = setInterval(() => tell(), 200);
     let last = begun;
@@ -104,13 +121,14 @@ async function watch(begun: api.JobState, outdated?: AbortSignal): Promise<api.J
       last = now;
       tell();
       // The first layers come on screen while the others are planned, and all while they are measured and drawn.
-      if (now.kind === "plan" && now.phase === "running" && now.ready > asked && active !== "strength" && (asked === 0 || current === now.id)) {
+      if (now.kind === "plan" && now.phase === "running" && now.ready > asked && !signal.aborted && active !== "strength" && (asked === 0 || current === now.id)) {
         asked = now.ready;
-        early = show(now.id, false).catch((e: Error) => say(e.message, true));
+        // What does not come is asked for once more when the run is done; layers of a run that is cancelled are no fault.
+        early = show(now.id, false).catch(() => { onScreen = 0; });
       }
-    }).finally(() => { clearInterval(since); outdated?.removeEventListener("abort", cancel); });
+    }).finally(() => { clearInterval(since); outdated?.removeEventListener("abort", cancel); going.splice(going.indexOf(told), 1); });
     // A message that came while the run went on stays until the user closes it.
-    if (words.isConnected) box.hidden = true;
+    if (words.isConnected) unsay();
     if (outdated?.aborted) return null;
     if (end.phase === "failed") say(end.error ?? "the run failed", true);
     if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
@@ -157,32 +175,42 @@ function entitle(path: string, kind: api.FileKind): Open {
   return opened;
 }
 
-async function open(path: string, kind: api.FileKind): Promise<void> {
+/** Opens a file, and tells whether it is still the one that is open. */
+async function open(path: string, kind: api.FileKind): Promise<boolean> {
+  opening.abort();
+  const { signal } = (opening = new AbortController());
+  // What is under way for the file before is not shown in this one.
+  loading?.abort();
+  [current, onScreen] = [0, 0];
   const named = entitle(path, kind);
   welcome.hidden = true;
   plain.clear();
   pictured = null;
   const box = byId("progress");
-  box.hidden = true;
+  unsay();
+  viewer?.clear();
+  byId("panel-paths").replaceChildren(noPaths());
+  job.close();
+  shape.close();
+  strength.close();
   if (kind === "program") {
-    job.close();
-    shape.close();
     tab("paths");
-    const end = await run({ kind: "view", file: path });
-    if (end) await show(end.id);
+    const end = await run({ kind: "view", file: path }, signal);
+    if (end) await show(end.id).catch((e: Error) => say(e.message, true));
   } else {
     ensureViewer();
-    viewer?.clear();
-    shape.close();
     await job.open(named);
+    if (signal.aborted) return false;
     strength.forJob();
     const text = job.text();
     const hasShape = text !== null && ShapePanel.has(text);
     tab(hasShape ? "shape" : "job");
     if (hasShape) await shape.load();
+    if (signal.aborted) return false;
     // An error of the file counts for more than what came back with it.
     if (job.notice && (box.hidden || !box.querySelector(".error"))) say(job.notice);
   }
+  return !signal.aborted;
 }
 
 function kindOf(name: string): api.FileKind {
@@ -195,6 +223,8 @@ function kindOf(name: string): api.FileKind {
   return ["gcode", "gco", "g", "nc", "ngc", "tap", "bgcode"].includes(ending) ? "program" : "other";
 }
 
+/** Files that were dropped so far. */
+let drops = 0;
 async function drop(data: DataTransfer | null): Promise<void> {
   const item = data?.items[0];
   const file = data?.files[0];
@@ -203,14 +233,17 @@ async function drop(data: DataTransfer | null): Promise<void> {
     return;
   }
   if (!file) return;
+  const own = ++drops;
+  const { signal } = opening;
   const box = byId("progress");
   const words = el("span");
   box.replaceChildren(words);
   box.hidden = false;
   try {
     const { path } = await api.upload(file, (share) => (words.textContent = `Sending ${file.name}: ${Math.round(100 * share)} %`));
-    box.hidden = true;
-    await open(path, kindOf(path));
+    if (words.isConnected) unsay();
+    // A large file may come after one that was chosen later.
+    if (own === drops && !signal.aborted) await open(path, kindOf(path));
   } catch (error) {
     say((error as Error).message, true);
   }
@@ -218,22 +251,27 @@ async function drop(data: DataTransfer | null): Promise<void> {
 
 // ---- the program on screen -------------------------------------------------------------------------------------
 
-/** Shows the program of a run: the index at once, layers as they come, and what was measured once the run is done. */
+/** Shows the program of a run: the index at once, layers as they come, and what was measured once the run is done. Throws
+ * what went wrong, unless something else is shown by then. */
 async function show(id: number, isDone = true): Promise<void> {
   const view = ensureViewer();
   welcome.hidden = true;
   loading?.abort();
   const own = (loading = new AbortController());
+  try { await fetchProgram(id, isDone, view, own.signal); } catch (error) { if (!own.signal.aborted) throw error; }
+}
+
+async function fetchProgram(id: number, isDone: boolean, view: Viewer | null, signal: AbortSignal): Promise<void> {
   const before = current === id && onScreen === id ? viewer?.beads ?? null : null;
   current = id;
   const [index, result] = await Promise.all([api.index(id), isDone ? api.result(id) : null]);
-  if (current !== id || own.signal.aborted) return;
+  if (signal.aborted) return;
   printed = index.layers.length === 0 ? null : index.part_mm;
   const isProgram = before === null && opened?.kind === "program";
   if (isProgram) void strength.forProgram(opened!.path);
   if (!printed) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
-  tellPaths(index, result);
+  tellPaths(index, result, before === null);
   overlays();
   const last = index.layers.length - 1;
   const isWhole = before === null || high.value === high.max;
@@ -255,38 +293,40 @@ async function show(id: number, isDone = true): Promise<void> {
   // Paths come into view with their first layer, not with their last.
   if (before === null) tab(active === "strength" ? "strength" : first);
   setColour(colourBy);
-  rangeChanged();
+  // The moves that are chosen of a layer stay while further layers come.
+  if (isWhole) rangeChanged(); else movesChanged();
   performance.mark("program");
-  try {
-    for (let layer = kept; layer <= last; ) {
-      let end = layer;
-      // The first answer is one layer, so that something is on screen at once.
-      while (layer > 0 && end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
-      beads.take(layer, end, await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}`, own.signal));
-      if (own.signal.aborted) return;
-      view.refresh(layer, end);
-      if (layer === 0) performance.mark("first-layer");
-      layer = end + 1;
-    }
-    moveRange();
-    if (index.more) return;
-    performance.mark("all-layers");
-    document.documentElement.dataset.shown = String(id);
-    if (result) await loadValues(id, beads, own.signal, result);
-  } catch (error) {
-    if (!own.signal.aborted) say((error as Error).message, true);
+  for (let layer = kept; layer <= last; ) {
+    let end = layer;
+    // The first answer is one layer, so that something is on screen at once.
+    while (layer > 0 && end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
+    const bytes = await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}`, signal);
+    if (signal.aborted) return;
+    beads.take(layer, end, bytes);
+    view.refresh(layer, end);
+    if (layer === 0) performance.mark("first-layer");
+    layer = end + 1;
   }
+  if (index.more) return;
+  performance.mark("all-layers");
+  document.documentElement.dataset.shown = String(id);
+  if (result) await loadValues(id, beads, signal, result);
 }
 
 /** Numbers and files of a run whose program is on screen already. */
 async function tellResult(id: number): Promise<void> {
   const beads = viewer?.beads;
+  const own = loading;
   // Only the first layers of a plan that ended soon after may be on screen.
-  if (beads?.index.more) { await show(id); return; }
-  const result = await api.result(id);
-  if (!beads || current !== id) return;
-  tellPaths(beads.index, result);
-  if (loading) await loadValues(id, beads, loading.signal, result).catch((e: Error) => say(e.message, true));
+  if (!beads || !own || beads.index.more) { await show(id); return; }
+  try {
+    const result = await api.result(id);
+    if (own.signal.aborted) return;
+    tellPaths(beads.index, result, false);
+    await loadValues(id, beads, own.signal, result);
+  } catch (error) {
+    if (!own.signal.aborted) throw error;
+  }
 }
 
 /** Asks for the angles of all layers to the load and for their reserves, where the result has them. */
@@ -389,25 +429,25 @@ let hasAngles = false;
 let least: number | null = null;
 const colourings = () => COLOUR_BY.filter(([by]) => (by !== "load" || hasAngles) && (by !== "reserve" || least !== null));
 
-function tellPaths(index: api.Index, result: api.Result | null): void {
+/** Tells the numbers of the program on screen; of one that `isNew`, all beads are shown. */
+function tellPaths(index: api.Index, result: api.Result | null, isNew: boolean): void {
   hasAngles = result?.angles ?? false;
   least = result?.reserve ? result.report.reserve?.first_failure?.[1] ?? null : null;
   if (!colourings().some(([by]) => by === colourBy)) colourBy = "role";
   const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...colourings().map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
+  // Travels and marks stay as they are from one program to the next.
+  if (isNew) for (let k = 0; k < TRAVEL; k++) viewer?.setShown(k, true);
   const rows = index.shares.map((share, k) => {
-    // Travels and marks stay as they are from one program to the next; beads are all shown.
-    const isBead = k < TRAVEL;
     const marks = index.pulls[k - TRAVEL - 2] ?? 0;
     if (share.beads + marks === 0 && k !== TRAVEL) return null;
-    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isBead || (viewer?.isShown(k) ?? false), onchange: () => viewer?.setShown(k, box.checked) });
-    if (isBead) viewer?.setShown(k, true);
+    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: viewer?.isShown(k) ?? false, onchange: () => viewer?.setShown(k, box.checked) });
     const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k] ?? MARK_COLOURS[k - TRAVEL - 2]!), index.classes[k]!);
-    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, marks > 0 ? String(marks) : isBead ? `${fixed(share.length_mm / 1000, 1)} m` : ""));
+    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, marks > 0 ? String(marks) : k < TRAVEL ? `${fixed(share.length_mm / 1000, 1)} m` : ""));
   });
   const [a, b] = index.part_mm;
   const size = [0, 1, 2].map((k) => fixed(b[k]! - a[k]!, 1)).join(" × ");
   const fact = (name: string, value: string) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value));
-  byId("panel-paths").replaceChildren(
+  redraw(byId("panel-paths"),
     // Pictures of the server show every bead by its role.
     ...(viewer ? [el("h2", {}, "Colour"), el("div", { class: "row" }, el("label", {}, "by", select)), el("h2", {}, "Show"), el("table", {}, ...rows)] : []),
     el("h2", {}, "Program"),
@@ -523,7 +563,7 @@ function setTheme(theme: string): void {
 }
 
 async function choose(): Promise<void> {
-  const chosen = await chooser(byId<HTMLDialogElement>("chooser"), current === 0 && !opened ? null : opened?.path ?? null);
+  const chosen = await chooser(byId<HTMLDialogElement>("chooser"), opened?.path ?? null);
   if (chosen) await open(chosen.path, chosen.kind);
 }
 
@@ -544,7 +584,7 @@ async function reopen(row: api.RunRow): Promise<void> {
   try {
     const kept = (await api.jobs()).jobs.reverse().find((run) => run.title === row.name && run.kind === row.kind && run.phase === "done");
     const path = row.input ?? `${work}/${row.name}/job.toml`;
-    await open(path, kindOf(path));
+    if (!(await open(path, kindOf(path)))) return;
     if (!kept) say(`The paths of ${row.name} are kept until the studio ends; this is the file it was made of. Run it again to see them.`);
     else if (row.kind === "strength") { tab("strength"); await strength.reopen(kept.id, row.name); }
     else { active = "paths"; await show(kept.id); }
@@ -554,12 +594,15 @@ async function reopen(row: api.RunRow): Promise<void> {
 }
 
 /** Follows a plan or a test that is worked on since before the page was loaded. What came of it is opened, unless another file is by then. */
-async function attach(): Promise<void> {
-  const begun = (await api.jobs()).jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
-  const before = opened;
-  const end = begun && (await watch(begun));
-  const row = end && (await api.history()).runs.find((run) => run.name === end.title && run.kind === end.kind);
-  if (row && opened === before) await reopen(row);
+async function attach(signal: AbortSignal): Promise<void> {
+  try {
+    const begun = (await api.jobs()).jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
+    const end = begun && (await watch(begun, undefined, signal));
+    const row = end && (await api.history()).runs.find((run) => run.name === end.title && run.kind === end.kind);
+    if (row && !signal.aborted) await reopen(row);
+  } catch (error) {
+    say((error as Error).message, true);
+  }
 }
 
 /** Opens the history of runs; the newest ones, or those of these names, are side by side at once. */
@@ -585,18 +628,24 @@ document.addEventListener("dragover", (event) => { event.preventDefault(); welco
 document.addEventListener("dragleave", () => welcome.classList.remove("over"));
 document.addEventListener("drop", (event) => { event.preventDefault(); welcome.classList.remove("over"); void drop(event.dataTransfer); });
 
-byId("panel-paths").append(el("p", { class: "note" }, "Open a G-code file of any slicer to see its paths, or a mesh, a drawing, a photograph, a scan or a job to plan them."));
+const noPaths = () => el("p", { class: "note" }, "Open a G-code file of any slicer to see its paths, or a mesh, a drawing, a photograph, a scan or a job to plan them.");
+byId("panel-paths").append(noPaths());
 
 /** Writes an example to a folder of its own and opens its job. */
 async function begin(name: string): Promise<void> {
-  try { await open((await api.example(name)).path, "job"); } catch (error) { say((error as Error).message, true); }
+  const { signal } = opening;
+  try {
+    const { path } = await api.example(name);
+    if (!signal.aborted) await open(path, "job");
+  } catch (error) { say((error as Error).message, true); }
 }
 
 async function start(): Promise<void> {
+  const { signal } = opening;
   try {
     const state = await api.state();
     [roots, work] = [state.roots, state.work];
-    if (state.opened) { await open(state.opened.path, state.opened.kind); void attach(); return; }
+    if (state.opened && !signal.aborted) { if (await open(state.opened.path, state.opened.kind)) void attach(opening.signal); return; }
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
       el("h2", {}, "Where does your print break?"),
@@ -606,7 +655,7 @@ async function start(): Promise<void> {
       el("h3", {}, "Or begin with an example"),
       el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
-    void attach();
+    void attach(signal);
   } catch (error) {
     say((error as Error).message, true);
   }
@@ -632,7 +681,7 @@ void start().then(() => tour.first());
 Object.defineProperty(window, "studio", { get: () => ({ viewer, show, part: shape.view, report: shape.report, chosen: shape.chosen, rendererName: viewer?.rendererName }) });
 document.addEventListener("planned", (event) => {
   const id = (event as CustomEvent<number>).detail;
-  if (onScreen === id && current === id && viewer?.beads) { void tellResult(id); return; }
-  active = "paths";
-  void show(id);
+  const isOnScreen = onScreen === id && current === id && viewer?.beads;
+  if (!isOnScreen) active = "paths";
+  (isOnScreen ? tellResult(id) : show(id)).catch((e: Error) => say(e.message, true));
 });

@@ -14,7 +14,8 @@ export function howFar(run: api.JobState): string {
   return `${STAGES[run.stage ?? ""] ?? "Starting"}${run.total > 0 ? ` ${run.done} of ${run.total}` : ""}`;
 }
 
-/** Shows the queue in `into` while `isWanted` says so; `ended` is told when a run has left it. */
+/** Shows the queue in `into` while `isWanted` says so; `ended` is told when runs have ended since the last look, also of those that
+ * were never seen here: a short run begins and ends between two looks. */
 export async function queue(into: HTMLElement, isWanted: () => boolean, ended: () => Promise<void>): Promise<void> {
   // Rows stay while their runs do, so that the focus on a button does.
   const rows = new Map<number, { row: HTMLElement; far: HTMLElement; time: HTMLElement }>();
@@ -22,29 +23,44 @@ export async function queue(into: HTMLElement, isWanted: () => boolean, ended: (
   const error = el("p", { class: "error", role: "alert", hidden: true });
   const say = (problem: unknown) => { error.textContent = (problem as Error).message; error.hidden = false; };
   const begin = (run: api.JobState) => {
-    const off = el("button", { type: "button", "data-cancel": run.id, "aria-label": `Cancel ${KINDS[run.kind]} of ${run.title}`, onclick: () => { off.disabled = true; void api.cancel(run.id).catch((p) => { off.disabled = false; say(p); }); } }, "Cancel");
+    // The button keeps the focus, which a disabled one would lose.
+    const off = el("button", { type: "button", "data-cancel": run.id, "aria-label": `Cancel ${KINDS[run.kind]} of ${run.title}`, onclick: () => {
+      if (off.ariaDisabled) return;
+      off.ariaDisabled = "true";
+      void api.cancel(run.id).catch((p) => { off.ariaDisabled = null; say(p); });
+    } }, "Cancel");
     const [far, time] = [el("td"), el("td", { class: "n" })];
     const row = el("tr", { "data-run": run.id }, el("td", {}, KINDS[run.kind]), el("td", {}, run.title), far, time, el("td", {}, off));
     table.append(row);
     rows.set(run.id, { row, far, time });
     return rows.get(run.id)!;
   };
+  const known = new Set<number>();
   while (isWanted()) {
     try {
-      const open = (await api.jobs()).jobs.filter((run) => run.phase === "waiting" || run.phase === "running");
+      const { jobs } = await api.jobs();
+      const open = jobs.filter((run) => run.phase === "waiting" || run.phase === "running");
+      const isNews = jobs.some((run) => !open.includes(run) && !known.has(run.id));
+      for (const run of jobs) if (!open.includes(run)) known.add(run.id);
       for (const run of open) {
         const { far, time } = rows.get(run.id) ?? begin(run);
         far.textContent = howFar(run);
         time.textContent = run.phase === "waiting" ? "–" : `${fixed(run.elapsed_s, 1)} s`;
       }
       const over = [...rows.keys()].filter((id) => !open.some((run) => run.id === id));
-      for (const id of over) { rows.get(id)!.row.remove(); rows.delete(id); }
+      for (const id of over) {
+        const { row } = rows.get(id)!;
+        const next = row.nextElementSibling ?? row.previousElementSibling;
+        if (row.contains(document.activeElement)) next?.querySelector("button")?.focus();
+        row.remove();
+        rows.delete(id);
+      }
       const isEmpty = rows.size === 0;
       if (isEmpty !== (table.parentElement === null)) {
         into.replaceChildren(...(isEmpty ? [] : [el("h2", {}, "Worked on and waiting"), table, error]));
       }
       // What ended while the list was read is asked for at once, so that no run stands in both for long.
-      if (over.length > 0) { await ended(); continue; }
+      if (isNews || over.length > 0) { await ended(); continue; }
     } catch (problem) {
       say(problem);
       into.replaceChildren(error);

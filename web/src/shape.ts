@@ -1,9 +1,9 @@
 // The shape of a job: how large it is, what is wrong with it, its unit, how it stands, and which of its faces are chosen.
 
-import { Matrix4, Quaternion, Vector3 } from "three";
+import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import * as api from "./api";
 import { css, type Rgb } from "./colours";
-import { el, fixed, numberField, numberOf, complain, warning } from "./dom";
+import { el, fixed, numberField, numberOf, complain, redraw, warning } from "./dom";
 import { quoted, type JobPanel } from "./job";
 import { FAULT, LEFT, PartView, surfaceOf, type Side } from "./part";
 import { Poses } from "./poses";
@@ -53,6 +53,7 @@ export class ShapePanel {
     [this.report, this.view, this.chosen, this.side, this.key] = [null, null, [], null, ""];
     clearTimeout(this.timer);
     this.asked.abort();
+    this.supports.setPaint(null);
     this.parts.viewer()?.setPart(null);
     this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF), a scan or a job file to see its shape here, choose faces, and say where it is held and loaded."));
     this.onPart(null);
@@ -85,20 +86,28 @@ export class ShapePanel {
     this.key = this.keyOf(text);
     const end = await this.parts.run({ kind: "shape", ...wanted }, signal);
     if (!end || signal.aborted) return;
-    const [result, bytes] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/surface`)]);
-    if (signal.aborted) return;
+    try {
+      const [result, bytes] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/surface`)]);
+      if (!signal.aborted) this.take(end.id, result, bytes);
+    } catch (error) {
+      if (!signal.aborted) this.parts.say((error as Error).message, true);
+    }
+  }
+
+  /** Takes the shape of a run in place of the one before. */
+  private take(id: number, result: api.Result, bytes: ArrayBuffer): void {
     const isSame = this.report !== null;
     this.report = result.report as unknown as api.ShapeReport;
     this.warnings = result.warnings;
     this.chosen = this.chosen.filter((f) => f < this.report!.faces_in_all);
     this.side = null;
-    const view = new PartView(surfaceOf(bytes), () => { document.documentElement.dataset.search = String(end.id); });
+    const view = new PartView(surfaceOf(bytes), () => { document.documentElement.dataset.search = String(id); });
     this.view = view;
     const viewer = this.parts.viewer();
     if (viewer) viewer.setPart(view, isSame);
     this.build();
-    this.onPart(end.id);
-    document.documentElement.dataset.shape = String(end.id);
+    this.onPart(id);
+    document.documentElement.dataset.shape = String(id);
   }
 
   /** A face was clicked, or its button pressed; -1 is beside the part. */
@@ -144,7 +153,7 @@ export class ShapePanel {
     if (report.preview) {
       const { resolution_mm, voxels, merged } = report.preview;
       const n = merged.reduce((all, by) => all * by, 1);
-      this.panel.replaceChildren(
+      redraw(this.panel,
         this.parts.job.printerAndMaterial,
         el("h2", {}, "Size"), el("table", {}, ...sizes, fact("Voxels", voxels.join(" × "))),
         el("p", { class: "note", id: "preview" }, `A preview at ${fixed(resolution_mm, 2)} mm: ${n === 1 ? "no voxels were merged" : `${merged.join(" × ")} voxels were merged into one`}. Paths are planned from every voxel, under Job.`),
@@ -161,7 +170,7 @@ export class ShapePanel {
     const isDoubtful = report.likely_unit !== null && report.likely_unit !== report.unit;
     const turn = (axis: 0 | 1 | 2) => el("button", { type: "button", id: `turn-${"xyz"[axis]}`, onclick: () => this.turn(new Quaternion().setFromAxisAngle(new Vector3().setComponent(axis, 1), Math.PI / 2)) }, `90° about ${"xyz"[axis]}`);
     const lay = el("button", { type: "button", id: "lay", onclick: () => this.lay() }, "Lay the chosen face on the plate");
-    this.panel.replaceChildren(
+    redraw(this.panel,
       // Supports, build directions and strength depend on them, so they come first.
       this.parts.job.printerAndMaterial,
       el("h2", {}, "Size"),
@@ -207,6 +216,18 @@ export class ShapePanel {
     return Array.isArray(read) && read.every((v) => typeof v === "number") ? (read as number[]) : [0, 0, 0];
   }
 
+  /** How the part on screen stands. */
+  get standing(): Matrix4 {
+    const [a, b, c] = this.report!.rotation as [number[], number[], number[]];
+    return new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
+  }
+
+  /** How it will stand: the text is ahead of the screen until the shape has come. */
+  get turned(): Matrix4 {
+    const [x, y, z] = this.rotation.map((v) => (v * Math.PI) / 180) as [number, number, number];
+    return new Matrix4().makeRotationFromEuler(new Euler(x, y, z, "ZYX"));
+  }
+
   /** Shows the list of poses, which depends on everything but how the part stands now; `loads` are those in its file. */
   showPoses(loads: string): void {
     if (!this.report) return;
@@ -247,13 +268,11 @@ export class ShapePanel {
   private lay(): void {
     const face = this.chosen[0];
     const normal = face === undefined ? null : this.view?.patch(face).normal;
-    if (normal && normal.length() > 0.5) this.turn(new Quaternion().setFromUnitVectors(normal, new Vector3(0, 0, -1)));
+    if (normal && normal.length() > 0.5) this.turn(new Quaternion().setFromUnitVectors(normal, new Vector3(0, 0, -1)), this.standing);
   }
 
-  /** Turns the part further, as it stands now. */
-  private turn(by: Quaternion): void {
-    const [a, b, c] = this.report!.rotation as [number[], number[], number[]];
-    const now = new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
+  /** Turns the part further from `now`: two presses in a row are two turns. */
+  private turn(by: Quaternion, now = this.turned): void {
     const m = new Matrix4().makeRotationFromQuaternion(by).multiply(now).elements;
     this.stand(turns((row, column) => m[4 * column + row]!));
   }

@@ -39,8 +39,15 @@ export class StrengthPanel {
   private crack: (() => void) | null = null;
   /** Ends once the fields for the program are there. */
   private built = Promise.resolve();
+  /** Counts the answers that were asked for: the last one alone is shown, and none of a file that is not open any more. */
+  private asked = 0;
 
-  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) {
+  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.close(); }
+
+  close(): void {
+    this.program = this.crack = null;
+    this.asked++;
+    this.setMode(null);
     this.empty("Open a G-code file to find where and at which load it breaks.");
   }
 
@@ -79,6 +86,7 @@ export class StrengthPanel {
     } catch (error) {
       this.parts.say((error as Error).message, true);
     }
+    if (this.program !== path) return;
     this.build();
     this.draw();
   }
@@ -181,13 +189,15 @@ export class StrengthPanel {
   }
 
   private async show(id: number): Promise<void> {
+    const own = ++this.asked;
     try {
       const result = await api.result(id);
       const cells = result.damage ? new Float32Array(await api.bytes(`v1/jobs/${id}/damage`)) : null;
+      if (own !== this.asked) return;
       if (!this.program) await this.parts.show(id);
-      this.tell(result, cells);
+      if (own === this.asked) this.tell(result, cells);
     } catch (error) {
-      this.parts.say((error as Error).message, true);
+      if (own === this.asked) this.parts.say((error as Error).message, true);
     }
   }
 

@@ -22,6 +22,8 @@ export class Supports {
   readonly element = el("div", { id: "supports" });
   private paint: Paint | null = null;
   private isActive = true;
+  /** Whether the brush is down: what it has painted is not in the text yet. */
+  private isStroke = false;
   /** Facets as the text has them, or as the stroke of the brush leaves them. */
   private facets: { enforce: Set<number>; block: Set<number> } = { enforce: new Set(), block: new Set() };
   private readonly told = el("div", { role: "status" });
@@ -34,7 +36,6 @@ export class Supports {
 
   /** Another part is there. */
   build(): void {
-    this.setPaint(null);
     this.grown = null;
     this.told.replaceChildren();
     const style = el("select", { id: "support-style", onchange: () => this.parts.job.put(set(this.text, "support", "style", style.value === "none" ? null : quoted(style.value))) }, ...STYLES.map(([key, words]) => el("option", { value: key }, words)));
@@ -48,6 +49,8 @@ export class Supports {
       this.counts, this.told);
     this.textChanged();
     this.chosenChanged();
+    // The brush stays in hand where the part is made anew: the first facets that are painted bring supports, which lift it.
+    if (this.paint) this.setPaint(this.paint);
   }
 
   /** The text of the job changed. */
@@ -57,7 +60,7 @@ export class Supports {
     const style = document.getElementById("support-style") as HTMLSelectElement | null;
     if (style) style.value = String(value(get(this.text, "support", "style") ?? '"none"') ?? "none");
     const read = (key: string) => { const list = value(get(this.text, "support", key) ?? ""); return new Set(Array.isArray(list) ? list.filter((n): n is number => typeof n === "number") : []); };
-    this.facets = { enforce: read(KEYS.enforce), block: read(KEYS.block) };
+    if (!this.isStroke) this.facets = { enforce: read(KEYS.enforce), block: read(KEYS.block) };
     if (this.grown && (this.grown.of !== view || this.grown.text !== this.supportsOf())) this.hide();
     this.show();
   }
@@ -87,6 +90,7 @@ export class Supports {
   }
 
   setPaint(paint: Paint | null): void {
+    if (this.isStroke && paint !== this.paint) this.strokeEnd();
     this.paint = paint;
     this.parts.viewer()?.setGesture(paint ? "paint" : "turn");
     for (const one of ["enforce", "block", "erase"]) document.getElementById(`paint-${one}`)?.setAttribute("aria-pressed", String(paint === one));
@@ -95,12 +99,16 @@ export class Supports {
   /** The brush went over these triangles. */
   stroke(triangles: number[]): void {
     if (!this.paint) return;
+    this.isStroke = true;
     this.take(triangles, this.paint);
     this.show();
   }
 
   /** A stroke is over: it goes into the text, to be undone in one go. */
-  strokeEnd(): void { if (this.paint) this.put(); }
+  strokeEnd(): void {
+    this.isStroke = false;
+    if (this.paint) this.put();
+  }
 
   private faces(paint: Paint): void {
     const view = this.parts.view();
@@ -139,6 +147,7 @@ export class Supports {
     if (!end || this.parts.view() !== view) return;
     try {
       const [result, bytes] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/branches`)]);
+      if (this.parts.view() !== view) return;
       const report = result.report.support as api.SupportReport;
       const branches = new Float32Array(bytes);
       const most = view.setBranches(branches);
@@ -151,6 +160,8 @@ export class Supports {
         report.contacts === 0 ? el("p", { class: "note" }, "Nothing needs support.") : el("div", { class: "legend" }, el("div", {}, "Load of a branch"), bar, el("div", { class: "ends" }, el("span", {}, "0 N"), el("span", {}, `${fixed(most, 2)} N`))),
         el("table", {}, fact("Mass", `${fixed(report.mass_g ?? report.solid_mass_g, 2)} g`, "support-mass"), fact("Contacts, trees", `${report.contacts}, ${report.trees}`, "support-contacts"), fact("Farthest from a contact", `${fixed(report.farthest_mm, 1)} mm`), ...(lost > 0 ? [fact("Overhangs that no branch reaches", String(lost))] : [])),
         ...result.warnings.map(warning));
+      // The job may have changed while they were grown.
+      if (text !== this.supportsOf()) this.hide();
       this.parts.viewer()?.draw();
       document.documentElement.dataset.supports = String(end.id);
     } catch (error) {

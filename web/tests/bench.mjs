@@ -120,11 +120,38 @@ async function forget(context, address) {
   for (const { path, kind } of (await (await context.request.get(drafts)).json()).drafts) await context.request.put(drafts, { data: { path, kind, text: "", from: "" } });
 }
 
+/** Asks until an answer is true, as `page.waitForFunction` does of a page; `told` is what is said where it never is. */
+export async function until(ask, told) {
+  for (const end = Date.now() + 120_000; !(await ask()); ) {
+    assert.ok(Date.now() < end, `waited for: ${told}`);
+    await new Promise((then) => setTimeout(then, 20));
+  }
+}
+
+/** For `routes` of `visit`: requests, those that `isWanted`, that wait until the test lets them go, so that others overtake them. */
+export function held(isWanted = () => true) {
+  let come, go;
+  const asked = new Promise((then) => (come = then));
+  const gone = new Promise((then) => (go = then));
+  const answer = async (route) => {
+    if (isWanted(route.request())) { come(); await gone; }
+    // The page may have given the request up.
+    await route.fallback().catch(() => {});
+  };
+  /** Lets them go, and waits until the page has the answer from this address. */
+  const free = async (page, address) => {
+    const [answered] = await Promise.all([page.waitForResponse(address), go()]);
+    await answered.finished();
+    await settle(page);
+  };
+  return { answer, asked, free, go };
+}
+
 /** Waits until the server works on nothing: a new page follows the run that an earlier test left. */
 async function idle(context, address) {
   const jobs = new URL("v1/jobs", address).href;
   await context.request.get(address);
-  while ((await (await context.request.get(jobs)).json()).jobs.some(({ phase }) => phase === "waiting" || phase === "running")) await new Promise((done) => setTimeout(done, 50));
+  await until(async () => (await (await context.request.get(jobs)).json()).jobs.every(({ phase }) => phase !== "waiting" && phase !== "running"), "no run");
 }
 
 /** A page with what went wrong in it. */
@@ -152,8 +179,17 @@ export async function visit(browser, address, { isFirst = false, keepsDrafts = f
   }
   // Answers of the test instead of the server's. One that is set after the first request is sometimes never asked.
   for (const [url, answer] of Object.entries(routes)) await page.route(url, answer);
+  // Changes that are on their way to be kept: one that comes after the next test has forgotten all would be put into its page.
+  let isChanged = false;
+  const changes = new Set();
+  page.on("request", (request) => { if (request.method() === "PUT") { isChanged = true; changes.add(request); } });
+  for (const end of ["requestfinished", "requestfailed"]) page.on(end, (request) => changes.delete(request));
+  page.on("framenavigated", () => { isChanged = false; changes.clear(); });
+  // A change waits in the page until the one before it has been kept.
+  const isKept = async () => { await settle(page); return changes.size === 0; };
+  const close = async () => { if (isChanged) await until(isKept, "the last change to be kept"); await context.close(); };
   await page.goto(address, { waitUntil: "commit" });
-  return { page, wrong, requests, close: () => context.close() };
+  return { page, wrong, requests, close };
 }
 
 /** Waits until all layers of a program are on screen. */
@@ -259,7 +295,9 @@ export async function hands(page) {
       if (above >= 0 && below >= 0) return box;
       await page.mouse.move(panel.x + 0.5 * panel.width, panel.y + 0.5 * panel.height);
       await page.mouse.wheel(0, above < 0 ? Math.max(above, -200) : Math.min(-below, 200));
-      await settle(page);
+      // The panel may still be moving: a place that is told then is not where the click goes.
+      let before;
+      do { before = (await boxOf(what)).y; await settle(page); } while ((await boxOf(what)).y !== before);
     }
     throw new Error(`${what} does not come into sight`);
   };

@@ -32,20 +32,30 @@ test("the first layer of a plan is on screen while the others are planned", asyn
   assert.ok(isEarly && shown === "", `${shown}`);
   assert.match(progress, /^Walls and fill \d+ of \d+/);
   assert.match(layers, /Layers\d+ so far/);
+  // What is switched off while it is planned stays so.
+  await page.click("#class-4");
   // Only the first layer is shown, since a layer that comes between the question for a place and the picture would move
   // the place: it is nearer to the eye.
+  await page.waitForFunction(() => document.querySelector("#high").max !== "0");
   const upTo = (layer) => page.$eval("#high", (input, k) => { input.value = k ?? input.max; input.dispatchEvent(new Event("input", { bubbles: true })); }, layer);
   await upTo("0");
   await page.click("#views [data-view=top]");
+  // Turned by hand, there and back: a view of the whole part would move with each layer that comes.
+  for (const key of ["d", "a"]) await page.keyboard.press(key);
   await settle(page);
   const [x, y, z] = await page.evaluate(() => { const { part_mm: [low, high] } = window.studio.viewer.beads.index; return [low[0], (low[1] + high[1]) / 2, low[2] + 0.1]; });
   // The middle of the outer wall on the left, and a place left of it.
   const [wall, beside] = await colours(page, [[x + 0.22, y, z], [x - 3, y, z]]);
   assert.ok(far(wall, WALL) < 30, `wall: ${wall}`);
   assert.ok(far(beside, WALL) > 30, `beside: ${beside}`);
-  // The whole follows in the same view, with all of its layers.
+  // The whole follows, with all of its layers.
   await upTo(null);
-  await page.waitForFunction(() => document.documentElement.dataset.shown, null, { timeout: 240_000 });
+  await page.focus("#colour-by");
+  await page.waitForSelector('#panel-paths a:has-text("gcode")', { timeout: 240_000 });
+  await page.waitForFunction(() => document.documentElement.dataset.shown);
+  assert.equal(await page.isChecked("#class-4"), false);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "colour-by");
+  await page.click("#views [data-view=top]");
   await settle(page);
   assert.deepEqual(await page.evaluate(() => { const b = window.studio.viewer.beads; return [b.index.more, b.index.layers.length, b.taken]; }), [false, LAYERS, LAYERS]);
   assert.equal(await page.inputValue("#high"), String(LAYERS - 1));
@@ -63,10 +73,12 @@ test("a page that is loaded anew during a run shows how far it is, and what came
   await page.waitForFunction(() => /^(Shape|Walls and fill) /.test(document.querySelector("#progress").textContent));
   await page.reload();
   await page.waitForFunction(() => /^(Shape|Walls and fill|Ordering|Writing)/.test(document.querySelector("#progress").textContent));
-  // The part is shown before its layers are.
-  await page.waitForFunction((n) => window.studio.viewer?.beads?.index.layers.length === n, LAYERS, { timeout: 240_000 });
-  await page.waitForFunction(() => /high\.toml$/.test(document.querySelector("#title").textContent), null, { timeout: 60_000 });
-  assert.equal(await page.getAttribute("#tab-paths", "aria-selected"), "true");
+  // Its layers come first; then its file is opened, and its part is shown before its paths are.
+  await page.waitForFunction(() => document.documentElement.dataset.shape, null, { timeout: 240_000 });
+  await page.waitForSelector("#tab-paths[aria-selected=true]");
+  assert.match(await page.textContent("#title"), /high\.toml$/);
+  await page.waitForFunction((n) => window.studio.viewer.beads?.index.layers.length === n, LAYERS);
+  assert.match(await page.textContent("#panel-paths"), new RegExp(`Layers${LAYERS}`));
   assert.deepEqual(wrong, []);
   await close();
 });

@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { boxStl, choose, colours, far, folder, hold, launch, load, places, settle, shaped, solve, studio, vector, view, visit } from "./bench.mjs";
+import { boxStl, choose, colours, far, folder, held, hold, launch, load, places, settle, shaped, solve, studio, vector, view, visit } from "./bench.mjs";
 
 const SHOTS = process.env.SHOTS;
 const shot = async (page, name) => { if (SHOTS) { await settle(page); await page.screenshot({ path: `${SHOTS}/${name}.png` }); } };
@@ -122,10 +122,17 @@ test("a section shows the stress inside, at any place, and takes the half before
 });
 
 test("principal lines are red in tension and blue in compression, in the part", async () => {
-  const { page, wrong, close } = await bar([0, 20, 0]);
+  const late = held();
+  const { page, wrong, close } = await bar([0, 20, 0], { routes: { "**/lines": late.answer } });
   await view(page, "top");
   await page.mouse.move(5, 5);
   const [before] = await colours(page, [[15, 1, 2]]);
+  // Lines that come after they were switched off again are not drawn.
+  await page.click("#lines");
+  await late.asked;
+  await page.click("#lines");
+  await late.free(page, "**/lines");
+  assert.equal(await page.evaluate(() => window.studio.part.stress.hasLines), false);
   await page.click("#lines");
   await page.waitForFunction(() => document.documentElement.dataset.lines === "true");
   const lines = await page.evaluate(async () => {

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { boxStl, choose, faceAt, hold, load, vector, solve, colours, command, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, stl, studio, view, visit } from "./bench.mjs";
+import { boxStl, choose, faceAt, held, hold, load, vector, solve, colours, command, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, shown, stl, studio, until, view, visit } from "./bench.mjs";
 
 /** Colours by hue: the light of a face scales them. */
 const HELD = [70, 130, 190];
@@ -204,14 +204,23 @@ test("changes that were not saved are there again in another browser, from anoth
   await first.page.focus("#panel-job textarea");
   await first.page.keyboard.press("Control+End");
   await first.page.keyboard.type("# and more");
+  const kept = async () => (await (await first.page.context().request.get(new URL("v1/drafts", server.address).href)).json()).drafts.map((d) => d.text);
+  let found;
+  const comes = (...wanted) => until(async () => (found = JSON.stringify(await kept())) === JSON.stringify(wanted), `drafts ${JSON.stringify(wanted)}`).catch((e) => { throw new Error(`${e.message}, found ${found}`); });
   // The page is left; its browser goes once the request that was begun then has come through.
   await first.page.goto("about:blank");
-  await new Promise((then) => setTimeout(then, 500));
-  await first.close();
+  await comes(`${before}# mine\n# and more`);
   const other = await studio(files.dir);
   assert.notEqual(new URL(other.address).port, new URL(server.address).port);
-  const second = await tab(other.address);
+  // The first page asks for them too, and then the job: nothing can be typed over them before they come.
+  let asked = 0;
+  const late = held((request) => request.method() === "GET" && ++asked > 1);
+  const second = await tab(other.address, { keepsDrafts: true, routes: { "**/v1/drafts": late.answer } });
   await second.page.click("[data-draft]");
+  await late.asked;
+  await settle(second.page);
+  assert.equal(await second.page.$("#panel-job textarea"), null);
+  await late.free(second.page, "**/v1/drafts");
   await shaped(second.page);
   assert.equal(await text(second.page), `${before}# mine\n# and more`);
   await second.page.waitForFunction(() => /not saved, are here again/.test(document.getElementById("progress").textContent));
@@ -221,16 +230,12 @@ test("changes that were not saved are there again in another browser, from anoth
   await shaped(third.page);
   await third.page.click("#tab-job");
   await third.page.fill("#panel-job textarea", `${before}# theirs\n`);
-  const kept = async () => (await (await third.page.context().request.get(new URL("v1/drafts", other.address).href)).json()).drafts;
-  const until = async (wanted) => {
-    for (let tries = 0; tries < 100 && JSON.stringify((await kept()).map((d) => d.text)) !== JSON.stringify(wanted); tries++) await settle(third.page);
-    assert.deepEqual((await kept()).map((d) => d.text), wanted);
-  };
-  await until([`${before}# theirs\n`]);
+  await comes(`${before}# theirs\n`);
   await second.page.keyboard.press("Control+z");
   assert.equal(await text(second.page), before);
   // What was undone is no change any more.
-  await until([]);
+  await comes();
+  await first.close();
   for (const { wrong, close } of [second, third]) { assert.deepEqual(wrong, []); await close(); }
   const fourth = await tab(other.address);
   assert.equal(await fourth.page.locator("[data-draft]").count(), 0);
@@ -253,6 +258,32 @@ test("an error of a file is seen after changes of another one came back", async 
     await settle(page);
     assert.match(await page.textContent("#progress .error"), words);
   }
+  await close();
+});
+
+test("a plan that ends once another file is open takes its place among the runs, and not the view", async () => {
+  let isPlanned = false;
+  const late = held(() => isPlanned);
+  const { page, wrong, close } = await opened("bar.stl", { routes: { "**/events": late.answer } });
+  await page.click("#tab-job");
+  const run = await shapeRun(page);
+  isPlanned = true;
+  await page.click("#panel-job >> text=Plan the paths");
+  await late.asked;
+  isPlanned = false;
+  await page.click("#open");
+  await page.click('#chooser .files button:has-text("angle.stl")');
+  await shapedAnew(page, run);
+  late.go();
+  await page.waitForSelector("#progress:has-text('bar is done. Another file is open by now')");
+  assert.match(await page.textContent("#title"), /angle\.stl$/);
+  assert.equal(await page.getAttribute("#tab-shape", "aria-selected"), "true");
+  assert.equal(await page.evaluate(() => window.studio.viewer.beads), null);
+  await page.click("#runs");
+  await page.click('#all-runs [data-open="bar"]');
+  await shown(page);
+  assert.match(await page.textContent("#title"), /bar\/job\.toml$/);
+  assert.deepEqual(wrong, []);
   await close();
 });
 
@@ -358,7 +389,16 @@ test("a number is entered with a comma too, and nothing runs with a field that s
   const run = await shapeRun(page);
   await type("scale", "1,5");
   assert.match(await text(page), /scale = 1\.5\n/);
+  // What is typed while the part is made anew stays, and so does the focus.
+  await page.click("#place-x");
+  await page.keyboard.press("Control+a");
+  await page.keyboard.type("7");
   await shapedAnew(page, run);
+  assert.deepEqual(await page.evaluate(() => [document.activeElement.id, document.activeElement.value]), ["place-x", "7"]);
+  assert.doesNotMatch(await text(page), /position_mm/);
+  await page.keyboard.press("Tab");
+  assert.match(await page.textContent("#place-y + .wrong"), /or neither/);
+  await type("place-x", "");
   assert.equal(await page.textContent("#size"), "90.00 × 12.00 × 6.00 mm");
   assert.equal(await page.$("[aria-invalid]"), null, "the fields are those of the text again");
   assert.deepEqual(wrong, []);
@@ -403,6 +443,31 @@ test("a quarter turn turns the part, its size and the settings of the job", asyn
   await view(page, "front");
   const [middle] = await colours(page, [[2, 0, 30]]);
   is(middle, PLAIN, "upright");
+  await close();
+});
+
+test("two presses in a row are two turns, and loads turn with the part once", async () => {
+  const { page, wrong, close } = await opened("bar.stl");
+  const first = await shapeRun(page);
+  await page.click("#tab-job");
+  await page.fill("#panel-job textarea", (await text(page)).replace(/^mesh = .*$/m, "$&\nrotate_deg = [90, 0, 0]"));
+  await shapedAnew(page, first);
+  const [low, high] = await page.evaluate(() => [-1, 1].map((side) => window.studio.report.faces.find((row) => row.normal && row.normal[0] * side > 0.9).centre_mm));
+  await hold(page, low);
+  await load(page, high);
+  await vector(page, "value-1", [0, 0, -20]);
+  const run = await shapeRun(page);
+  await page.evaluate(() => { for (let k = 0; k < 2; k++) document.getElementById("turn-x").click(); });
+  const now = await text(page);
+  assert.match(now, /rotate_deg = \[-90, 0, 0\]/);
+  // From the frame of the plate, where the part was turned by 90 degrees, to that of the file.
+  assert.match(now, /force_n = \[0, -20, 0\]/);
+  // A load that is added before the part stands anew has the coordinates of the file, too: 100 N against the face.
+  const side = await page.evaluate(() => window.studio.report.faces.find((row) => row.normal && row.normal[2] > 0.9).centre_mm);
+  await load(page, side);
+  assert.match(await text(page), /force_n = \[0, -100, 0\]/);
+  await shapedAnew(page, run);
+  assert.deepEqual(wrong, []);
   await close();
 });
 
@@ -628,7 +693,8 @@ test("what the page solves is what the command line solves from the same job", a
 });
 
 test("several load cases are shown one by one", async () => {
-  const { page, close } = await opened("bar.stl");
+  const late = held();
+  const { page, close } = await opened("bar.stl", { routes: { "**/stress/1": late.answer } });
   await hold(page, [0, 4, 2]);
   const end = await faceAt(page, [60, 4, 2]);
   const name = await page.evaluate((f) => window.studio.report.faces[f].name, end);
@@ -648,6 +714,12 @@ test("several load cases are shown one by one", async () => {
     return Number((await page.textContent("#bead")).match(/von Mises ([\d.]+) MPa/)[1]);
   };
   assert.ok(Math.abs((await at()) - 10) < 0.05);
+  // The case that was chosen last is shown, and not the one whose values come last.
+  await page.selectOption("#case", "1");
+  await late.asked;
+  await page.selectOption("#case", "0");
+  await late.free(page, "**/stress/1");
+  assert.ok(Math.abs((await at()) - 10) < 0.05);
   await page.selectOption("#case", "1");
   await page.waitForFunction(() => Number(document.getElementById("scale-high").value) < 6);
   assert.ok(Math.abs((await at()) - 2) < 0.02);
@@ -663,9 +735,16 @@ test("loads without a fixture are refused in words", async () => {
 });
 
 test("a solved stress says when the loads have changed since", async () => {
-  const { page, close } = await opened("bar.stl");
+  const late = held();
+  const { page, close } = await opened("bar.stl", { routes: { "**/stress": late.answer } });
   await hold(page, [0, 4, 2]);
   await load(page, [60, 4, 2]);
+  // They may change while it is solved.
+  await page.click("#solve");
+  await late.asked;
+  await vector(page, "value-1", [-20, 0, 0]);
+  await late.free(page, "**/stress");
+  await page.waitForSelector("#stale");
   await solve(page);
   assert.equal(await page.isVisible("#stale"), false);
   await vector(page, "value-1", [-50, 0, 0]);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { appendFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { bar, boxStl, choose, command, folder, launch, settle, shapeRun, shapedAnew, shown, squares, studio, visit } from "./bench.mjs";
+import { bar, boxStl, choose, command, folder, held, launch, settle, shapeRun, shapedAnew, shown, squares, studio, until, visit } from "./bench.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const SHOTS = process.env.SHOTS;
@@ -183,7 +183,9 @@ test("runs that are worked on and wait are listed, and each is cancelled by its 
   const dir = folder({ "block.stl": boxStl([150, 150, 120]), "long.toml": job(0.02), "other.toml": job(0.02), "plate.stl": boxStl([20, 20, 1]), "short.toml": job(0.2).replace("block", "plate") });
   const own = await studio(dir.dir);
   t.after(async () => { await own.end(); dir.remove(); });
-  const { page, wrong, close } = await visit(browser, own.address);
+  let isHeld = false;
+  const late = held((request) => isHeld && request.method() === "GET");
+  const { page, wrong, close } = await visit(browser, own.address, { routes: { "**/v1/jobs": late.answer } });
   await page.waitForSelector("#welcome h2");
   const ask = async (method, path, data) => (await page.context().request.fetch(new URL(path, page.url()).href, { method, data, headers: { origin: new URL(page.url()).origin } })).json();
   const begin = async (name) => (await ask("POST", "v1/jobs", { kind: "plan", file: dir.at(name) })).id;
@@ -206,13 +208,30 @@ test("runs that are worked on and wait are listed, and each is cancelled by its 
   await page.keyboard.press("Enter");
   await page.waitForSelector(`#queue tr[data-run="${other}"]`, { state: "detached" });
   assert.deepEqual([await phase(other), await phase(long)], ["cancelled", "running"]);
+  assert.equal(await page.evaluate(() => document.activeElement.dataset.cancel), String(short), "the next one has the focus");
   // The one that is worked on goes; the next one is done and comes into the list below, while the queue is empty.
   await page.click(`[data-cancel="${long}"]`);
   await page.waitForSelector("#all-runs tr:has-text('short')");
-  assert.deepEqual([await phase(long), await phase(short)], ["cancelled", "done"]);
-  // The list is read while `short` may still be worked on, so the queue can outlive it by one question to the server.
+  // A run comes into the list before its phase ends, so the queue can outlive it by one question to the server.
   await page.waitForSelector("#queue", { state: "detached" });
+  assert.deepEqual([await phase(long), await phase(short)], ["cancelled", "done"]);
   assert.equal((await page.$$("#all-runs tr")).length, 2, "what was cancelled is no run of the history");
+  // A run that comes on top leaves the focus where it is.
+  await page.focus("#all-runs input");
+  await begin("short.toml");
+  const listed = (n) => page.waitForFunction((k) => document.querySelectorAll("#all-runs tr").length === k, n);
+  await listed(3);
+  assert.equal(await page.evaluate(() => document.activeElement.closest("tr").rowIndex), 2);
+  // A run that ends between the question for the list and that for the queue is listed all the same.
+  await page.keyboard.press("Escape");
+  isHeld = true;
+  await page.click("#runs");
+  await late.asked;
+  isHeld = false;
+  const last = await begin("short.toml");
+  await until(async () => (await phase(last)) === "done", "the last run");
+  await late.free(page, "**/v1/jobs");
+  await listed(4);
   assert.deepEqual(wrong, []);
   await close();
 });

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { boxStl, chooseFace, choose, colours, command, far, folder, hold, launch, load, places, settle, shaped, shapedAnew, shapeRun, stl, studio, vector, view, visit } from "./bench.mjs";
+import { boxStl, chooseFace, choose, colours, command, far, folder, held, hold, launch, load, places, settle, shaped, shapedAnew, shapeRun, stl, studio, vector, view, visit } from "./bench.mjs";
 
 const HELD = [70, 130, 190];
 const LOADED = [226, 120, 58];
@@ -34,8 +34,8 @@ before(async () => {
 });
 after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
 
-async function opened(name) {
-  const visited = await visit(browser, server.address);
+async function opened(name, options) {
+  const visited = await visit(browser, server.address, options);
   await choose(visited.page, name);
   await shaped(visited.page);
   return visited;
@@ -112,10 +112,29 @@ test("build directions are compared by height, support and what the loads do to 
   is(await seen(held), HELD, "the held end");
   isNot(await seen(loaded), HELD, "the loaded end");
   is(await seen(loaded), LOADED, "the loaded end");
+  const taken = await shapeRun(page);
   await page.keyboard.press("Control+z");
-  await shapedAnew(page, await shapeRun(page));
+  await shapedAnew(page, taken);
   assert.match(await page.textContent("#size"), /× 30\.00 mm$/);
   assert.doesNotMatch(await text(page), /frame/);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a part that is turned while its build directions are compared stands as it was turned", async () => {
+  let isCompared = false;
+  const late = held(() => isCompared);
+  const { page, wrong, close } = await opened("bar.stl", { routes: { "**/result": late.answer } });
+  const run = await shapeRun(page);
+  isCompared = true;
+  await page.click("#compare-poses");
+  await late.asked;
+  isCompared = false;
+  await page.click("#turn-x");
+  await shapedAnew(page, run);
+  await late.free(page, "**/result");
+  await page.waitForFunction(() => document.documentElement.dataset.poses);
+  assert.deepEqual((await rows(page)).filter((r) => r[0] === "stands").map((r) => r[1]), ["8.0 mm"]);
   assert.deepEqual(wrong, []);
   await close();
 });
@@ -160,8 +179,17 @@ test("defects of the file are drawn where they are, those that mending leaves in
 });
 
 test("supports are shown with what their branches bear, and facets are painted for and against them", async () => {
-  const { page, wrong, close } = await opened("tee.stl");
+  const late = held();
+  const { page, wrong, close } = await opened("tee.stl", { routes: { "**/branches": late.answer } });
   await page.click("#tab-shape");
+  // Supports of another material than the one that is chosen by then are not shown.
+  const material = "#printer-and-material select >> nth=1";
+  await page.click("#grow-supports");
+  await late.asked;
+  await page.selectOption(material, "petg");
+  await late.free(page, "**/branches");
+  await page.waitForSelector("#supports:has-text('The job has changed')");
+  await page.selectOption(material, "pla");
   const grow = async () => {
     const before = await page.evaluate(() => document.documentElement.dataset.supports);
     await page.click("#grow-supports");
@@ -201,13 +229,23 @@ test("supports are shown with what their branches bear, and facets are painted f
   await view(page, "oblique");
   const [left, right] = await places(page, [[4, 6, 24], [36, 6, 24]]);
   await page.click("#paint-enforce");
-  await page.mouse.move(...left);
-  await page.mouse.down();
-  await page.mouse.move(...right, { steps: 6 });
-  await page.mouse.up();
-  await page.mouse.move(5, 5);
-  assert.match(await text(page), /enforce_facets = \[\d+, \d+\]/);
-  let [top, front] = await colours(page, [[10, 6, 24], [10, 0, 22]]);
+  const stroke = async (from, to) => {
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 6 });
+    await page.mouse.up();
+    await page.mouse.move(5, 5);
+  };
+  const run = await shapeRun(page);
+  await stroke(left, right);
+  const first = (await text(page)).match(/enforce_facets = \[\d+, \d+\]/)?.[0];
+  assert.ok(first, await text(page));
+  // Supports lift the part, so it is made anew; the brush stays in hand.
+  await shapedAnew(page, run);
+  const lift = await page.evaluate(() => window.studio.part.low.z);
+  await stroke(...(await places(page, [[20, 0, 4 + lift], [20, 0, 16 + lift]])));
+  assert.match(await text(page), /enforce_facets = \[\d+, \d+, \d+, \d+\]/);
+  let [top, front] = await colours(page, [[10, 6, 24 + lift], [10, 0, 22 + lift]]);
   await shot(page, "painted");
   is(top, ENFORCED, "the painted top");
   is(front, PLAIN, "the front, which was not painted");
@@ -215,7 +253,10 @@ test("supports are shown with what their branches bear, and facets are painted f
   await page.keyboard.press("Escape");
   await page.focus("#view");
   await page.keyboard.press("Control+z");
-  await settle(page);
+  assert.ok((await text(page)).includes(first), await text(page));
+  const lifted = await shapeRun(page);
+  await page.keyboard.press("Control+z");
+  await shapedAnew(page, lifted);
   [top] = await colours(page, [[10, 6, 24]]);
   isNot(top, ENFORCED, "the top after undoing");
   assert.deepEqual(wrong, []);

@@ -5,7 +5,7 @@ import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { PNG } from "pngjs";
-import { boxStl, colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, view, visit } from "./bench.mjs";
+import { boxStl, colours, command, far, folder, hands, launch, picture, settle, shaped, shown, studio, until, view, visit } from "./bench.mjs";
 
 /** Corners of the board in the photograph below, pixels of the picture from its upper left corner. */
 const BOARD = [[40, 30], [290, 50], [270, 180], [60, 160]];
@@ -211,12 +211,9 @@ test("a preview whose setting has changed is cancelled, and the last one is show
   const runs = async () => (await (await page.context().request.get(new URL("v1/jobs", page.url()).href)).json()).jobs.filter((run) => run.kind === "shape" && run.title === "large");
   /** Waits for the run of this number, of those of the scan, to be in one of these phases. */
   const phase = async (k, ...wanted) => {
-    for (let tries = 0; tries < 1200; tries++) {
-      const run = (await runs())[k];
-      if (run && wanted.includes(run.phase)) return run;
-      await new Promise((then) => setTimeout(then, 50));
-    }
-    assert.fail(`${k} ${wanted} ${JSON.stringify(await runs())}`);
+    let run;
+    await until(async () => wanted.includes((run = (await runs())[k])?.phase), `run ${k} ${wanted}`);
+    return run;
   };
   const threshold = (grey) => page.$eval("#panel-job textarea", (area, value) => {
     area.value = area.value.replace(/^ct = (?:\{ path = )?("[^"]*").*$/m, `ct = { path = $1, threshold = ${value} }`);
