@@ -331,6 +331,16 @@ fn steps_become_cases_and_loads_stay_until_they_are_replaced() {
     let found = checked(&job, Some(&text));
     let cases: Vec<&str> = found.guide.summary.balance.iter().map(|b| b.case.as_str()).collect();
     assert_eq!(cases, ["loads", "step 3"]);
+    // Layers serve the cases of a deck in turn, as they serve those of the job.
+    let is_mixed = |guide: &str| {
+        let job =
+            format!("fill.pattern = \"stripes\"\n[guide]\nkind = \"stress\"\ndeck = \"bar.inp\"\n{guide}");
+        let settings = parse_job(&job, "job.toml", &[], &|path| Err(path.to_owned())).expect("a sound job");
+        let file = parse_fe(text.as_bytes(), Some("bar.inp")).expect("a sound deck");
+        let deck = config::deck(&settings, &file).expect("a sound deck");
+        config::stress(&settings, Some(&deck)).expect("the kind is stress").mix.is_some()
+    };
+    assert!(is_mixed("") && !is_mixed("deck_step = 3\n") && !is_mixed("case_mix = \"weights\"\n"));
 }
 
 #[test]

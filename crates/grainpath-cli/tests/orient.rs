@@ -62,7 +62,9 @@ fn loads_of_the_plate_turn_with_a_part_that_lies_as_in_its_file() {
     let dir = folder("orient plate");
     fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
     fs::write(dir.join("bar.toml"), JOB.replace("frame = \"part\"\n", "")).expect("written");
-    let out = grainpath(&dir, &["orient", "bar.toml", "--json", "--write"]);
+    // A frame that is set for this run alone is not that of the job.
+    let set = ["orient", "bar.toml", "--json", "--write", "--set", "guide.frame=\"part\""];
+    let out = grainpath(&dir, &set);
     let report = json(&out);
     assert!(out.status.success() && report["outputs"]["job"] == "bar.toml", "{report}");
     let job = fs::read_to_string(dir.join("bar.toml")).expect("the job");
@@ -112,6 +114,57 @@ fn what_cannot_stand_or_turn_is_refused_in_a_line() {
     let out = grainpath(&dir, &["orient", "thin.toml", "--json"]);
     assert_eq!(out.status.code(), Some(4), "{}", String::from_utf8_lossy(&out.stdout));
     assert!(json(&out)["error"].as_str().expect("a line").contains("no flat to stand on"));
+}
+
+/// A stress result is in the frame of the part, and its job needs no loads.
+#[test]
+fn an_imported_stress_ranks_the_poses_and_turns_with_the_part() {
+    let dir = folder("orient imported");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    // 6 MPa along z everywhere.
+    let mut table = String::from("x,y,z,sxx,syy,szz,sxy,syz,szx\n");
+    for k in 0..16 * 9 {
+        let [x, y, z] = [4 * (k % 3), 4 * (k / 3 % 3), 2 * (k / 9)];
+        table += &format!("{x},{y},{z},0,0,6,0,0,0\n");
+    }
+    fs::write(dir.join("bar.csv"), &table).expect("written");
+    let job = "[shape]\nmesh = \"bar.stl\"\n[guide]\nkind = \"stress\"\nimport = \"bar.csv\"\n\
+               [fill]\npattern = \"stripes\"\ndensity = 1.0\n";
+    fs::write(dir.join("bar.toml"), job).expect("written");
+    let out = grainpath(&dir, &["orient", "bar.toml", "--json", "--image", "bar.csv"]);
+    assert_eq!(out.status.code(), Some(2), "the result is an input");
+    assert_eq!(fs::read_to_string(dir.join("bar.csv")).expect("the result"), table);
+    let report = json(&grainpath(&dir, &["orient", "bar.toml", "--json", "--write"]));
+    let poses = report["poses"].as_array().expect("poses");
+    assert!(poses[0]["height_mm"] == 8.0 && poses[5]["height_mm"] == 30.0, "{report}");
+    assert_eq!(poses[5]["reserve"]["across_layers_mpa"], 6.0, "{report}");
+    assert!(fs::read_to_string(dir.join("bar.toml")).expect("the job").contains("rotate_deg = ["));
+    let run = json(&grainpath(&dir, &["run", "bar.toml", "--json"]));
+    assert_eq!(run["z_max_mm"], 8.0, "{run}");
+}
+
+/// Boxes and numbers of layers would hold for another place of the turned part.
+#[test]
+fn places_that_stay_on_the_plate_keep_a_part_from_being_turned_in_its_job() {
+    let dir = folder("orient regions");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    for (region, told) in [
+        (
+            "[[region]]\non = { box_mm = [[0, 0, 0], [8, 8, 4]] }\nprocess = { walls = 4 }\n",
+            "region[1].on.box_mm",
+        ),
+        ("[[region]]\non = { layers = [[1, 9]] }\nprocess = { walls = 4 }\n", "region[1].on.layers"),
+        ("[support]\nstyle = \"tree\"\nblock_mm = [[[0, 0, 0], [8, 8, 4]]]\n", "support.block_mm"),
+    ] {
+        let job = format!("{JOB}{region}");
+        fs::write(dir.join("bar.toml"), &job).expect("written");
+        let out = grainpath(&dir, &["orient", "bar.toml", "--json", "--write"]);
+        assert_eq!(out.status.code(), Some(2), "{told}");
+        let error = json(&out);
+        let error = error["error"].as_str().expect("a line");
+        assert!(error.contains(told) && error.contains("shape.rotate_deg = ["), "{error}");
+        assert_eq!(fs::read_to_string(dir.join("bar.toml")).expect("the job"), job);
+    }
 }
 
 /// A part that is not loaded is ranked by its supports and its height.

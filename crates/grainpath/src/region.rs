@@ -23,7 +23,7 @@ use grainpath_job::{JobRegion, Settings};
 use rayon::prelude::*;
 
 use crate::guide::faces_as_in_file;
-use crate::shape::{SliceSettings, Standing, sections_at};
+use crate::shape::{self, Repair, ShapeError, SliceSettings, Standing, sections_at};
 
 /// Overlaps of regions of at most this area in a layer give no warning, mm2. Source: derived. A piece of a bead 0.45 mm
 /// wide and as long covers the same area.
@@ -45,8 +45,8 @@ pub enum RegionError {
     Face { number: usize, source: FaceError },
     #[error("region[{number}].on.face needs a part with a surface: a mesh, or an outline")]
     NoSurface { number: usize },
-    #[error("region[{number}].on.mesh: the file has no body")]
-    NoMesh { number: usize },
+    #[error("region[{number}].on.mesh: {source}")]
+    Mesh { number: usize, source: ShapeError },
 }
 
 /// The areas of all regions in each layer; areas of the same layer do not overlap.
@@ -106,8 +106,10 @@ impl RegionAreas {
                     (0..layers.len()).map(|i| whole(inside(i), &all)).collect()
                 }
                 RegionPlace::Mesh(_) => {
-                    let file = meshes.get(&k).ok_or(RegionError::NoMesh { number })?;
-                    sections_at(&placed(file, part), &planes, &part.slicing)
+                    let wrong = |source| RegionError::Mesh { number, source };
+                    let file = meshes.get(&k).ok_or(wrong(ShapeError::Empty))?;
+                    let mesh = mended(file, number, settings.shape.repair, diagnostics).map_err(wrong)?;
+                    sections_at(&placed(mesh, file, part), &planes, &part.slicing)
                 }
                 RegionPlace::Face { face, depth_mm } => {
                     if part.mesh.triangles.is_empty() {
@@ -175,18 +177,29 @@ fn warn_of_overlaps(cut: &[(Vec<Region>, Vec<[usize; 2]>)], layers: &[Layer], di
     }
 }
 
-/// Joins the bodies of a region's file into one mesh and places it like the part.
-fn placed(file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
+/// Joins the bodies of a region's file into one mesh and mends it like the part. What was mended is told with the number of
+/// the region.
+fn mended(
+    file: &MeshFile,
+    number: usize,
+    repair: Repair,
+    diagnostics: &Diagnostics,
+) -> Result<TriMesh, ShapeError> {
+    let own = Diagnostics::default();
+    let mesh = shape::mend(file.bodies.iter().map(|body| body.mesh.clone()).collect(), repair, &own)?;
+    for warning in file.warnings.iter().cloned().chain(own.warnings()) {
+        let text = format!("region[{number}].on.mesh: {}", warning.text.trim_start_matches("mesh: "));
+        diagnostics.push(Warning { text, ..warning });
+    }
+    Ok(mesh)
+}
+
+/// Places the mesh of a region's file like the part.
+fn placed(mut mesh: TriMesh, file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
     let s = part.standing;
     let unit_mm = file.unit.filter(|_| part.unit_of_file).map_or(part.unit_mm, LengthUnit::mm);
-    let mut whole = TriMesh::default();
-    for body in &file.bodies {
-        let first = whole.vertices.len() as u32;
-        let place = |p: &DVec3| s.rotation * (*p * (unit_mm * s.scale)) + s.shift();
-        whole.vertices.extend(body.mesh.vertices.iter().map(place));
-        whole.triangles.extend(body.mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    whole
+    mesh.vertices.iter_mut().for_each(|p| *p = s.rotation * (*p * (unit_mm * s.scale)) + s.shift());
+    mesh
 }
 
 /// Returns the settings of a job with the modifiers of its mesh appended as regions, and adds their surfaces to `meshes`.

@@ -241,3 +241,29 @@ fn a_depth_below_a_face_is_a_region() {
     assert!((low - (35.0 + 0.5 * s)).abs() < 0.02, "{low}");
     assert!(high > 38.0 && high < 40.0, "{high}");
 }
+
+/// Defects are told as those of the part are, and the region is that of the sound mesh.
+#[test]
+fn the_mesh_of_a_region_is_mended_as_that_of_the_part() {
+    let sound = block(&Region::rectangle(DVec2::new(11.3, 8.1), DVec2::new(27.7, 21.9)), -1.0, 5.0);
+    let job = "fill.density = 0.2\n[[region]]\non = { mesh = \"inner.stl\" }\nfill = { density = 0.6 }\n";
+    let laid_mm = |outcome: &Outcome| {
+        let paths = outcome.layers[6].paths.iter().filter(|p| p.path.role == Role::SparseFill);
+        paths.map(|p| p.path.length_mm()).sum::<f64>()
+    };
+    let want = planned(job, 0.0, Some(sound.clone())).expect("inside");
+    assert_eq!(want.warnings, []);
+    for every in [1, 2, 5] {
+        let mut mesh = sound.clone();
+        mesh.triangles.iter_mut().step_by(every).for_each(|t| t.swap(0, 1));
+        let found = planned(job, 0.0, Some(mesh)).expect("inside");
+        let is_told =
+            !found.warnings.is_empty() && found.warnings.iter().all(|w| *w == WarningId::MeshRepaired);
+        assert!(is_told, "{every}: {:?}", found.warnings);
+        let (found, want) = (laid_mm(&found), laid_mm(&want));
+        assert!((found / want - 1.0).abs() < 1e-3, "{every}: {found} for {want}");
+    }
+    let sheet = TriMesh { triangles: sound.triangles[..2].to_vec(), ..sound };
+    let refused = planned(job, 0.0, Some(sheet)).err().expect("a sheet");
+    assert!(refused.to_string().starts_with("region[1].on.mesh: no closed volume:"), "{refused}");
+}

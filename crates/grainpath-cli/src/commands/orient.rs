@@ -13,9 +13,10 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_core::units::bead_area_mm2;
 use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
 use grainpath_io::MeshFile;
-use grainpath_job::Settings;
-use grainpath_job::choices::{LoadFrame, SupportStyle};
+use grainpath_job::choices::{FieldFrame, GuideKind, LoadFrame, SupportStyle};
 use grainpath_job::edit::with_value;
+use grainpath_job::regions::RegionPlace;
+use grainpath_job::{JobRegion, Settings};
 use grainpath_view::poses::{PosePicture, poses_png};
 use serde_json::{Value, json};
 
@@ -23,7 +24,7 @@ use crate::args::Orient;
 use crate::claims::Claims;
 use crate::commands::run::checked;
 use crate::commands::support::supported;
-use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
+use crate::inputs::{Given, Handed, claim_inputs, read_body, read_job, set_threads, settings as settings_of};
 use crate::{ExitCode, Failure, files, outputs, progress};
 
 /// Most poses that are ranked. Source: derived. A usual printed part has six to ten stable poses, and supports are grown
@@ -67,7 +68,7 @@ pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     let mut claims = Claims::default();
     claims.read("job", &args.job);
-    claims.read("shape", &shape);
+    claim_inputs(&settings, &shape, &folder, &mut claims);
     if let Some(image) = &args.image {
         claims.write("--image", image);
     }
@@ -126,7 +127,18 @@ fn turned_job(
     rotate_deg: [f64; 3],
     folder: &Path,
 ) -> Result<String, String> {
-    let is_placed = is_loaded(settings) && settings.guide.frame == LoadFrame::Placed;
+    // What `--set` gives is not in the file.
+    let own = settings_of(text, "job", &[], folder);
+    let settings = own.as_ref().unwrap_or(settings);
+    let is_placed = has_places(settings) && settings.guide.frame == LoadFrame::Placed;
+    let staying = places_of_plate(settings);
+    if rotate_deg != settings.shape.rotate_deg && !staying.is_empty() {
+        return Err(format!(
+            "--write would turn the part but not {}, in coordinates of the plate; give their places in the pose, and add \
+             shape.rotate_deg = {rotate_deg:?}",
+            staying.join(", ")
+        ));
+    }
     if is_placed && !(standing.is_as_in_file() && standing.shift() == DVec3::ZERO) {
         return Err(format!(
             "--write would turn the part but not its loads; give their coordinates as in the shape's file, and add \
@@ -230,10 +242,38 @@ fn ranked(
     Ok((ranked, standing, solve_s))
 }
 
-/// Whether a job has fixtures, loads or load cases.
+/// Whether a job has fixtures, loads or load cases of its own, those of a deck, or a stress result.
 fn is_loaded(settings: &Settings) -> bool {
     let guide = &settings.guide;
+    has_places(settings) || !guide.deck.is_empty() || !guide.import.is_empty()
+}
+
+/// Whether a job has fixtures, loads or load cases of its own, whose places are in `guide.frame`. Those of decks and results
+/// are in the frame of the part.
+fn has_places(settings: &Settings) -> bool {
+    let guide = &settings.guide;
     !guide.fixture.is_empty() || !guide.load.is_empty() || !guide.case.is_empty()
+}
+
+/// The settings whose places stay where they are on the plate when the part is turned.
+fn places_of_plate(settings: &Settings) -> Vec<String> {
+    let of_region = |(k, region): (usize, &JobRegion)| match region.on {
+        RegionPlace::Box { .. } => Some(format!("region[{}].on.box_mm", k + 1)),
+        RegionPlace::Layers(_) => Some(format!("region[{}].on.layers", k + 1)),
+        RegionPlace::Mesh(_) | RegionPlace::Face { .. } => None,
+    };
+    let (support, fibre) = (&settings.support, &settings.fibre);
+    let others = [
+        ("support.enforce_mm", !support.enforce_mm.is_empty()),
+        ("support.block_mm", !support.block_mm.is_empty()),
+        ("fibre.boxes_mm", !fibre.boxes_mm.is_empty()),
+        (
+            "the directions of guide.field",
+            settings.guide.kind == GuideKind::Field && settings.field.frame == FieldFrame::Plate,
+        ),
+    ];
+    let others = others.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key.to_owned());
+    settings.regions.iter().enumerate().filter_map(of_region).chain(others).collect()
 }
 
 /// The directions of beads in a layer of the job.

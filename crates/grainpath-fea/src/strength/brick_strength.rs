@@ -144,13 +144,15 @@ impl SolidTest<'_> {
     ) -> Result<Judged<N>, TestError> {
         let (solid, states) = self.before_damage()?;
         // Strains do not depend on strengths, so one solution serves all cards.
-        let failures = |element: usize, k: usize| {
+        let failures = |element: usize| {
             let cell = solid.cells[element] as usize;
             let strain = solid.system.strain(solid.system.displacement(), cell).unwrap_or_default();
-            let indices = solid.indices_of_strain(&cards[k], element, strain, &states);
-            let plies = solid.plies(element).map(|p| solid.plies[p] as usize);
-            let plies = plies.map(|p| (p, self.bricks.plies[p].angle_rad));
-            FirstFailure::of_plies(cell, plies.zip(indices), scale)
+            cards.each_ref().map(|card| {
+                let indices = solid.indices_of_strain(card, element, strain, &states);
+                let plies = solid.plies(element).map(|p| solid.plies[p] as usize);
+                let plies = plies.map(|p| (p, self.bricks.plies[p].angle_rad));
+                FirstFailure::of_plies(cell, plies.zip(indices), scale)
+            })
         };
         Ok(first_failures_of(&solid, self.bricks.plies.len(), &failures))
     }

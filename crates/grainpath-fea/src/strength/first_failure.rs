@@ -93,16 +93,16 @@ pub struct Judged<const N: usize> {
 }
 
 /// The first failures of a part that was solved, whose cells have `n_plies` plies. `failures` gives what fails in an element
-/// with the `k`-th card: the number of each ply, and its failure.
+/// with each card: the number of each ply, and its failure.
 pub(super) fn first_failures_of<const N: usize>(
     part: &dyn LoadedPart,
     n_plies: usize,
-    failures: &(dyn Fn(usize, usize) -> Vec<(usize, FirstFailure)> + Sync),
+    failures: &(dyn Fn(usize) -> [Vec<(usize, FirstFailure)>; N] + Sync),
 ) -> Judged<N> {
     let breakable = (0..part.n_elements()).into_par_iter().filter(|e| !part.is_unbreakable(*e));
     let of_element = |element: usize| {
         // Strengths differ between the cards and strains do not, so each card judges the same plies.
-        let all: [Vec<(usize, FirstFailure)>; N] = std::array::from_fn(|k| failures(element, k));
+        let all = failures(element);
         let weakest = |plies: &Vec<(usize, FirstFailure)>| {
             plies.iter().fold(None, |worst, (_, found)| FirstFailure::worse(worst, Some(*found)))
         };

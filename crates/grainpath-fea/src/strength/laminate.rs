@@ -16,6 +16,8 @@
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
 //! ribbons cover.
 
+use std::cell::OnceCell;
+
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::segment;
@@ -176,18 +178,20 @@ impl CellGrid {
         cell_mm: f64,
         moved: f64,
     ) -> Result<(Self, f64), CellError> {
-        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let mut laid_mm3 = 0.0;
-        for s in sheets {
-            for ribbon in ribbons(s) {
-                // Ribbons end where paths end. With a margin the cells there would be half empty.
-                for corner in ribbon.corners {
-                    low = low.min(corner);
-                    high = high.max(corner);
-                }
-                laid_mm3 += ribbon.volume_mm3;
-            }
-        }
+        // Ribbons end where paths end. With a margin the cells there would be half empty.
+        let of_sheet = |sheet: &BeadSheet| {
+            let begin = (DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0);
+            ribbons(sheet).iter().fold(begin, |(low, high, laid_mm3), ribbon| {
+                let reach = |f: fn(DVec2, DVec2) -> DVec2, from| ribbon.corners.into_iter().fold(from, f);
+                (reach(DVec2::min, low), reach(DVec2::max, high), laid_mm3 + ribbon.volume_mm3)
+            })
+        };
+        let of_sheets: Vec<(DVec2, DVec2, f64)> = sheets.par_iter().map(of_sheet).collect();
+        let (low, high, laid_mm3) = of_sheets
+            .into_iter()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0), |(low, high, laid_mm3), own| {
+                (low.min(own.0), high.max(own.1), laid_mm3 + own.2)
+            });
         if !(low.is_finite() && high.is_finite()) {
             return Err(CellError::NoBeads);
         }
@@ -346,7 +350,7 @@ impl Laminate {
                     let coherence = ((c * c + s * s).sqrt() / t).min(1.0);
                     let material = (k / FANS) as u8;
                     // How much the cells beside the beads hold, over this one: nothing where no layer fills them.
-                    let beside = sides_mm(&grid, cell, angle_rad, width_mm, 1.0)
+                    let beside = sides_mm(&grid, cell, direction(angle_rad), width_mm)
                         .map(|at| held_at(&grid, &held, at) / f64::from(held[cell]))
                         .fold(1.0, f64::min);
                     let joined = joined / t;
@@ -420,29 +424,25 @@ fn mean_width_mm(sheets: &[BeadSheet]) -> f64 {
     if length > 0.0 { area / length } else { 0.0 }
 }
 
-/// The two places on either side of a bead through the middle of a cell, this share of a bead's width away, mm.
-fn sides_mm(
-    grid: &CellGrid,
-    cell: usize,
-    angle_rad: f64,
-    width_mm: f64,
-    share: f64,
-) -> impl Iterator<Item = DVec2> {
-    let (middle, across) = (grid.centre(cell), direction(angle_rad).perp() * (share * width_mm));
+/// The two places at this distance on either side of a bead along `axis` through the middle of a cell, mm.
+fn sides_mm(grid: &CellGrid, cell: usize, axis: DVec2, off_mm: f64) -> impl Iterator<Item = DVec2> {
+    let (middle, across) = (grid.centre(cell), axis.perp() * off_mm);
     [middle - across, middle + across].into_iter()
 }
 
 /// What cells hold at a place, linear between the middles of cells and nothing outside.
 fn held_at(grid: &CellGrid, held: &[f32], at_mm: DVec2) -> f64 {
     let at = (at_mm - grid.low) / grid.cell_mm - 0.5;
-    let (first, part) = (at.floor(), at - at.floor());
-    let value = |di: f64, dj: f64| {
-        let (i, j) = (first.x + di, first.y + dj);
-        let is_inside = i >= 0.0 && j >= 0.0 && i < grid.nx as f64 && j < grid.ny as f64;
+    // Rounding down to an integer is faster than to a number, which is a call on processors of the oldest kind.
+    let down = |v: f64| v as i64 - i64::from((v as i64) as f64 > v);
+    let (i, j) = (down(at.x), down(at.y));
+    let part = at - DVec2::new(i as f64, j as f64);
+    let value = |i: i64, j: i64| {
+        let is_inside = (0..grid.nx as i64).contains(&i) && (0..grid.ny as i64).contains(&j);
         if is_inside { f64::from(held[j as usize * grid.nx + i as usize]) } else { 0.0 }
     };
-    let row = |dj: f64| value(0.0, dj) * (1.0 - part.x) + value(1.0, dj) * part.x;
-    row(0.0) * (1.0 - part.y) + row(1.0) * part.y
+    let row = |j: i64| value(i, j) * (1.0 - part.x) + value(i + 1, j) * part.x;
+    row(j) * (1.0 - part.y) + row(j + 1) * part.y
 }
 
 /// Places on each side of a bead, in bead widths from it, of which the emptiest tells whether the bead is joined. Source:
@@ -482,12 +482,10 @@ fn joined_mm(
                 row.iter().all(|filled| f64::from(*filled) >= 2.0 * GAP_FILL)
             })
     };
-    let least = |filled: &[f32], share: &Share| {
-        let cell = share.slot as usize / n_fans;
-        let angle_rad = 0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1]));
+    // The least fill of the places beside a bead, which is `axis`.
+    let least = |filled: &[f32], cell: usize, axis: DVec2| {
         // The places furthest away come first, as they lie in gaps most often. Below the fill of a gap no value counts.
-        let places =
-            BESIDE_WIDTHS.into_iter().rev().flat_map(|w| sides_mm(grid, cell, angle_rad, width_mm, w));
+        let places = BESIDE_WIDTHS.into_iter().rev().flat_map(|w| sides_mm(grid, cell, axis, w * width_mm));
         let mut least = f64::from(filled[cell]);
         for at in places {
             if least <= GAP_FILL {
@@ -497,21 +495,26 @@ fn joined_mm(
         }
         least
     };
-    let mut most: Vec<f64> = layers[at]
-        .iter()
-        .map(|share| if is_dense(share.slot as usize / n_fans) { 1.0 } else { least(&own, share) })
-        .collect();
-    for beside in [at.checked_sub(1), Some(at + 1).filter(|k| *k < layers.len())].into_iter().flatten() {
-        if most.iter().all(|filled| *filled >= 2.0 * GAP_FILL) {
-            break;
+    let beside = [at.checked_sub(1), Some(at + 1).filter(|k| *k < layers.len())];
+    let beside: Vec<(usize, OnceCell<Vec<f32>>)> =
+        beside.into_iter().flatten().map(|k| (k, OnceCell::new())).collect();
+    let most = |share: &Share| {
+        let cell = share.slot as usize / n_fans;
+        if is_dense(cell) {
+            return 1.0;
         }
-        let filled = filled(beside);
-        for (most, share) in most.iter_mut().zip(&layers[at]).filter(|(most, _)| **most < 2.0 * GAP_FILL) {
-            *most = most.max(least(&filled, share));
+        let axis = direction(0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1])));
+        let mut most = least(&own, cell, axis);
+        for (k, of_layer) in &beside {
+            if most >= 2.0 * GAP_FILL {
+                break;
+            }
+            most = most.max(least(of_layer.get_or_init(|| filled(*k)), cell, axis));
         }
-    }
-    let joined = |(share, most): (&Share, f64)| share.sum[0] * (most / GAP_FILL - 1.0).clamp(0.0, 1.0) as f32;
-    layers[at].iter().zip(most).map(joined).collect()
+        most
+    };
+    let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0) as f32;
+    layers[at].iter().map(joined).collect()
 }
 
 /// Passes in which overfull cells give to their neighbours. Measured: row `fea.strength.laminate.PASSES` of `cargo xtask
@@ -541,22 +544,28 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
         let mut gifts: Vec<(usize, usize, f32)> = Vec::new();
         for (i, &cell) in over.iter().enumerate() {
             let excess = held[cell] - full;
-            // Empty neighbours lie outside the part, and no material leaves the part.
-            let in_part = |other: &usize| held[*other] > full * LEAST_TAKING;
-            let near = || grid.around(cell).map(|(_, other)| other).filter(in_part);
-            // A cell that was filled is full apart from rounding, and has no room.
-            let free = |other: usize| if held[other] > full * nearly { 0.0 } else { full - held[other] };
-            let space: f32 = near().map(free).sum();
+            // The neighbours that take, and how much room each has.
+            let (mut near, mut n) = ([(0, 0.0); 8], 0);
+            for (_, other) in grid.around(cell) {
+                let held = held[other];
+                // Empty neighbours lie outside the part, and no material leaves the part.
+                if held > full * LEAST_TAKING {
+                    // A cell that was filled is full apart from rounding, and has no room.
+                    near[n] = (other, if held > full * nearly { 0.0 } else { full - held });
+                    n += 1;
+                }
+            }
+            let near = &near[..n];
+            let space: f32 = near.iter().map(|(_, free)| free).sum();
             if space > 0.0 {
                 let share = (excess / space).min(1.0);
-                for other in near().filter(|&other| free(other) > 0.0) {
-                    asked[other] += share * free(other);
-                    gifts.push((i, other, share * free(other)));
+                for &(other, free) in near.iter().filter(|(_, free)| *free > 0.0) {
+                    asked[other] += share * free;
+                    gifts.push((i, other, share * free));
                 }
             } else {
                 // If no neighbour has free space, half of the excess is spread over all; a later pass moves it on.
-                let n = near().count() as f32;
-                gifts.extend(near().map(|other| (i, other, 0.5 * excess / n)));
+                gifts.extend(near.iter().map(|(other, _)| (i, *other, 0.5 * excess / n as f32)));
             }
         }
         // A cell that is asked to take more than it has room for takes the same share of each gift.
@@ -566,18 +575,23 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
                 *gift *= free / asked[*other];
             }
         }
-        let owned = over.iter().flat_map(|c| &fans[c * n_fans..(c + 1) * n_fans]).copied();
-        let owned: Vec<[f32; 3]> = owned.collect();
-        let before: Vec<f32> = over.iter().map(|&c| held[c]).collect();
+        // What each giver holds before it gives: most cells hold beads of one or two directions.
+        let mut owned: Vec<(usize, [f32; 3])> = Vec::new();
+        let mut givers: Vec<(usize, f32)> = Vec::with_capacity(over.len());
+        for &cell in &over {
+            let own = fans[cell * n_fans..(cell + 1) * n_fans].iter().enumerate();
+            owned.extend(own.filter(|(_, fan)| **fan != [0.0; 3]).map(|(k, fan)| (k, *fan)));
+            givers.push((owned.len(), held[cell]));
+        }
         for (i, other, gift) in gifts {
-            let (cell, part) = (over[i], gift / before[i]);
-            // Most cells hold beads of one or two directions.
-            let own = owned[i * n_fans..(i + 1) * n_fans].iter().enumerate();
-            for (k, fan) in own.filter(|(_, fan)| **fan != [0.0; 3]) {
-                for (q, own) in fan.iter().enumerate() {
-                    fans[other * n_fans + k][q] += own * part;
-                    fans[cell * n_fans + k][q] -= own * part;
-                }
+            let (cell, (end, before)) = (over[i], givers[i]);
+            let (begin, part) = (if i > 0 { givers[i - 1].0 } else { 0 }, gift / before);
+            for (k, own) in &owned[begin..end] {
+                let given = own.map(|own| own * part);
+                let to = &mut fans[other * n_fans + k];
+                to.iter_mut().zip(given).for_each(|(to, given)| *to += given);
+                let from = &mut fans[cell * n_fans + k];
+                from.iter_mut().zip(given).for_each(|(from, given)| *from -= given);
             }
             held[other] += gift;
             held[cell] -= gift;
@@ -586,21 +600,38 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
     }
 }
 
-/// Calls `each` with every cell that a convex quadrilateral covers, and with the covered area as a share of a cell.
+/// Calls `each` with every cell that a convex quadrilateral covers, and with the covered area as a share of a cell. Its
+/// corners run counter-clockwise, in cells from the lowest corner of the grid.
+///
+/// Each side counts with how far it runs upwards within the row of the cell, times how far it lies right of the cell's left
+/// side there, from nothing to the width of the cell in the mean. Sides on the left run downwards.
 fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usize, f64)) {
-    let (low, high) = (corners.iter().fold(DVec2::INFINITY, |m, p| m.min(*p)), {
-        corners.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p))
+    let (low, high) = (corners.iter().fold(f64::INFINITY, |m, p| m.min(p.y)), {
+        corners.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.y))
     });
     let whole = |v: f64, n: usize| (v.floor().max(0.0) as usize).min(n - 1);
-    for j in whole(low.y, grid.ny)..=whole(high.y, grid.ny) {
-        let row = Shape::from(corners).above(1, j as f64).below(1, j as f64 + 1.0);
-        if row.n < 3 {
+    for j in whole(low, grid.ny)..=whole(high, grid.ny) {
+        // The sides within the row: where each begins and ends along x, and how far it runs upwards.
+        let mut sides = [(0.0, 0.0, 0.0); 4];
+        let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (k, side) in sides.iter_mut().enumerate() {
+            let (p, q) = (corners[k], corners[(k + 1) % 4]);
+            let [begin, end] = [p.y, q.y].map(|y| y.clamp(j as f64, j as f64 + 1.0));
+            if begin == end {
+                continue;
+            }
+            let slope = (q.x - p.x) / (q.y - p.y);
+            let at = |y: f64| if y == q.y { q.x } else { p.x + (y - p.y) * slope };
+            let (a, b) = (at(begin), at(end));
+            *side = (a.min(b), a.max(b), end - begin);
+            (from, to) = (from.min(side.0), to.max(side.1));
+        }
+        if from > to || to < 0.0 || from > grid.nx as f64 {
             continue;
         }
-        let xs = row.points[..row.n].iter().map(|p| p.x);
-        let (from, to) = xs.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         for i in whole(from, grid.nx)..=whole(to, grid.nx) {
-            let area = row.above(0, i as f64).below(0, i as f64 + 1.0).area();
+            let left = i as f64;
+            let area: f64 = sides.iter().map(|(a, b, up)| up * mean_in_cell(a - left, b - left)).sum();
             if area > 0.0 {
                 each(j * grid.nx + i, area);
             }
@@ -608,57 +639,17 @@ fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usi
     }
 }
 
-/// A convex shape of few corners.
-#[derive(Clone, Copy)]
-struct Shape {
-    points: [DVec2; 8],
-    n: usize,
-}
-
-impl Shape {
-    fn from(corners: &[DVec2; 4]) -> Self {
-        let mut points = [DVec2::ZERO; 8];
-        points[..4].copy_from_slice(corners);
-        Self { points, n: 4 }
-    }
-
-    fn above(&self, axis: usize, at: f64) -> Self {
-        self.cut(|p| p[axis] - at)
-    }
-
-    fn below(&self, axis: usize, at: f64) -> Self {
-        self.cut(|p| at - p[axis])
-    }
-
-    /// The part where `off` is not negative. Each cut adds one corner at most, so four cuts of a quadrilateral
-    /// give eight at most.
-    fn cut(&self, off: impl Fn(DVec2) -> f64) -> Self {
-        let mut out = Self { points: [DVec2::ZERO; 8], n: 0 };
-        for k in 0..self.n {
-            let (p, q) = (self.points[k], self.points[(k + 1) % self.n]);
-            let (a, b) = (off(p), off(q));
-            if a >= 0.0 && out.n < 8 {
-                out.points[out.n] = p;
-                out.n += 1;
-            }
-            if (a < 0.0) != (b < 0.0) && out.n < 8 {
-                out.points[out.n] = p + (q - p) * (a / (a - b));
-                out.n += 1;
-            }
-        }
-        out
-    }
-
-    fn area(&self) -> f64 {
-        if self.n < 3 {
-            return 0.0;
-        }
-        let o = self.points[0];
-        let mut twice = 0.0;
-        for k in 1..self.n - 1 {
-            twice += cross(self.points[k] - o, self.points[k + 1] - o);
-        }
-        0.5 * twice.abs()
+/// The mean of all values from `a` up to `b`, each cut to the range from 0 to 1.
+fn mean_in_cell(a: f64, b: f64) -> f64 {
+    if b <= 0.0 {
+        0.0
+    } else if a >= 1.0 {
+        1.0
+    } else if a >= 0.0 && b <= 1.0 {
+        0.5 * (a + b)
+    } else {
+        let (first, last) = (a.max(0.0), b.min(1.0));
+        (0.5 * (last - first) * (first + last) + (b - 1.0).max(0.0)) / (b - a)
     }
 }
 
@@ -764,6 +755,33 @@ mod tests {
             covered_cells(&corners, grid, &mut |cell, area| all[cell] += area);
         }
         all
+    }
+
+    #[test]
+    fn cells_get_the_area_that_a_ribbon_covers() {
+        use grainpath_core::{Polygon, Region};
+        let grid = CellGrid { low: DVec2::ZERO, cell_mm: 1.0, nx: 12, ny: 12 };
+        for k in 0..60u32 {
+            // Trapezoids of all directions, sizes and shapes, along the cells too, and some down to a triangle.
+            let along = direction(f64::from(k) * std::f64::consts::PI / 12.0);
+            let half: f64 = [0.05, 0.4, 1.3][k as usize % 3];
+            let length = [0.1, 1.0, 3.0, 5.5][k as usize % 4];
+            let lean = [0.0, 0.3, -0.5, 1.0][k as usize / 15] * half.min(0.5 * length);
+            let (side, end) = (along.perp() * half, along * lean);
+            let a = DVec2::new(5.5, 5.5) + 0.1 * f64::from(k % 7) - 0.5 * length * along;
+            let b = a + along * length;
+            let corners = [a - side - end, b - side + end, b + side - end, a + side + end];
+            let whole = Region::from(Polygon { outer: corners.to_vec(), holes: Vec::new() });
+            let mut areas = vec![0.0; grid.nx * grid.ny];
+            covered_cells(&corners, &grid, &mut |cell, area| areas[cell] += area);
+            let sum: f64 = areas.iter().sum();
+            assert!((sum - 2.0 * half * length).abs() < 1e-9, "{k}: {sum} of {}", 2.0 * half * length);
+            for (cell, area) in areas.iter().enumerate() {
+                let low = DVec2::new((cell % grid.nx) as f64, (cell / grid.nx) as f64);
+                let want = whole.intersection(&Region::rectangle(low, low + 1.0)).area_mm2();
+                assert!((area - want).abs() < 1e-3, "{k}: {area} for {want} at {low}");
+            }
+        }
     }
 
     #[test]

@@ -151,11 +151,17 @@ impl PlateTest<'_> {
         scale: IndexScale,
     ) -> Result<Judged<N>, TestError> {
         let (plate, states) = self.before_damage()?;
-        let failures = |element: usize, k: usize| {
+        let failures = |element: usize| {
             let strain = middle_strain(&plate.corners(element), plate.cell_mm());
-            let indices = plate.indices_of_strain(&cards[k], element, strain, &states);
-            let plies = plate.plies(element).map(|p| (p, self.laminate.plies[p].angle_rad));
-            FirstFailure::of_plies(self.elements.cells[element] as usize, plies.zip(indices), scale)
+            // Stresses do not depend on strengths, so they are the same with all cards.
+            let stresses: Vec<[f64; 3]> = plate.stresses_of_strain(element, strain, &states).collect();
+            std::array::from_fn(|k| {
+                let plies = plate.plies(element).zip(&stresses).map(|(p, stress)| {
+                    let indices = indices_of_stress(&cards[k][self.material(p)], *stress);
+                    ((p, self.laminate.plies[p].angle_rad), indices)
+                });
+                FirstFailure::of_plies(self.elements.cells[element] as usize, plies, scale)
+            })
         };
         Ok(first_failures_of(&plate, self.laminate.plies.len(), &failures))
     }
@@ -249,6 +255,13 @@ fn in_plane(damage: [f64; 3]) -> [f64; 2] {
     [damage[0], damage[1]]
 }
 
+/// Failure indices of a ply of this material under a stress in its axes.
+fn indices_of_stress(card: &StrengthCard, stress: [f64; 3]) -> FailureIndices {
+    let ([through, between], mode) = card.indices(stress);
+    let slides = [false, card.is_sliding(stress), false];
+    FailureIndices { index: [through, between, 0.0], slides, mode }
+}
+
 impl LoadedPlate<'_> {
     /// Displacements of an element's corners, mm.
     fn corners(&self, element: usize) -> [DVec2; 4] {
@@ -257,32 +270,41 @@ impl LoadedPlate<'_> {
         self.test.elements.corners[element].map(at)
     }
 
-    /// Failure indices of an element under a strain, order xx, yy, xy.
-    fn indices_of_strain(
+    /// The stress of each ply of an element under a strain, order xx, yy, xy, in the axes of the ply and on the area that
+    /// still carries.
+    fn stresses_of_strain(
         &self,
-        cards: &[StrengthCard],
         element: usize,
         strain: [f64; 3],
         states: &[PlyState],
-    ) -> impl Iterator<Item = FailureIndices> {
+    ) -> impl Iterator<Item = [f64; 3]> {
         let test = self.test;
         let each = move |p: usize| {
             let ply = &test.laminate.plies[p];
             let own = plane_strain_along(strain, ply.angle_rad);
             let damage = with_joined(in_plane(states[p].damage()), ply.joined);
-            let card = &cards[test.material(p)];
-            let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
+            let elastic = &test.cards[test.material(p)].elastic;
+            let stiffness = damaged_plane_stiffness(elastic, damage).unwrap_or_default();
             // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
             let across = 1.0 - damage[1].max(damage[0]);
             let remaining = [1.0 - damage[0], across, across];
-            let stress: [f64; 3] = std::array::from_fn(|i| {
+            std::array::from_fn(|i| {
                 stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
-            });
-            let ([through, between], mode) = card.indices(stress);
-            let slides = [false, card.is_sliding(stress), false];
-            FailureIndices { index: [through, between, 0.0], slides, mode }
+            })
         };
         self.plies(element).map(each)
+    }
+
+    /// Failure indices of an element under a strain, order xx, yy, xy.
+    fn indices_of_strain(
+        &self,
+        element: usize,
+        strain: [f64; 3],
+        states: &[PlyState],
+    ) -> impl Iterator<Item = FailureIndices> {
+        let test = self.test;
+        let plies = self.plies(element).zip(self.stresses_of_strain(element, strain, states));
+        plies.map(move |(p, stress)| indices_of_stress(&test.cards[test.material(p)], stress))
     }
 
     /// The failure index of each element in its middle and on the sides of thin walls, see [`unresolved_bending`].
@@ -294,9 +316,7 @@ impl LoadedPlate<'_> {
             let cell = self.test.elements.cells[element] as usize;
             let u = self.corners(element);
             let middle = middle_strain(&u, self.cell_mm());
-            let index = |strain: [f64; 3]| {
-                highest_index(self.indices_of_strain(self.test.cards, element, strain, states))
-            };
+            let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, strain, states));
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..2 {
@@ -372,7 +392,7 @@ impl LoadedPart for LoadedPlate<'_> {
     fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>) {
         out.clear();
         let strain = middle_strain(&self.corners(element), self.cell_mm());
-        out.extend(self.indices_of_strain(self.test.cards, element, strain, states));
+        out.extend(self.indices_of_strain(element, strain, states));
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

@@ -17,6 +17,7 @@
 
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::tuned::Tuned;
+use rayon::prelude::*;
 
 use super::fronts::{Fronts, Lower};
 use super::squares::{GridHold, PlateElements};
@@ -62,14 +63,15 @@ impl PlateSystem {
     /// [`SparseError`] when the factor would take more than `max_mib` MiB or the matrix is not positive definite.
     pub fn new(
         elements: &PlateElements,
-        stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
+        stiffness: &(dyn Fn(usize) -> [[f64; 8]; 8] + Sync),
         holds: &[GridHold],
         forces: &[f64],
         max_mib: f64,
         cancel: CancelFlag,
     ) -> Result<Self, SparseError> {
         let dofs = 2 * elements.places.len();
-        let stiffness: Vec<Lower> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
+        let all = (0..elements.corners.len()).into_par_iter();
+        let stiffness: Vec<Lower> = all.map(|e| lower(&stiffness(e))).collect();
         let stiffest = stiffness.iter().map(|k| k[0].max(k[8])).fold(0.0, f64::max);
         let mut added: Vec<(usize, usize, f64)> =
             (0..dofs).map(|i| (i, i, LEAST.value() * stiffest)).collect();

@@ -149,11 +149,12 @@ fn bands_of_strips(
     let Some(bounds) = rest.bounds() else { return bands };
     let [least, _] = map.range_in(bounds, context.z_mid_mm);
     let last = coarsest(1.0, least);
+    let densities = map.in_plan(bounds, context.z_mid_mm);
     for k in 0..last {
         let (density, from) = level(1.0, k);
         let spacing_mm = context.spacing_mm() / density;
         // A band is at least one strip wide. Places too narrow for two beads of the next band belong to it too.
-        let there = map.at_least(from, bounds, context.z_mid_mm).opened(spacing_mm);
+        let there = densities.at_least(from).opened(spacing_mm);
         let narrowest_mm = 2.0 * spacing_mm + context.bead_width_mm;
         let left = rest.difference(&there).opened(0.5 * narrowest_mm);
         bands.push((Density::new(density), rest.difference(&left)));
@@ -212,8 +213,9 @@ fn levels(
         let straight = out[first..].iter().flat_map(|p| p.points.windows(2)).filter(|w| along(w));
         coarser.extend(straight.map(|w| (d, [w[0], w[1]])));
     }
+    let densities = map.in_plan(bounds, context.z_mid_mm);
     for k in (0..last).rev().filter(|&k| most >= level(finest, k).1) {
-        let there = map.at_least(level(finest, k).1, bounds, context.z_mid_mm).intersection(region);
+        let there = densities.at_least(level(finest, k).1).intersection(region);
         let mut laid = Vec::new();
         for (d, angle_rad) in angles().enumerate() {
             // These lines lie halfway between those of the next coarser level.
@@ -263,13 +265,13 @@ fn bands(
 ) {
     let Some(bounds) = region.bounds() else { return };
     let mut rest = region.clone();
+    let densities = map.in_plan(bounds, context.z_mid_mm);
     for k in 0..=coarsest(FINEST, least) {
         let (density, from) = level(FINEST, k);
         if most < from {
             continue;
         }
-        let there = map.at_least(from, bounds, context.z_mid_mm).intersection(&rest);
-        let here = if from <= least { rest.clone() } else { there };
+        let here = if from <= least { rest.clone() } else { densities.at_least(from).intersection(&rest) };
         let context = FillContext {
             density: Density::Sparse(density),
             ..leaning(context, context.angle_rad + HONEYCOMB_LEANS_RAD)
@@ -327,11 +329,7 @@ fn along_field(
 }
 
 /// Table from which the sum over any rectangle of a grid is read.
-struct Sums {
-    nx: usize,
-    ny: usize,
-    sums: Vec<f64>,
-}
+struct Sums(Vec<f64>);
 
 impl Sums {
     fn new([nx, ny]: [usize; 2], values: &[f64]) -> Self {
@@ -343,16 +341,22 @@ impl Sums {
                 sums[(j + 1) * (nx + 1) + i + 1] = sums[j * (nx + 1) + i + 1] + row;
             }
         }
-        Self { nx, ny, sums }
+        Self(sums)
     }
 
-    /// The sum over a square that reaches `half` cells to each side of `p`, which is given in cells.
-    fn around(&self, p: DVec2, half: f64) -> f64 {
+    /// The places of the table from which the sum over a square is read that reaches `half` cells to each side of `p`,
+    /// which is given in cells, in a grid of this size.
+    fn around([nx, ny]: [usize; 2], p: DVec2, half: f64) -> [u32; 4] {
         let cut = |v: f64, n: usize| v.round().clamp(0.0, n as f64) as usize;
-        let [x0, x1] = [p.x - half, p.x + half].map(|v| cut(v, self.nx));
-        let [y0, y1] = [p.y - half, p.y + half].map(|v| cut(v, self.ny));
-        let at = |x: usize, y: usize| self.sums[y * (self.nx + 1) + x];
-        at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0)
+        let [x0, x1] = [p.x - half, p.x + half].map(|v| cut(v, nx));
+        let [y0, y1] = [p.y - half, p.y + half].map(|v| cut(v, ny));
+        [(x1, y1), (x0, y1), (x1, y0), (x0, y0)].map(|(x, y)| (y * (nx + 1) + x) as u32)
+    }
+
+    /// The sum over a square.
+    fn of(&self, around: [u32; 4]) -> f64 {
+        let [a, b, c, d] = around.map(|place| self.0[place as usize]);
+        a - b - c + d
     }
 }
 
@@ -378,49 +382,68 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
     let asked = Sums::new([nx, ny], &(0..nx * ny).map(asked).collect::<Vec<f64>>());
     let half = 0.5 * WINDOW_MM / cell_mm;
     let middle = |k: usize| DVec2::new((k % nx) as f64 + 0.5, (k / nx) as f64 + 0.5);
-    // The windows, by the cell in their middle, and what each asks for. Every other cell suffices: they are then 1 mm apart.
+    // The windows, by the cell in their middle, where they lie and what each asks for. Every other cell suffices: they are
+    // then 1 mm apart.
     let in_area =
         |&k: &usize| (k % nx).is_multiple_of(2) && (k / nx).is_multiple_of(2) && mask.get(k % nx, k / nx);
-    let windows: Vec<(usize, f64)> =
-        (0..nx * ny).filter(in_area).map(|k| (k, asked.around(middle(k), half))).collect();
+    let window = |k: usize| {
+        let around = Sums::around([nx, ny], middle(k), half);
+        (k, around, asked.of(around))
+    };
+    let windows: Vec<(usize, [u32; 4], f64)> = (0..nx * ny).filter(in_area).map(window).collect();
     for path in &mut *paths {
         divide(path);
     }
-    // Short pieces of segments: path, segment, cell and length.
-    let mut pieces: Vec<(usize, usize, usize, f64)> = Vec::new();
-    for (p, path) in paths.iter().enumerate() {
+    // The number of short pieces of each segment, and the cell and length of each piece. Places do not change while widths are
+    // fitted, and neither do the windows around vertices.
+    let (mut n_pieces, mut pieces): (Vec<usize>, Vec<(usize, f64)>) = (Vec::new(), Vec::new());
+    for path in &*paths {
         for k in 0..path.n_segments() {
             let (a, b, _) = path.segment(k);
             let n = (a.distance(b) / (0.5 * cell_mm)).ceil().max(1.0);
             for i in 0..n as usize {
                 let q = (a.lerp(b, (i as f64 + 0.5) / n) - origin) / cell_mm;
                 let (x, y) = (q.x.max(0.0) as usize, q.y.max(0.0) as usize);
-                pieces.push((p, k, y.min(ny - 1) * nx + x.min(nx - 1), a.distance(b) / n));
+                pieces.push((y.min(ny - 1) * nx + x.min(nx - 1), a.distance(b) / n));
             }
+            n_pieces.push(n as usize);
         }
     }
+    let vertices = paths.iter().flat_map(|path| &path.points);
+    let of_vertices: Vec<[u32; 4]> =
+        vertices.map(|p| Sums::around([nx, ny], (*p - origin) / cell_mm, half)).collect();
+    // The windows that hold any volume are the same in nearly all rounds.
+    let mut counted = (vec![0.0; nx * ny], None);
     for _ in 0..ROUNDS {
         let mut laid = vec![0.0; nx * ny];
-        for &(p, k, cell, mm) in &pieces {
-            laid[cell] += bead_spacing_mm(paths[p].segment(k).2, h) * mm;
+        let mut rest = &pieces[..];
+        let segments = paths.iter().flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k).2));
+        for (width, n) in segments.zip(&n_pieces) {
+            let (own, others) = rest.split_at(*n);
+            let strip_mm = bead_spacing_mm(width, h);
+            own.iter().for_each(|&(cell, mm)| laid[cell] += strip_mm * mm);
+            rest = others;
         }
         let laid = Sums::new([nx, ny], &laid);
         // The volume that each window asks for over the one that it holds, where it holds any.
-        let (mut short, mut counted) = (vec![0.0; nx * ny], vec![0.0; nx * ny]);
-        for &(k, asked_mm2) in &windows {
-            let laid_mm2 = laid.around(middle(k), half);
-            if laid_mm2 > 1e-9 {
-                (short[k], counted[k]) = (asked_mm2 / laid_mm2, 1.0);
+        let mut short = vec![0.0; nx * ny];
+        for &(k, around, asked_mm2) in &windows {
+            let laid_mm2 = laid.of(around);
+            let (ratio, counts) = if laid_mm2 > 1e-9 { (asked_mm2 / laid_mm2, 1.0) } else { (0.0, 0.0) };
+            short[k] = ratio;
+            if counted.0[k] != counts {
+                (counted.0[k], counted.1) = (counts, None);
             }
         }
-        let [short, counted] = [short, counted].map(|values| Sums::new([nx, ny], &values));
+        let short = Sums::new([nx, ny], &short);
+        let counted = &*counted.1.get_or_insert_with(|| Sums::new([nx, ny], &counted.0));
+        let mut places = of_vertices.iter();
         for path in &mut *paths {
-            let points = &path.points;
+            let own = places.by_ref().take(path.points.len());
             let BeadWidth::PerVertex(widths) = &mut path.width else { continue };
-            for (p, width) in points.iter().zip(widths) {
-                let q = (*p - origin) / cell_mm;
-                let n = counted.around(q, half);
-                let factor = if n > 0.0 { short.around(q, half) / n } else { 1.0 };
+            for (around, width) in own.zip(widths) {
+                let n = counted.of(*around);
+                let factor = if n > 0.0 { short.of(*around) / n } else { 1.0 };
                 let strip = (factor * bead_spacing_mm(*width, h)).clamp(0.01, 10.0 * nominal);
                 *width = bead_width_mm(strip, h).clamp(narrowest_mm, WIDEST * nominal);
             }

@@ -158,10 +158,14 @@ impl DensityMap {
             (i, (i + 1).min(self.n[k] - 1), v - i as f64)
         };
         let ([x, y, z], [nx, ny, _]) = ([axis(0), axis(1), axis(2)], self.n);
-        let value = |i: usize, j: usize, k: usize| f64::from(values[(k * ny + j) * nx + i]);
-        let row = |j: usize, k: usize| value(x.0, j, k) + x.2 * (value(x.1, j, k) - value(x.0, j, k));
-        let plane = |k: usize| row(y.0, k) + y.2 * (row(y.1, k) - row(y.0, k));
-        plane(z.0) + z.2 * (plane(z.1) - plane(z.0))
+        let between = |a: f64, b: f64, share: f64| a + share * (b - a);
+        let row = |j: usize, k: usize| {
+            let row = &values[(k * ny + j) * nx..];
+            between(f64::from(row[x.0]), f64::from(row[x.1]), x.2)
+        };
+        let plane = |k: usize| between(row(y.0, k), row(y.1, k), y.2);
+        // Most maps have one layer of nodes.
+        if self.is_upright() { plane(0) } else { between(plane(z.0), plane(z.1), z.2) }
     }
 
     /// Whether the densities are the same at all heights.
@@ -187,24 +191,25 @@ impl DensityMap {
 
     /// The region in which the density is at least `density`, at height `z_mm` and within `bounds`.
     pub(crate) fn at_least(&self, density: f64, bounds: Bounds2, z_mm: f64) -> Region {
+        self.in_plan(bounds, z_mm).at_least(density)
+    }
+
+    /// The densities at height `z_mm` within `bounds`, for the regions of several densities.
+    pub(crate) fn in_plan(&self, bounds: Bounds2, z_mm: f64) -> PlanDensity {
         // Around the bounds lies a margin of lower density, so that every contour is closed.
         let bounds = bounds.grown(2.0);
         let size = bounds.size();
         // Half a millimetre is finer than any distance between lines at which levels change.
         let cell_mm = 0.5f64.max((size.x * size.y / MOST_NODES).sqrt());
-        let [nx, ny] = [size.x, size.y].map(|mm| (mm / cell_mm).ceil() as usize + 1);
+        let n = [size.x, size.y].map(|mm| (mm / cell_mm).ceil() as usize + 1);
+        let [nx, ny] = n;
         let value = |k: usize| {
             let (i, j) = (k % nx, k / nx);
-            if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
-                return -1.0;
-            }
+            let is_inner = i > 0 && j > 0 && i + 1 < nx && j + 1 < ny;
             let p = bounds.min + cell_mm * DVec2::new(i as f64, j as f64);
-            (self.at(p.extend(z_mm)) - density) as f32
+            is_inner.then(|| self.at(p.extend(z_mm)))
         };
-        let values: Vec<f32> = (0..nx * ny).map(value).collect();
-        let lines: Vec<_> =
-            isolines([nx, ny], bounds.min, cell_mm, &values).into_iter().map(|line| line.points).collect();
-        Region::from_contours(&lines, FillRule::NonZero).simplified(0.02)
+        PlanDensity { low: bounds.min, cell_mm, n, values: (0..nx * ny).map(value).collect() }
     }
 
     /// Limits the growth of the distance between lines to `STEEPEST`, by raising the density where it is exceeded.
@@ -240,6 +245,26 @@ impl DensityMap {
         // The sweep goes there and back twice, because a value that has to go around a corner needs the second time.
         (0..4).for_each(|k| pass(k % 2 == 0));
         self.values.iter_mut().zip(far).for_each(|(v, far)| *v = (spacing_mm / far) as f32);
+    }
+}
+
+/// Densities at one height of a map.
+pub(crate) struct PlanDensity {
+    low: DVec2,
+    cell_mm: f64,
+    n: [usize; 2],
+    /// Densities at the nodes; `None` at those of the border.
+    values: Vec<Option<f64>>,
+}
+
+impl PlanDensity {
+    /// The region in which the density is at least `density`.
+    pub(crate) fn at_least(&self, density: f64) -> Region {
+        let off = |value: &Option<f64>| value.map_or(-1.0, |value| (value - density) as f32);
+        let values: Vec<f32> = self.values.iter().map(off).collect();
+        let lines = isolines(self.n, self.low, self.cell_mm, &values);
+        let lines: Vec<_> = lines.into_iter().map(|line| line.points).collect();
+        Region::from_contours(&lines, FillRule::NonZero).simplified(0.02)
     }
 }
 

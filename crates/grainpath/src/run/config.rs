@@ -396,14 +396,15 @@ pub fn stress(s: &Settings, deck: Option<&DeckConditions>) -> Option<StressSetti
         smoothing_mm: s.smoothing_mm(),
         tangent: g.tangent,
         cell_mm: s.process.bead_width_mm,
-        mix: mixes_cases(s).then(|| card_of_infill(s)).flatten(),
+        mix: mixes_cases(s, deck).then(|| card_of_infill(s)).flatten(),
     })
 }
 
-/// Whether the layers of a job serve its load cases alternately.
-fn mixes_cases(s: &Settings) -> bool {
+/// Whether the layers of a job serve its load cases alternately, those of its deck included.
+fn mixes_cases(s: &Settings, deck: Option<&DeckConditions>) -> bool {
     let g = &s.guide;
-    let n_cases = g.case.len() + usize::from(!g.load.is_empty());
+    let of_deck = deck.map_or(0, |deck| deck.steps.len());
+    let n_cases = g.case.len() + usize::from(!g.load.is_empty()) + of_deck;
     let follows = |pattern: choices::Pattern| pattern.follows_field();
     let patterns = std::iter::once(s.fill.pattern).chain(s.regions.iter().filter_map(|r| r.pattern));
     g.kind == GuideKind::Stress
@@ -421,8 +422,8 @@ fn card_of_infill(s: &Settings) -> Option<StrengthCard> {
 }
 
 /// Warns if layers should serve several load cases alternately, but the material's strengths are unknown.
-pub(crate) fn warn_of_mix(s: &Settings, diagnostics: &Diagnostics) {
-    if mixes_cases(s) && card_of_infill(s).is_none() {
+pub(crate) fn warn_of_mix(s: &Settings, deck: Option<&DeckConditions>, diagnostics: &Diagnostics) {
+    if mixes_cases(s, deck) && card_of_infill(s).is_none() {
         let text = "the material has no strengths, so load cases cannot be compared: all layers follow the weighted sum of the cases";
         diagnostics.warn(WarningId::CasesByWeight, text);
     }

@@ -552,7 +552,7 @@ fn plan_stack(
     let test = settings.strength.enabled.then(test_setup).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, known: source.known.as_deref() };
     let stress_settings = config::stress(settings, deck.as_ref());
-    config::warn_of_mix(settings, diagnostics);
+    config::warn_of_mix(settings, deck.as_ref(), diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;
     // The reserve of plates, and of parts whose beads do not share the load evenly, needs fixtures and loads as a test does.

@@ -2,6 +2,8 @@
 //!
 //! Lengths are in mm, forces in N. Cost: linear in the grid's points.
 
+use std::sync::Arc;
+
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::load_case::{Action, Held};
@@ -9,12 +11,11 @@ use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_ce
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::grid_turn::Frame;
-use grainpath_fea::strength::laminate::BeadSheet;
 use grainpath_fea::strength::{Outcome, TestError, UnresolvedBending};
 use rayon::prelude::*;
 
 use super::setup::{TestSetup, UNBREAKABLE_MM};
-use super::{Limits, PlacedCells, StrengthError};
+use super::{Limits, StrengthError};
 
 /// Smallest filled share of a cell that is kept. Emptier cells are left out, because they slow the
 /// solution without carrying load.
@@ -25,7 +26,7 @@ type Forces = Vec<([usize; 3], DVec3)>;
 
 /// A part as bricks, with supports and loads.
 pub(super) struct PreparedSolid {
-    pub bricks: Bricks,
+    pub bricks: Arc<Bricks>,
     pub active: Vec<bool>,
     holds: Vec<SolidHold>,
     forces_n: Forces,
@@ -156,17 +157,12 @@ fn corner(bricks: &Bricks, cell: usize, k: usize) -> [usize; 3] {
 }
 
 impl TestSetup {
-    /// Prepares the bricks, the held points and the forces of a test.
+    /// Prepares the held points and the forces of a test on these bricks.
     ///
     /// # Errors
     /// [`StrengthError`] if a fixture or load selects no material that is connected to a fixture.
-    pub(super) fn prepared_solid(
-        &self,
-        sheets: &[BeadSheet],
-        cells: PlacedCells,
-    ) -> Result<PreparedSolid, StrengthError> {
-        let cell_mm = cells.size_mm;
-        let bricks = Bricks::moved(sheets, cell_mm, cells.moved, self.low.z)?;
+    pub(super) fn prepared_solid(&self, bricks: Arc<Bricks>) -> Result<PreparedSolid, StrengthError> {
+        let cell_mm = bricks.cell_mm.x;
         let mut active: Vec<bool> = bricks.filled.iter().map(|f| *f > LEAST_FILLED).collect();
         let reach = 0.75 * cell_mm;
         let points = Points::new(&bricks, self.frame, &active);

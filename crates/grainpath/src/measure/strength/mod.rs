@@ -10,17 +10,18 @@ mod reserve;
 mod setup;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::hash::splitmix64;
 use grainpath_core::{DVec2, DVec3, Diagnostics, Warning, WarningId};
 use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
-use grainpath_fea::strength::bricks::MAX_BRICKS;
+use grainpath_fea::strength::bricks::{Bricks, MAX_BRICKS};
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::first_failure::{IndexScale, Judged};
 use grainpath_fea::strength::grid_turn::Frame;
-use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellError};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellError, Laminate};
 use grainpath_fea::strength::plate_strength::{PlateModel, PlateTest};
 use grainpath_fea::strength::reserve_map::ReserveMap;
 use grainpath_fea::strength::{BROKEN_SHARE, CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
@@ -431,6 +432,22 @@ impl PlacedCells {
     }
 }
 
+/// The cells of a part's beads, without supports and loads: the same for all load cases.
+enum BeadCells {
+    Plane(Arc<Laminate>),
+    Voxels(Arc<Bricks>),
+}
+
+impl BeadCells {
+    fn new(setup: &TestSetup, sheets: &[BeadSheet], cells: PlacedCells) -> Result<Self, StrengthError> {
+        let PlacedCells { size_mm, moved } = cells;
+        Ok(match setup.fidelity {
+            Fidelity::Plane => Self::Plane(Arc::new(Laminate::moved(sheets, size_mm, moved)?)),
+            Fidelity::Voxels => Self::Voxels(Arc::new(Bricks::moved(sheets, size_mm, moved, setup.low.z)?)),
+        })
+    }
+}
+
 /// A part with supports and loads.
 enum LoadedPart {
     Plane(Prepared),
@@ -439,9 +456,13 @@ enum LoadedPart {
 
 impl LoadedPart {
     fn new(setup: &TestSetup, sheets: &[BeadSheet], cells: PlacedCells) -> Result<Self, StrengthError> {
-        Ok(match setup.fidelity {
-            Fidelity::Plane => Self::Plane(setup.prepared(sheets, cells)?),
-            Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cells)?),
+        Self::on(setup, &BeadCells::new(setup, sheets, cells)?)
+    }
+
+    fn on(setup: &TestSetup, cells: &BeadCells) -> Result<Self, StrengthError> {
+        Ok(match cells {
+            BeadCells::Plane(laminate) => Self::Plane(setup.prepared(laminate.clone())?),
+            BeadCells::Voxels(bricks) => Self::Voxels(setup.prepared_solid(bricks.clone())?),
         })
     }
 

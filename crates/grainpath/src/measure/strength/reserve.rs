@@ -37,7 +37,7 @@ use serde::Serialize;
 
 use super::setup::{Fidelity, is_staggered, layers_of_part, sheets_of};
 use super::{
-    CORNERS, Corner, Limits, LoadedPart, PlacedCells, StrengthError, StrengthSettings, TestSetup,
+    BeadCells, CORNERS, Corner, Limits, LoadedPart, PlacedCells, StrengthError, StrengthSettings, TestSetup,
     cell_sizes_mm, digits,
 };
 use crate::guide::{CaseStress, Guide};
@@ -276,7 +276,7 @@ impl<'a> LaidCells<'a> {
 
     /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
     fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
-        let cells = PlacedCells::unmoved(self.cell_mm);
+        let cells = BeadCells::new(setup, &self.sheets, PlacedCells::unmoved(self.cell_mm))?;
         // Larger cells miss the notches that the test's cells show. The indices are raised by what many parts miss in the
         // mean, and the interval by how far single ones are from that.
         let larger = self.cell_mm / self.test_mm;
@@ -287,8 +287,7 @@ impl<'a> LaidCells<'a> {
         let spread = math::pow(larger, CELL_SPREAD);
         let (mut found, mut map) = (Vec::new(), None);
         for case in std::iter::once(setup).chain(&setup.others) {
-            // Each case has fixtures of its own to fit to the cells, so nothing is shared between cases.
-            let loaded = LoadedPart::new(&case.in_frame(self.frame), &self.sheets, cells)?;
+            let loaded = LoadedPart::on(&case.in_frame(self.frame), &cells)?;
             let judged = loaded.first_failures(&self.cards, scale, limits)?;
             map.get_or_insert_with(|| {
                 loaded.reserve_map(self.floor_mm, self.frame, self.program_from_part_mm)

@@ -5,6 +5,8 @@
 //! height, and how much of it lies outside the part's sections. Lengths are in mm, forces in N.
 //! Cost: linear in beads and cells.
 
+use std::sync::Arc;
+
 use grainpath_core::math::cross;
 use grainpath_core::poly::Join;
 use grainpath_core::selection::Selection;
@@ -17,7 +19,7 @@ use grainpath_fea::strength::squares::{GridHold, PlateElements, connected_cells,
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::choices;
 
-use super::{CORNERS, PlacedCells, StrengthError, StrengthSettings};
+use super::{CORNERS, StrengthError, StrengthSettings};
 pub(super) use crate::guide::UNBREAKABLE_MM;
 use crate::guide::{check_flat, is_plate};
 
@@ -348,18 +350,13 @@ impl TestSetup {
         outside / f64::max(all, 1e-12)
     }
 
-    /// Prepares the cells, the held nodes and the forces of a test.
+    /// Prepares the held nodes and the forces of a test on these cells.
     ///
     /// # Errors
     /// [`StrengthError`] if a fixture or load selects no material, or if a piece can move freely.
-    pub(super) fn prepared(
-        &self,
-        sheets: &[BeadSheet],
-        cells: PlacedCells,
-    ) -> Result<Prepared, StrengthError> {
-        let cell_mm = cells.size_mm;
-        let laminate = Laminate::moved(sheets, cell_mm, cells.moved)?;
+    pub(super) fn prepared(&self, laminate: Arc<Laminate>) -> Result<Prepared, StrengthError> {
         let grid = laminate.grid;
+        let cell_mm = grid.cell_mm;
         let n = grid.nx * grid.ny;
         let least = LEAST_FILLED * laminate.height_mm;
         let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
@@ -564,7 +561,7 @@ impl TestSetup {
 
 /// A part as cells, with supports and loads.
 pub(super) struct Prepared {
-    pub laminate: Laminate,
+    pub laminate: Arc<Laminate>,
     pub elements: PlateElements,
     pub holds: Vec<GridHold>,
     pub forces_n: Vec<DVec2>,
