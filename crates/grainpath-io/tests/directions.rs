@@ -274,6 +274,10 @@ fn samples_without_a_direction_are_left_out_and_counted() {
     // The largest strength is 1.
     let strength = |x: f64, y: f64| samples.sample(DVec3::new(x, y, 0.0)).in_plane(&DMat3::IDENTITY).1;
     assert!((strength(0.0, 9.0) - 1.0).abs() < 1e-9 && (strength(0.0, 0.0) - 0.25).abs() < 1e-9);
+    // Numbers may stand in quotes, words in columns that are not read, and several words for a missing number.
+    let quoted = "x,y,angle_deg,label\n\"0\",\"0\",\" 10\",a\n1,0,NA,b\n0,1,,\n1,1,20,c\n";
+    let quoted = read("a.csv", quoted.as_bytes(), &DirectionOptions::default());
+    assert_eq!((quoted.summary().samples, quoted.summary().without_direction), (2, 2));
     let one = read("a.csv", b"x,y,angle_deg\n3,4,30\n", &DirectionOptions::default());
     assert_eq!(one.warnings()[0].id, WarningId::FieldOneSample);
     let (axis, _) = one.sample(DVec3::new(-80.0, 5.0, 9.0)).in_plane(&DMat3::IDENTITY);
@@ -522,6 +526,17 @@ fn what_is_wrong_is_said() {
     }
     assert_eq!(error("a.csv", &row("1,2")), "line 2: 2 columns where the header has 3");
     assert!(error("a.csv", b"x,y,colour\n1,2,3\n").contains("neither an angle"));
+    let wrong_word = "line 3: found \"20 deg\" where a number should be";
+    assert_eq!(error("a.csv", b"x,y,angle_deg\n0,0,10\n1,0,20 deg\n"), wrong_word);
+    assert_eq!(error("a.csv", b"x,y,Fibre_x,Fibre_y\n0,0,1,0\n1,0,\"20 deg\",1\n"), wrong_word);
+    assert_eq!(error("a.csv", b"1,2,3\n2,,3\n"), "line 2: found \"\" where a number should be");
+    assert_eq!(
+        error("a.csv", b"x,coord_x,y,angle_deg\n0,1,0,10\n1,2,0,20\n"),
+        "the columns x and coord_x both hold x and differ; rename the one that is not meant"
+    );
+    assert!(
+        error("a.csv", b"x,y,angle_deg,theta\n0,0,1,2\n").contains("several directions (angle_deg; theta)")
+    );
     assert!(error("a.csv", b"a,b,angle\n1,2,3\n").contains("no columns x and y"));
     assert!(error("a.csv", b"x,y,angle_deg,vx,vy\n1,2,3,1,0\n").contains("guide.field.array"));
     assert!(error("a.csv", b"x,y,angle_deg,strength\n1,2,3,-1\n").contains("sample 1 is negative"));

@@ -122,8 +122,10 @@ pub enum DirectionProblem {
     NoPosition(Vec<String>),
     #[error("several directions ({}); name one with guide.field.array", .0.join("; "))]
     Several(Vec<String>),
-    #[error("found {0:?} where a number of the matrix should be")]
+    #[error("found {0:?} where a number should be")]
     NotANumber(String),
+    #[error("the columns {} both hold {coordinate} and differ; rename the one that is not meant", .names.join(" and "))]
+    Coordinates { coordinate: &'static str, names: [String; 2] },
     #[error("{found} numbers where the first line has {wanted}")]
     Numbers { found: usize, wanted: usize },
     #[error(

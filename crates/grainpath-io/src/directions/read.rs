@@ -13,8 +13,8 @@ use super::model::{
 use super::npy::{Array, MAGIC, read_npy, read_npz};
 use super::samples::DirectionSamples;
 use super::table::{
-    ANGLES, Column, SPACINGS, STRENGTHS, angle_reading, angle_unit_of, axis_of_angle, coordinate,
-    from_columns, is_known, length_unit_of, names_directions, split_unit, strength_scale,
+    ANGLES, Column, SPACINGS, STRENGTHS, angle_reading, angle_unit_of, axis_of_angle, columns_read,
+    coordinate, from_columns, is_known, length_unit_of, names_directions, split_unit, strength_scale,
 };
 use crate::fe::{Element, FeArray, FeError, FeFile, FeFormat, On, parse_fe, sniff_fe};
 use crate::image::{Image, Samples, decode_within, sniff_image};
@@ -60,7 +60,10 @@ pub fn parse_directions(
         return Err(DirectionError::Unknown);
     }
     match header(bytes) {
-        Some((names, separator)) => from_columns("CSV", &rows(bytes, &names, separator)?, options),
+        Some((names, separator)) => {
+            let read = columns_read(&names, options);
+            from_columns("CSV", &rows(bytes, &names, separator, &read)?, options)
+        }
         None => matrices(files, options),
     }
 }
@@ -105,18 +108,41 @@ fn cells(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
     line.split(move |&b| b == separator).filter(move |f| separator != b' ' || !f.is_empty())
 }
 
-/// A number; NaN for a word and for an empty cell. Decimal commas are read where another character
-/// separates columns.
-fn cell(field: &[u8], separator: u8) -> f64 {
-    let text = field.trim_ascii();
+/// Words that stand for a missing number, in lower case. Source: what R, pandas, numpy and spreadsheets write.
+const MISSING: [&[u8]; 8] = [b"", b"na", b"n/a", b"#n/a", b"null", b"none", b"-", b"--"];
+
+/// A number, perhaps in quotes; NaN for an empty cell and a word for a missing number, `None` for any other word. Decimal
+/// commas are read where another character separates columns.
+fn cell(field: &[u8], separator: u8) -> Option<f64> {
+    let text = unquoted(field);
     let point = || {
         let text: Vec<u8> = text.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
         number(&text)
     };
-    number(text).or_else(|| if separator == b',' { None } else { point() }).unwrap_or(f64::NAN)
+    number(text)
+        .or_else(|| if separator == b',' { None } else { point() })
+        .or_else(|| MISSING.contains(&&text.to_ascii_lowercase()[..]).then_some(f64::NAN))
 }
 
-pub(super) fn rows(bytes: &[u8], names: &[String], separator: u8) -> Result<Vec<Column>, DirectionError> {
+/// A cell without the quotes and the space around it.
+fn unquoted(field: &[u8]) -> &[u8] {
+    let text = field.trim_ascii();
+    text.strip_prefix(b"\"").and_then(|t| t.strip_suffix(b"\"")).unwrap_or(text).trim_ascii()
+}
+
+/// A word where a number should be, at most 40 characters of it.
+fn not_a_number(place: String, field: &[u8]) -> DirectionError {
+    let word = String::from_utf8_lossy(unquoted(field)).chars().take(40).collect();
+    invalid(place, DirectionProblem::NotANumber(word))
+}
+
+/// The columns of a table. Those whose numbers in the list are `of_numbers` hold no words; words in the others are NaN.
+pub(super) fn rows(
+    bytes: &[u8],
+    names: &[String],
+    separator: u8,
+    of_numbers: &[usize],
+) -> Result<Vec<Column>, DirectionError> {
     let mut columns: Vec<Column> = names.iter().map(|n| (n.clone(), Vec::new())).collect();
     for (i, line) in skip_space(bytes).split(|&b| b == b'\n').enumerate().skip(1) {
         let line = line.trim_ascii();
@@ -130,7 +156,11 @@ pub(super) fn rows(bytes: &[u8], names: &[String], separator: u8) -> Result<Vec<
         let mut fields = cells(line, separator);
         for (k, column) in columns.iter_mut().enumerate() {
             let field = fields.next().ok_or_else(|| wrong(k))?;
-            column.1.push(cell(field, separator));
+            let value = cell(field, separator);
+            if value.is_none() && of_numbers.contains(&k) {
+                return Err(not_a_number(format!("line {}", i + 1), field));
+            }
+            column.1.push(value.unwrap_or(f64::NAN));
         }
         // Some programs end every line with a separator. The names of a very wide header are not all read.
         let mut beyond = fields.filter(|f| !f.trim_ascii().is_empty()).peekable();
@@ -536,15 +566,10 @@ pub(super) fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError>
         }
         let before = values.len();
         for field in cells(line, separator) {
-            let v = cell(field, separator);
-            if v.is_nan() && !field.trim_ascii().eq_ignore_ascii_case(b"nan") {
-                let word: String = String::from_utf8_lossy(field).chars().take(40).collect();
-                return Err(invalid(
-                    within(place, format!("line {}", i + 1)),
-                    DirectionProblem::NotANumber(word),
-                ));
-            }
-            values.push(v);
+            // A number that is missing from a matrix has no place of its own, unless it is written as such.
+            let is_empty = unquoted(field).is_empty();
+            let value = cell(field, separator).filter(|_| !is_empty);
+            values.push(value.ok_or_else(|| not_a_number(within(place, format!("line {}", i + 1)), field))?);
         }
         let n = values.len() - before;
         if rows == 0 {

@@ -119,7 +119,7 @@ pub fn parse_densities(
         return Err(invalid("the file", DirectionProblem::NoDensityFile));
     }
     match header(bytes) {
-        Some((names, separator)) => columns("CSV", &rows(bytes, &names, separator)?, array),
+        Some((names, separator)) => columns("CSV", &rows(bytes, &names, separator, &[])?, array),
         None => {
             let read = matrix(bytes, "")?;
             let [rows, columns] = [read.shape[0], read.shape[1]];

@@ -172,6 +172,14 @@ pub(super) fn is_known(name: &str) -> bool {
     (0..3).any(|axis| is_coordinate(&base, axis)) || known.into_iter().any(|k| *k == base)
 }
 
+/// The columns that are read for directions: those with known names, parts of vectors, and that which the job names.
+pub(super) fn columns_read(names: &[String], options: &DirectionOptions) -> Vec<usize> {
+    let bases: Vec<String> = names.iter().map(|n| split_unit(n).0).collect();
+    let parts: Vec<usize> = vectors(&bases).iter().flat_map(|v| v.columns).flatten().collect();
+    let named = |i: usize| options.array.as_ref().is_some_and(|array| array.eq_ignore_ascii_case(&names[i]));
+    (0..names.len()).filter(|&i| is_known(&names[i]) || parts.contains(&i) || named(i)).collect()
+}
+
 /// The unit in which angles are read, a text on it for reports, and a warning where it was assumed.
 pub(super) struct AngleReading {
     pub unit: AngleUnit,
@@ -233,6 +241,18 @@ pub(super) fn from_columns(
         return Err(missing(MissingDirections::Position(all_names())));
     };
     let z = coordinate(2);
+    // Of two columns for one coordinate the first would be taken in silence.
+    for (axis, taken) in [Some(x), Some(y), z].into_iter().enumerate() {
+        let Some(taken) = taken else { continue };
+        let differs = |&i: &usize| values(i) != values(taken) && is_coordinate(&bases[i], axis);
+        if let Some(other) = (taken + 1..columns.len()).find(differs) {
+            let names = [taken, other].map(|i| columns[i].0.clone());
+            return Err(invalid(
+                "",
+                DirectionProblem::Coordinates { coordinate: ["x", "y", "z"][axis], names },
+            ));
+        }
+    }
     let mut warnings = Vec::new();
 
     // Positions.
@@ -261,17 +281,17 @@ pub(super) fn from_columns(
         let wanted = split_unit(wanted).0;
         found.retain(|v| v.name == wanted || v.columns[0].is_some_and(|i| bases[i] == wanted));
     }
-    let angle = match &options.array {
-        Some(wanted) => {
-            columns.iter().position(|c| c.0.eq_ignore_ascii_case(wanted)).filter(|_| found.is_empty())
-        }
-        None => named(&ANGLES),
+    let angles: Vec<usize> = match &options.array {
+        Some(_) if !found.is_empty() => Vec::new(),
+        Some(wanted) => columns.iter().position(|c| c.0.eq_ignore_ascii_case(wanted)).into_iter().collect(),
+        None => (0..bases.len()).filter(|&i| ANGLES.contains(&bases[i].as_str())).collect(),
     };
-    if found.len() + usize::from(angle.is_some()) > 1 {
+    if found.len() + angles.len() > 1 {
         let mut names: Vec<String> = found.iter().map(|v| v.name.clone()).collect();
-        names.extend(angle.map(|i| columns[i].0.clone()));
+        names.extend(angles.iter().map(|&i| columns[i].0.clone()));
         return Err(invalid("", DirectionProblem::Several(names)));
     }
+    let angle = angles.first().copied();
     let (directions, axis_of): (String, Box<dyn Fn(usize) -> DVec3 + '_>) = match (found.first(), angle) {
         (Some(vector), _) => {
             let at = vector.columns;

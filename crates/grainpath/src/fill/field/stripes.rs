@@ -4,7 +4,8 @@
 //!
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
 //! 2. lines begin and end where there is room for them ([`line_ends`](super::line_ends)), and every bead moves to the
-//!    middle of its space, which its width then fills;
+//!    middle of its space, which its width then fills. Where another line ends beside it, its space changes at once, and so
+//!    does its width ([`Neighbours::with_steps`]);
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
 //!    ([`single_beads`]), a wider one rings along its border first ([`rings_in`]).
@@ -85,6 +86,11 @@ static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOO
 /// When a line is moved to the middle of its space, the difference between the space on its left and on its right counts
 /// at most this much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
+/// So much per length a line moves farther or less far sidewise when it takes the middle of its space; 0.25 is 14 degrees.
+/// Source: measured as `BESIDE_END` of [`widths`](super::widths), with points at 0.2 spacings: with 0.15, 0.25 and 0.36 and
+/// without a bound 1.02, 0.91, 0.89 and 0.88 % of the two charges stay open, beads lie 2.51, 2.61, 2.66 and 2.75 degrees off, and
+/// those of the spiral 3.22, 3.41, 3.64 and 4.31, where lines jump to the border as soon as another ends before it.
+const STEEPEST: f64 = 0.25;
 /// A phase is prescribed up to this distance from the border, in spacings. Measured: row
 /// `fill.field.stripes.NEAR_BORDER` of `cargo xtask bench constants`.
 static NEAR_BORDER: Tuned<f64> = Tuned::new("fill.field.stripes.NEAR_BORDER", 1.2);
@@ -135,6 +141,10 @@ const ONE_WIDTH_STRIP: f64 = 3.0;
 /// The window around an open cell reaches this many cells beyond it. Source: derived. Four cells of [`GAP_CELL`] are
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
+
+/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Source: chosen;
+/// a void as large as half of one is what such a bead costs a start for.
+const LEAST_VOID: f64 = 0.5;
 
 /// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
 /// between two lines is a quarter of a bead, which is too narrow for the narrowest bead.
@@ -270,8 +280,14 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 /// space is at its points, mm, and whether lines were ended before others that they would have crossed.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
-/// the lines were. Only the smoothing, and beads at the bounds of their width, leave some of it open.
-fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
+/// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
+pub(super) fn filling_their_space(
+    lines: Vec<Line>,
+    border: &Region,
+    spacing: f64,
+) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
+    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
+    let (lines, steps) = neighbours.with_steps(lines, spacing);
     let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
     let moved = |l: usize| {
         let line = &lines[l];
@@ -285,8 +301,12 @@ fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<
                 // the value of the next point.
                 (values[0], values[n - 1]) = (values[1], values[n - 2]);
             }
+            // Smoothed over the end of a line, beads would narrow before it and leave a wedge open.
+            let stepped: Vec<f64> = steps[l].iter().map(|&v| values[v]).collect();
             smooth(values, line.closed, 1);
+            steps[l].iter().zip(stepped).for_each(|(&v, value)| values[v] = value);
         }
+        limit_slope(&mut shifts, line, STEEPEST);
         let to = |(v, &p): (usize, &DVec2)| p + shifts[v] * line.tangent(v).perp();
         let points = line.points.iter().enumerate().map(to).collect();
         (Line { points, closed: line.closed }, widths)
@@ -295,6 +315,23 @@ fn filling_their_space(lines: Vec<Line>, border: &Region, spacing: f64) -> (Vec<
     let (lines, widths, ended) = ended_before_crossings(lines, widths, border, spacing);
     let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
     (lines, widths, ended)
+}
+
+/// Keeps the values at a line's points from changing by more than `most` times the length between them: the mean of the
+/// least values above and of the greatest values below that do not.
+fn limit_slope(values: &mut [f64], line: &Line, most: f64) {
+    let n = values.len();
+    let rounds = if line.closed { 2 * n } else { n };
+    let (mut low, mut high) = (values.to_vec(), values.to_vec());
+    for backwards in [false, true] {
+        for k in 1..rounds {
+            let [from, to] = [k - 1, k].map(|k| if backwards { n - 1 - k % n } else { k % n });
+            let most = most * line.points[from].distance(line.points[to]);
+            high[to] = high[to].min(high[from] + most);
+            low[to] = low[to].max(low[from] - most);
+        }
+    }
+    values.iter_mut().zip(low.iter().zip(high)).for_each(|(v, (low, high))| *v = 0.5 * (low + high));
 }
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
@@ -596,7 +633,9 @@ fn between_beads<'a>(
     }
     // Where branches of a gap meet, their beads may cross; of two such beads the later one is dropped.
     let (mut laid, mut kept): (Vec<[DVec2; 2]>, _) = (Vec::new(), Vec::new());
-    for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
+    let least_mm2 = LEAST_VOID * context.spacing_mm() * context.spacing_mm();
+    let is_worth_a_start = |p: &Toolpath| p.length_mm() > nominal || p.volume_mm3(h) > least_mm2 * h;
+    for single in singles.into_iter().filter(is_worth_a_start) {
         let segments: Vec<[DVec2; 2]> =
             (0..single.n_segments()).map(|i| [single.segment(i).0, single.segment(i).1]).collect();
         if !segments.iter().any(|s| laid.iter().any(|l| segment::meeting(*s, *l) == Meeting::Cross)) {
