@@ -24,6 +24,13 @@ const CRACK_BY: [CrackBy | "none", string][] = [["lost", "what broke, by the sti
 const HELD = 0x2a74b2;
 const LOADED = 0xd65d20;
 
+/** The interval of the peak load, and what it is over: runs without corners of the card know nothing of the material's scatter. */
+function over(report: api.StrengthReport): string {
+  if (report.low_n === report.high_n) return `with the nominal card of the material (tier ${report.card_tier}) alone`;
+  const card = Object.keys(report.corners).length > 1 ? `over the card of the material (tier ${report.card_tier}) and the grid` : `over the grid alone, with the nominal card of the material (tier ${report.card_tier})`;
+  return `between ${fixed(report.low_n, 0)} and ${fixed(report.high_n, 0)} N ${card}`;
+}
+
 export class StrengthPanel {
   private program: string | null = null;
   private hold: Side = "x-";
@@ -212,7 +219,7 @@ export class StrengthPanel {
     answer.replaceChildren(
       el("h2", {}, "It breaks at"),
       el("p", { class: "big", id: "peak" }, `${fixed(report.peak_load_n, 0)} N`),
-      el("p", { class: "note" }, `between ${fixed(report.low_n, 0)} and ${fixed(report.high_n, 0)} N over the card of the material (tier ${report.card_tier}) and the grid`),
+      el("p", { class: "note" }, over(report)),
       el("p", { id: "weakest" }, `Weakest at ${report.weakest.words}.`),
       made, ...replay,
       el("table", {}, fact("First bead fails at", `${fixed(report.first_n, 0)} N`), fact("Stiffness", `${fixed(report.stiffness_n_per_mm, 0)} N/mm`), fact("Displacement at the peak", `${fixed(report.peak_displacement_mm, 3)} mm`),

@@ -75,6 +75,13 @@ struct Node {
 
 const NONE: u32 = u32::MAX;
 
+impl Node {
+    /// A point of the axis without neighbours.
+    fn new(at: DVec2, chord: DVec2) -> Self {
+        Self { at, chord, next: [NONE; 3], beside_fork: false }
+    }
+}
+
 struct Graph {
     nodes: Vec<Node>,
 }
@@ -121,12 +128,7 @@ impl Graph {
                     if *slot == NONE {
                         *slot = graph.nodes.len() as u32;
                         let [p, q] = e.positions().map(|p| DVec2::new(p.x, p.y));
-                        graph.nodes.push(Node {
-                            at: 0.5 * (p + q),
-                            chord: q - p,
-                            next: [NONE; 3],
-                            beside_fork: false,
-                        });
+                        graph.nodes.push(Node::new(0.5 * (p + q), q - p));
                     }
                     *slot
                 })
@@ -137,12 +139,7 @@ impl Graph {
                 [a, b] => graph.join(a, b),
                 [a, b, c] => {
                     let middle = graph.nodes.len() as u32;
-                    graph.nodes.push(Node {
-                        at: centre,
-                        chord: DVec2::ZERO,
-                        next: [NONE; 3],
-                        beside_fork: false,
-                    });
+                    graph.nodes.push(Node::new(centre, DVec2::ZERO));
                     [a, b, c].into_iter().for_each(|n| graph.join(middle, n));
                 }
                 _ => {}
@@ -347,11 +344,17 @@ fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &m
 
 /// Cuts a path where it is too thin, and leaves out points that change neither line nor width.
 fn emit(points: &[DVec2], widths: &[f64], closed: bool, min_mm: f64, out: &mut Vec<MedialPath>) {
+    let thin = widths.iter().position(|&w| w < min_mm);
+    let first = match thin {
+        None if closed => return out.push(thinned(points, widths, true)),
+        // A closed line is read from a place that is too thin, so that its start cuts no bead in two.
+        Some(thin) if closed => thin,
+        _ => 0,
+    };
+    let turned = |i: usize| (i + first) % points.len();
+    let (points, widths): (Vec<DVec2>, Vec<f64>) =
+        (0..points.len()).map(turned).map(|i| (points[i], widths[i])).unzip();
     let wide: Vec<bool> = widths.iter().map(|&w| w >= min_mm).collect();
-    if closed && wide.iter().all(|&w| w) {
-        out.push(thinned(points, widths, true));
-        return;
-    }
     let mut i = 0;
     while i < points.len() {
         let end = (i..points.len()).find(|&j| !wide[j]).unwrap_or(points.len());
@@ -442,6 +445,24 @@ mod tests {
         let paths = medial_axis(&ring, 0.1, 1.0);
         assert!(paths.len() == 1 && paths[0].closed, "{} paths", paths.len());
         assert!((covered(&paths) / ring.area_mm2() - 1.0).abs() < 0.03, "{}", covered(&paths));
+    }
+
+    #[test]
+    fn a_ring_that_is_too_thin_on_one_side_has_one_line_around_the_rest() {
+        for turn in 0..12 {
+            // Wherever the line around the ring begins: the ring is 0.05 mm thick on one side and 0.85 mm on the other.
+            let circle = |middle: DVec2, radius: f64| {
+                let at = |i: i32| middle + radius * direction(f64::from(i) / 180.0 * std::f64::consts::TAU);
+                Region::from(Polygon { outer: (0..180).map(at).collect(), holes: vec![] })
+            };
+            let aside = 0.4 * direction(f64::from(turn) * std::f64::consts::FRAC_PI_6);
+            let ring = circle(DVec2::ZERO, 10.0).difference(&circle(aside, 9.55));
+            let paths = medial_axis(&ring, 0.2, 1.0);
+            assert!(paths.len() == 1 && !paths[0].closed, "turn {turn}: {} paths", paths.len());
+            // The thickness is 0.45 - 0.4 cos(angle), and 0.2 or more in all but 103 degrees of the circle.
+            let length: f64 = paths[0].points.windows(2).map(|w| w[0].distance(w[1])).sum();
+            assert!((length - 9.77 * 257f64.to_radians()).abs() < 0.8, "turn {turn}: {length}");
+        }
     }
 
     #[test]

@@ -212,15 +212,24 @@ pub trait SliceSource: Send {
     /// [`SliceError`] with the file's name and what is wrong in it.
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError>;
 
+    /// As [`SliceSource::next_slice`], but voxels that have no grey value of their own are NaN: those that are NaN,
+    /// infinite or padding in the file, and those beyond the stored slices where these were moved or turned.
+    ///
+    /// # Errors
+    /// As [`SliceSource::next_slice`].
+    fn next_known(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        self.next_slice(out)
+    }
+
     /// Passes over the next slice; `false` after the last slice.
     ///
     /// # Errors
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
 
-    /// Number of voxels since the last restart that are NaN, infinite or padding in the file. Slices
-    /// contain only finite values: such voxels get the least grey value of their slice, which is
-    /// air.
+    /// Number of voxels in the slices read since the last restart that are NaN, infinite or padding in the file. Slices
+    /// from [`SliceSource::next_slice`] contain only finite values: such voxels get the least grey value of their slice,
+    /// which is air.
     fn n_not_finite(&self) -> u64 {
         0
     }
@@ -285,6 +294,9 @@ impl<S: SliceSource + ?Sized> SliceSource for &mut S {
     }
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         (**self).next_slice(out)
+    }
+    fn next_known(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        (**self).next_known(out)
     }
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
         (**self).skip_slice()

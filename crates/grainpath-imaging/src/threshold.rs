@@ -8,8 +8,8 @@
 //! - ISO-50 lies halfway between the grey values of air and material. A blurred straight edge crosses it where the sharp
 //!   edge was, whatever the blur, so sizes are truest there. The two grey values are the modes of the voxels that differ
 //!   least from their neighbours: in a thin wall hardly a voxel is all material.
-//! - Voxels without a grey value of their own (NaN, padding) come as the lowest value of their slice. They are left out by
-//!   number ([`Replaced`]): as a fifth of a round field of view they would be the mode of air.
+//! - Voxels without a grey value of their own (NaN, padding, places that a moved or turned stack does not reach) come as NaN
+//!   and are left out: with the grey value of air, as a fifth of a round field of view, they would be its mode.
 //!
 //! # Limits
 //! The threshold separates two materials; of three, it separates the two groups of Otsu's split. The cost
@@ -37,67 +37,35 @@ const MAX_BINS: usize = 1 << 14;
 /// their number, to a third of a percent here. The number bounds the time to sort them.
 const MAX_SAMPLES: usize = 1 << 17;
 
-/// The voxels of a slice that were NaN or padding and got the lowest grey value of the slice.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Replaced {
-    value: f32,
-    /// Share of the voxels of this value that have it of their own.
-    own: f64,
-    /// Own voxels due, below 1: they are taken evenly from all voxels of the value. Begins at a half, which rounds their
-    /// number.
-    due: f64,
-}
-
-impl Replaced {
-    /// `n_replaced` voxels of a whole slice were replaced.
+impl Histogram {
+    /// Adds the values of a slice in rows of `nx`. NaN stands for no value and is left out; no value is infinite.
     ///
     /// ```
-    /// use grainpath_imaging::threshold::{Histogram, Replaced};
+    /// use grainpath_imaging::threshold::Histogram;
     ///
-    /// let slice = [-1000.0, -1000.0, -1000.0, -900.0, 200.0, 210.0];
     /// let mut histogram = Histogram::default();
-    /// histogram.add(&slice, 3, Replaced::in_slice(&slice, 2));
+    /// histogram.add(&[f32::NAN, f32::NAN, -1000.0, -900.0, 200.0, 210.0], 3);
     /// assert_eq!(histogram.binned(1), [4]);
     /// ```
-    pub fn in_slice(slice: &[f32], n_replaced: u64) -> Self {
-        let value = slice.iter().copied().fold(f32::INFINITY, f32::min);
-        let n = slice.iter().filter(|&&v| v == value).count();
-        // A stack stored sideways tells the voxels of all slices with the first one; more than all cannot be left out.
-        let own = if n_replaced == 0 { 1.0 } else { (1.0 - n_replaced as f64 / n.max(1) as f64).max(0.0) };
-        Self { value, own, due: 0.5 }
-    }
-
-    fn counts(&mut self, v: f32) -> bool {
-        if v != self.value || self.own == 1.0 {
-            return true;
-        }
-        self.due += self.own;
-        let counts = self.due >= 1.0;
-        self.due -= f64::from(u8::from(counts));
-        counts
-    }
-}
-
-impl Histogram {
-    /// Adds the values of a slice, all finite, in rows of `nx`. Those in `replaced` are left out.
-    pub fn add(&mut self, values: &[f32], nx: usize, replaced: Replaced) {
-        let has_own = |v: &&f32| replaced.own > 0.0 || **v != replaced.value;
-        let Some(&first) = values.iter().find(has_own) else { return };
+    pub fn add(&mut self, values: &[f32], nx: usize) {
+        // The least and the greatest of two numbers pass over NaN.
         let (low, high) =
-            values.iter().filter(has_own).fold((first, first), |(l, h), &v| (l.min(v), h.max(v)));
+            values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        if low > high {
+            return;
+        }
         let (all_low, all_high) = self.range.map_or((low, high), |(l, h)| (l.min(low), h.max(high)));
         self.range = Some((all_low, all_high));
         self.make_room(f64::from(all_low), f64::from(all_high));
         let (start, scale) = (self.low, 1.0 / self.width);
         let last = self.counts.len() - 1;
-        let mut left = replaced;
-        for &v in values.iter().filter(|v| left.counts(**v)) {
+        for &v in values.iter().filter(|v| !v.is_nan()) {
             self.counts[(((f64::from(v) - start) * scale) as usize).min(last)] += 1;
         }
-        self.sample(values, nx, replaced);
+        self.sample(values, nx);
     }
 
-    fn sample(&mut self, values: &[f32], nx: usize, mut replaced: Replaced) {
+    fn sample(&mut self, values: &[f32], nx: usize) {
         self.stride = self.stride.max(1);
         self.slices += 1;
         for (j, row) in values.chunks_exact(nx).enumerate() {
@@ -107,11 +75,12 @@ impl Histogram {
             // a regular pattern.
             let first = (13 * j + 29 * self.slices) % self.stride;
             for i in (first..nx).step_by(self.stride) {
-                if !replaced.counts(row[i]) {
-                    continue;
-                }
                 let (x, y) = (row[(i + 1).min(nx - 1)] - row[i.saturating_sub(1)], below[i] - above[i]);
-                self.samples.push((row[i], x * x + y * y));
+                let difference = x * x + y * y;
+                // Beside a voxel without a value nothing is known of how much the voxel differs from its neighbours.
+                if !difference.is_nan() && !row[i].is_nan() {
+                    self.samples.push((row[i], difference));
+                }
             }
         }
         // Keeping every second sample halves the density evenly over all slices read so far.
@@ -282,7 +251,7 @@ mod tests {
                 let noise = |i: usize| ((i * 7919 + slice * 104_729) % 101) as f32 * 0.05 - 2.5;
                 let values: Vec<f32> =
                     (0..3000).map(|i| (if i % 4 == 0 { 180.0 } else { 20.0 } + noise(i)) * scale).collect();
-                h.add(&values, 60, Replaced::in_slice(&values, 0));
+                h.add(&values, 60);
             }
             let (air, solid) = h.materials();
             let near = |a: f64, b: f64| (a / f64::from(scale) - b).abs() < 3.0;
@@ -304,7 +273,7 @@ mod tests {
                 (1000.0 / (1.0 + grainpath_core::math::exp(1.702 * off)) + noise) as f32
             };
             let values: Vec<f32> = (0..nx * ny).map(value).collect();
-            h.add(&values, nx, Replaced::in_slice(&values, 0));
+            h.add(&values, nx);
         }
         let (air, solid) = h.materials();
         assert!(air.abs() < 3.0 && (solid - 962.0).abs() < 8.0, "{air} {solid}");

@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use grainpath_core::spelling::question;
+
 use crate::combination_error::Combination;
 use crate::profiles::profiles_of;
+use crate::settings::Settings;
 use crate::value::ValueError;
 
 /// A place in a file, or the command line.
@@ -51,10 +54,16 @@ impl fmt::Display for Location {
 pub enum JobError {
     #[error("{location}: {message}")]
     Syntax { location: Location, message: String },
-    #[error("{location}: unknown section [{section}]; did you mean [{nearest}]?")]
-    UnknownSection { location: Location, section: String, nearest: &'static str },
-    #[error("{location}: unknown key `{key}` in [{section}]; did you mean `{nearest}`?")]
-    UnknownKey { location: Location, section: String, key: String, nearest: &'static str },
+    #[error(
+        "{location}: unknown section [{section}]{}",
+        near.map_or_else(|| format!("; the sections are {}", Settings::SECTIONS.join(", ")), |near| format!("; did you mean [{near}]?"))
+    )]
+    UnknownSection { location: Location, section: String, near: Option<&'static str> },
+    #[error(
+        "{location}: unknown key `{key}` in [{section}]{}",
+        near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
+    )]
+    UnknownKey { location: Location, section: String, key: String, near: Option<&'static str> },
     #[error("{location}: {name} should be a section: [{name}]")]
     NotASection { location: Location, name: String },
     #[error("{location}: {key}{error}")]
@@ -67,10 +76,11 @@ pub enum JobError {
     )]
     NewerFormat { location: Location, found: i64 },
     #[error(
-        "{location}: no {kind} profile {name:?}; did you mean {nearest:?}? There are {}; a path ending in .toml works too",
+        "{location}: no {kind} profile {name:?}{} There are {}; a path ending in .toml works too",
+        question(name, profiles_of(kind).map(|p| p.name)),
         profile_names(kind)
     )]
-    UnknownProfile { location: Location, kind: &'static str, name: String, nearest: &'static str },
+    UnknownProfile { location: Location, kind: &'static str, name: String },
     #[error("{location}: {message}")]
     ProfileFile { location: Location, message: String },
     #[error("--set: {argument:?} should be section.key=value")]

@@ -19,7 +19,6 @@ use std::fmt::Write as _;
 use grainpath_core::faces::FaceName;
 use grainpath_core::math::sin_cos;
 use grainpath_core::selection::Selection;
-use grainpath_core::spelling::nearest;
 use grainpath_core::{DMat3, DVec3};
 use serde_json::json;
 use toml::{Table, Value};
@@ -136,8 +135,8 @@ impl<'a> Reader<'a> {
         let table = value.as_table().ok_or_else(wrong)?;
         if let Some(key) = table.keys().find(|k| !known.contains(&k.as_str())) {
             // A misspelled key would otherwise be ignored and leave a load out.
-            let nearest = nearest(key, known.iter().copied()).to_owned();
-            return Err(Problem::UnknownKey { key: key.clone(), nearest }.into());
+            let known = known.iter().map(|&known| known.to_owned()).collect();
+            return Err(Problem::UnknownKey { key: key.clone(), known }.into());
         }
         Ok(Self(table))
     }

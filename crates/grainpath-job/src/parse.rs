@@ -1,12 +1,12 @@
 //! Reads a job file into [`Settings`].
 
-use grainpath_core::spelling::nearest;
+use grainpath_core::spelling::near;
 use grainpath_core::{Density, Warning, WarningId};
 use toml::{Table, Value};
 
 use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
-use super::profiles::{KINDS, profile, profiles_of};
+use super::profiles::{KINDS, profile};
 use super::regions::JobRegion;
 use super::renamed::{Inside, new_key, new_word, path_in_file, removed, rename_names};
 use super::settings::{MaterialSection, Settings};
@@ -160,8 +160,7 @@ fn profile_text(
         let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
         return Ok((text, chosen.to_owned()));
     }
-    let nearest = nearest(chosen, profiles_of(kind).map(|p| p.name));
-    Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned(), nearest })
+    Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned() })
 }
 
 /// Applies the sections of the file.
@@ -179,9 +178,9 @@ fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError>
             continue;
         }
         if !Settings::SECTIONS.contains(&section.as_str()) {
-            let nearest = nearest(section, Settings::SECTIONS);
+            let near = near(section, Settings::SECTIONS);
             let location = job.location(&[section], &[]);
-            return Err(JobError::UnknownSection { location, section: section.clone(), nearest });
+            return Err(JobError::UnknownSection { location, section: section.clone(), near });
         }
         let Value::Table(rows) = rows else {
             let location = job.location(&[section], &[]);
@@ -320,11 +319,11 @@ fn unknown_key(section: &str, key: &str, location: Location) -> JobError {
         params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
     // If the section is unknown as well, the error names the section.
     if in_section.is_empty() {
-        let nearest = nearest(section, Settings::SECTIONS);
-        return JobError::UnknownSection { location, section: section.to_owned(), nearest };
+        let near = near(section, Settings::SECTIONS);
+        return JobError::UnknownSection { location, section: section.to_owned(), near };
     }
-    let nearest = nearest(key, in_section);
-    JobError::UnknownKey { location, section: section.to_owned(), key: key.to_owned(), nearest }
+    let near = near(key, in_section);
+    JobError::UnknownKey { location, section: section.to_owned(), key: key.to_owned(), near }
 }
 
 /// The material that `fibre.material` names.
@@ -443,6 +442,17 @@ mod tests {
                 "job.toml:2: process.bead_width_mm should be from 0.05 to 10, is -0.4",
             ),
             ("[proces]\nwalls = 2\n", "job.toml:1: unknown section [proces]; did you mean [process]?"),
+            // No name is near, so none is proposed.
+            ("[process]\ncolour = 3\n", "job.toml:2: unknown key `colour` in [process]"),
+            (
+                "[tools]\nwalls = 2\n",
+                "job.toml:1: unknown section [tools]; the sections are shape, shape.photo, ",
+            ),
+            ("[printer]\nprofile = \"wax\"\n", "job.toml:2: no printer profile \"wax\". There are "),
+            (
+                "[[region]]\non = { layers = [[1, 10]], colour = 3 }\n",
+                "job.toml:2: region[1].on has an unknown key `colour`; its keys are box_mm, layers, mesh, face, depth_mm",
+            ),
             (
                 "[process]\nwalls = \"two\"\n",
                 "job.toml:2: process.walls should be a whole number from 0, or { min = 2, max = 6, by = \"stress\" }, is \"two\"",

@@ -4,6 +4,7 @@ use std::fmt;
 
 use grainpath_core::Density;
 use grainpath_core::slices::SampleType;
+use grainpath_core::spelling::near;
 use grainpath_core::units::LengthUnit;
 use serde_json::json;
 use toml::Value;
@@ -89,8 +90,12 @@ pub enum Problem {
     Count { expected: usize, found: usize },
     #[error("should rise from the first to the second number, is {found}")]
     Falling { found: String },
-    #[error("has an unknown key `{key}`; did you mean `{nearest}`?")]
-    UnknownKey { key: String, nearest: String },
+    #[error(
+        "has an unknown key `{key}`; {}",
+        near(key, known.iter().map(String::as_str))
+            .map_or_else(|| format!("its keys are {}", known.join(", ")), |near| format!("did you mean `{near}`?"))
+    )]
+    UnknownKey { key: String, known: Vec<String> },
     #[error("needs {expected}")]
     Missing { expected: &'static str },
     #[error("should be a direction, is a vector of length 0")]

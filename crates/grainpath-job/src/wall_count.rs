@@ -118,7 +118,8 @@ mod tests {
             ("{ min = 2, max = 6 }", "process.walls needs by = \"stress\""),
             ("{ min = 2, max = 6, by = \"file\" }", "process.walls should be by = \"stress\", is file"),
             ("{ max = 6, by = \"stress\" }", "process.walls needs min"),
-            ("{ min = 2, most = 6 }", "process.walls has an unknown key `most`; did you mean `max`?"),
+            ("{ min = 2, most = 6 }", "process.walls has an unknown key `most`; its keys are min, max, by"),
+            ("{ min = 2, maxi = 6 }", "process.walls has an unknown key `maxi`; did you mean `max`?"),
         ];
         for (text, message) in wrong {
             assert_eq!(read(text), Err(message.to_owned()), "{text}");

@@ -19,11 +19,11 @@ use crate::volume::{ArrayShape, ArraySource, Slabs, info_of, info_with};
 use crate::worker::{self, Caller};
 
 /// The survey of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
-/// material, and the height at which the part begins.
-type Found = (f64, f64, f64, Option<f64>);
+/// material, the least grey value, and the height at which the part begins.
+type Found = (f64, f64, f64, f64, Option<f64>);
 
-fn survey_of((low, high, contrast, start_mm): Found) -> Survey {
-    Survey { low, high, contrast, start_mm }
+fn survey_of((low, high, contrast, air, start_mm): Found) -> Survey {
+    Survey { low, high, contrast, air, start_mm }
 }
 
 /// Turns an error of a scan into the failure that planning a job reports for it.
@@ -64,8 +64,8 @@ pub(crate) fn scan_survey<'py>(
 ) -> PyResult<(Found, [usize; 2])> {
     let end = array.0[2];
     with_slices(py, spec, array, end, watch, |scan, source, diagnostics| {
-        let Survey { low, high, contrast, start_mm } = scan.survey(source, diagnostics)?;
-        Ok(((low, high, contrast, start_mm), [scan.slices().start, scan.slices().end]))
+        let Survey { low, high, contrast, air, start_mm } = scan.survey(source, diagnostics)?;
+        Ok(((low, high, contrast, air, start_mm), [scan.slices().start, scan.slices().end]))
     })
 }
 

@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, Sender};
 
 use grainpath_core::slices::{SampleType, SliceError, VolumeInfo};
 use grainpath_core::{Warning, WarningId};
-use grainpath_io::volume::{AnySlice, InOrder};
+use grainpath_io::volume::{AnySlice, Finite, InOrder};
 
 use crate::worker::Request;
 
@@ -50,7 +50,7 @@ pub(crate) fn info_with(shape: &ArrayShape, n_missing: usize) -> VolumeInfo {
 }
 
 /// A scan whose slices the caller's thread reads.
-pub(crate) type ArraySource = InOrder<Slabs>;
+pub(crate) type ArraySource = Finite<InOrder<Slabs>>;
 
 /// A caller's array, of which one slab of slices is in memory.
 pub(crate) struct Slabs {
@@ -67,7 +67,7 @@ impl Slabs {
     /// The slices of the array that `info` describes. Those from `end` on are not read ahead.
     pub(crate) fn in_order(info: VolumeInfo, end: usize, requests: Sender<Request>) -> ArraySource {
         let end = end.min(info.size[2]);
-        InOrder::new(Self { info, requests, slab: Vec::new(), slab_first: 0, end })
+        Finite::new(InOrder::new(Self { info, requests, slab: Vec::new(), slab_first: 0, end }))
     }
 
     fn voxels(&self) -> usize {

@@ -67,6 +67,8 @@ def test_unknown_names_have_a_nearest():
         gp.specimen("iso527-1")
     with pytest.raises(gp.JobError, match="did you mean 'plate'"):
         gp.new("plat")
+    with pytest.raises(gp.JobError, match="no preset 'xyzzy'. There are "):
+        gp.new("xyzzy")
 
 
 def test_examples_are_written_once(tmp_path):

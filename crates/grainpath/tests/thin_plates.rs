@@ -1,11 +1,14 @@
-//! Walls of plates that no whole number of beads fits.
+//! Walls of plates that no whole number of beads fits, and dense fill beside walls at flat angles.
 
+use grainpath::measure::report::{QualityReport, measure};
 use grainpath::wall::{WallSettings, lay_walls};
 use grainpath_core::failure_svg::FailurePicture;
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::{BeadWidth, DVec2, Polygon, Role};
+use grainpath_core::{BeadWidth, DVec2, Diagnostics, Layer, LayerStack, Polygon, Role};
+use grainpath_gcode::{simulate, write_gcode};
+use grainpath_job::parse_job;
 
 const SETTINGS: WallSettings = WallSettings {
     n_walls: 2,
@@ -41,14 +44,19 @@ fn a_thin_plate_is_filled_whatever_its_thickness() {
         assert!((laid / asked - 1.0).abs() < 0.02, "{thick:.2} mm: {laid} of {asked} mm2");
         for path in beads.iter().filter(|b| b.role == Role::OuterWall) {
             widened += usize::from(matches!(path.width, BeadWidth::PerVertex(_)));
+            let mut wide = (f64::INFINITY, 0.0);
             for (i, &p) in path.points.iter().enumerate() {
                 let p = rotated(p, DVec2::new(turn.x, -turn.y));
                 // At the ends of the plate nothing lies across.
                 if p.x.abs() < 19.0 {
                     let edge = p.y.abs() + 0.5 * path.width_at(i);
                     assert!((edge - 0.5 * thick).abs() < 1e-3, "{thick:.2} mm: edge at {edge}");
+                    // The other side lies across everywhere, so that all of the side is as wide.
+                    wide.0 = f64::min(wide.0, path.width_at(i));
+                    wide.1 = f64::max(wide.1, path.width_at(i));
                 }
             }
+            assert!(wide.1 - wide.0 < 0.01, "{thick:.2} mm: {wide:?} mm wide");
         }
     }
     assert!(widened > 5, "{widened} plates with widened outer walls");
@@ -70,5 +78,36 @@ fn a_thin_ring_is_filled_whatever_its_thickness() {
         let laid = beads.map(|b| b.volume_mm3(0.2)).sum::<f64>() / 0.2 + fill.area_mm2();
         let asked = ring.area_mm2() - 0.5 * (0.45 - s) * ring.perimeter_mm();
         assert!((laid / asked - 1.0).abs() < 0.02, "{thick:.2} mm: {laid} of {asked} mm2");
+    }
+}
+
+/// Gap, overlap and spill of layers with this section, filled densely.
+fn quality(section: &Polygon) -> QualityReport {
+    let job = "[fill]\npattern = \"rectilinear\"\ndensity = 1\n";
+    let settings = parse_job(job, "job.toml", &[], &|path| Err(path.to_owned())).expect("a sound job");
+    let layer =
+        |k: i32| Layer::new(0.2 * f64::from(k + 1), 0.2, section.clone().into()).expect("a sound layer");
+    let stack = LayerStack::new((0..8).map(layer).collect()).expect("heights rise");
+    let quiet = Diagnostics::default();
+    let planned = grainpath::plan_layers(&settings, stack, "a section", None, None, &[], None, &quiet);
+    let planned = planned.expect("a plan");
+    let mut bytes = Vec::new();
+    write_gcode(&planned.plan, &planned.config, &[], &mut bytes).expect("memory takes all");
+    let machine = &planned.config.machine;
+    let program = simulate(&bytes, machine.filament_mm, &machine.limits).expect("our own program");
+    measure(&planned, &program)
+}
+
+/// Beads beside walls that the lines meet at a small angle go on into the tips of the wedges.
+#[test]
+fn stars_are_filled_into_the_wedges_beside_their_sides() {
+    for (n_tips, inner_mm, most) in [(5, 6.0, 0.0065), (12, 11.0, 0.0031)] {
+        let corner = |k: u32| {
+            let radius = if k.is_multiple_of(2) { 15.0 } else { inner_mm };
+            radius * direction(std::f64::consts::PI * f64::from(k) / f64::from(n_tips))
+        };
+        let found = quality(&Polygon { outer: (0..2 * n_tips).map(corner).collect(), holes: Vec::new() });
+        println!("{n_tips} tips: {found:?}");
+        assert!(found.gap < most && found.overlap < 0.012 && found.spill < 1e-3, "{n_tips} tips: {found:?}");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use grainpath_core::slices::SampleType;
 use grainpath_core::{DVec3, Warning, WarningId};
 use grainpath_imaging::scan::{
-    ContactSheet, Histogram, Implausible, Plausibility, Replaced, SAMPLED, ScanError, is_sampled,
+    ContactSheet, Histogram, Implausible, Plausibility, SAMPLED, ScanError, is_sampled,
 };
 use grainpath_io::directions::{DirectionOptions, parse_directions};
 use grainpath_io::image::sniff_image;
@@ -55,10 +55,9 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
     let mut plausibility = Plausibility::new(info.sample);
     let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));
     let mut slice = Vec::new();
-    let (mut k, mut n_replaced) = (0, 0);
-    while source.next_slice(&mut slice).map_err(grainpath::Error::from)? {
-        let before = std::mem::replace(&mut n_replaced, source.n_not_finite());
-        histogram.add(&slice, info.size[0], Replaced::in_slice(&slice, n_replaced.saturating_sub(before)));
+    let mut k = 0;
+    while source.next_known(&mut slice).map_err(grainpath::Error::from)? {
+        histogram.add(&slice, info.size[0]);
         if is_sampled(k, info.size[2], SAMPLED) {
             plausibility.add(&slice, info.size[0]);
         }
@@ -67,6 +66,7 @@ pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, 
         }
         k += 1;
     }
+    let n_replaced = source.n_not_finite();
     let absent = Some(source.n_absent()).filter(|n| *n > 0);
     let replaced = |is_counted: bool| Some(n_replaced).filter(|n| is_counted && *n > 0);
     let voxels = info.size.iter().map(|n| *n as u64).product();

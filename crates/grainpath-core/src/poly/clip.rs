@@ -84,6 +84,11 @@ impl LineClipper {
         Self { edges, bounds, buckets }
     }
 
+    /// The box around the region; `None` for an empty one.
+    pub fn bounds(&self) -> Option<Bounds2> {
+        (!self.edges.is_empty()).then_some(self.bounds)
+    }
+
     /// All crossings of the segment with the border, in order along it. Where the segment touches the
     /// border in a point, they are those of a segment moved to the left by an infinitesimal length, and up
     /// by an even smaller one.

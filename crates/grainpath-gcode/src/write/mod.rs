@@ -78,8 +78,11 @@ pub struct Written {
 pub enum GcodeError {
     #[error("the print reaches {axis} = {at_mm:.2} mm; the bed allows {low_mm:.2} to {high_mm:.2} mm")]
     OutsideBed { axis: char, at_mm: f64, low_mm: f64, high_mm: f64 },
-    #[error("{template}: unknown placeholder {{{name}}}; did you mean {{{nearest}}}?")]
-    UnknownPlaceholder { template: &'static str, name: String, nearest: String },
+    #[error(
+        "{template}: unknown placeholder {{{name}}}{}",
+        near.as_ref().map_or_else(String::new, |near| format!("; did you mean {{{near}}}?"))
+    )]
+    UnknownPlaceholder { template: &'static str, name: String, near: Option<String> },
     #[error(
         "layer at {z_mm:.3} mm: a coordinate, height, width or flow is not a number, or a height or width is not above 0"
     )]

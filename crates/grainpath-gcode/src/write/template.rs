@@ -49,11 +49,11 @@ impl Values {
             }
             // A misspelled placeholder would reach the printer as text and be ignored there.
             let Some((_, value)) = self.0.iter().find(|(n, _)| *n == name) else {
-                let nearest = grainpath_core::spelling::nearest(name, self.0.iter().map(|(n, _)| *n));
+                let near = grainpath_core::spelling::near(name, self.0.iter().map(|(n, _)| *n));
                 return Err(GcodeError::UnknownPlaceholder {
                     template,
                     name: name.to_owned(),
-                    nearest: nearest.to_owned(),
+                    near: near.map(str::to_owned),
                 });
             };
             out.push_str(value);

@@ -607,11 +607,14 @@ fn empty_layers_and_paths_are_passed_over() {
 }
 
 #[test]
-fn unknown_placeholders_name_the_nearest() {
+fn unknown_placeholders_name_one_that_is_near() {
     let mut config = config(Flavour::Klipper);
     config.machine.start_gcode = "PRINT_START BED={bed_tmp_c}".to_owned();
     let error = write_gcode(&two_layers(), &config, &[], &mut Vec::new()).expect_err("unknown");
     assert_eq!(error.to_string(), "start_gcode: unknown placeholder {bed_tmp_c}; did you mean {bed_temp_c}?");
+    config.machine.start_gcode = "PRINT_START {filament_colour}".to_owned();
+    let error = write_gcode(&two_layers(), &config, &[], &mut Vec::new()).expect_err("unknown");
+    assert_eq!(error.to_string(), "start_gcode: unknown placeholder {filament_colour}");
     // Braces around anything but a name are the machine's own.
     config.machine.start_gcode = "PRINT_START BED={bed_temp_c} { } {1+1} {".to_owned();
     let (text, _) = written(&two_layers(), &config);

@@ -47,12 +47,13 @@ use std::sync::mpsc::sync_channel;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
 use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
+use grainpath_core::spelling::counted;
 use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region, Warning, WarningId};
 use rayon::prelude::*;
 
 pub use crate::distance::{Raster, signed_distance};
 pub use crate::smooth::Smoothing;
-pub use crate::threshold::{Histogram, Replaced};
+pub use crate::threshold::Histogram;
 pub use edges::CannySettings;
 pub use error::{GreyRange, GreyValues, ScanError};
 pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
@@ -280,9 +281,9 @@ fn warn_of_values(not_finite: u64, (low, high): (f32, f32), info: &VolumeInfo, d
     );
     let steps = f64::from(high - low) / (f64::from(low.abs().max(high.abs())) * f64::from(f32::EPSILON));
     if !is_exact && steps < MIN_STEPS {
-        let text = format!(
-            "the grey values lie from {low} to {high}, where float32 has {steps:.0} steps between them"
-        );
+        let steps = counted(steps.round() as usize, "step");
+        let text =
+            format!("the grey values lie from {low} to {high}, where float32 has {steps} between them");
         diagnostics.warn(WarningId::ScanValuesRounded, text);
     }
 
@@ -447,7 +448,7 @@ impl Job<'_> {
                     }
                     for k in from..end {
                         let mut slice = Vec::new();
-                        source.next_slice(&mut slice)?;
+                        source.next_known(&mut slice)?;
                         if k < slices.start {
                             *below = source.n_not_finite();
                         }
@@ -517,7 +518,7 @@ impl Job<'_> {
         for k in 0..l.z_mm.len() {
             diagnostics.check().map_err(ScanError::from)?;
             let mut slice = Vec::new();
-            if !source.next_slice(&mut slice)? {
+            if !source.next_known(&mut slice)? {
                 return Err(ScanError::EndsEarly);
             }
             let slice = Arc::new(self.prepare(l.cropped(slice)));
@@ -543,7 +544,11 @@ impl Job<'_> {
         Between { lower: Arc::clone(slice), upper: Arc::clone(slice), z: [z, end] }
     }
 
-    fn prepare(&self, values: Vec<f32>) -> Prepared {
+    /// Finds the section of a slice. NaN stands for no value and is taken for air: the least value of the slice.
+    fn prepare(&self, mut values: Vec<f32>) -> Prepared {
+        let least = values.iter().copied().fold(f32::INFINITY, f32::min);
+        let air = if least.is_finite() { least } else { self.survey.air as f32 };
+        values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = air);
         let (nx, ny) = (self.lattice.nx, self.lattice.ny);
         let how = match self.settings.denoise {
             Denoise::None => Smoothing::None,

@@ -10,7 +10,8 @@
 //! Cost: one pass over the sampled slices.
 //!
 //! # Limits
-//! Only samples of 2 bytes, and floats, can be exchanged; larger integers have lost their lower bits in `f32`.
+//! Only integers and floats of 2 and 4 bytes can be exchanged. An integer of 4 bytes has lost its last byte in `f32`, which is 0
+//! anyway in exchanged values below 2^24; of negative ones it makes steps at 0 that a scan can have.
 
 use grainpath_core::slices::SampleType;
 
@@ -104,22 +105,28 @@ pub struct Plausibility {
 impl Plausibility {
     /// Nothing is read yet.
     pub fn new(sample: SampleType) -> Self {
-        let exchangeable = matches!(sample, SampleType::U16 | SampleType::I16 | SampleType::F32);
+        let exchangeable = match sample {
+            SampleType::U16 | SampleType::I16 | SampleType::U32 | SampleType::I32 | SampleType::F32 => true,
+            SampleType::U8 | SampleType::I8 | SampleType::F64 => false,
+        };
         Self { sample, stored: Roughness::default(), exchanged: Roughness::default(), exchangeable }
     }
 
-    /// Looks at a slice of rows of `nx`.
+    /// Looks at a slice of rows of `nx`. NaN stands for no value and is passed over.
     pub fn add(&mut self, slice: &[f32], nx: usize) {
         // 256 rows estimate the roughness well enough. Of a small slice every row counts, since a thin
         // wall may lie in any of them.
         let every = (slice.len() / nx.max(1) / 256).max(1);
         let rows = || slice.chunks_exact(nx).step_by(every);
-        let stored: Vec<Vec<f64>> = rows().map(|row| row.iter().map(|v| f64::from(*v)).collect()).collect();
+        let known = |row: &[f32]| row.iter().copied().filter(|v| !v.is_nan()).collect::<Vec<f32>>();
+        let rows: Vec<Vec<f32>> = rows().map(known).collect();
+        let stored: Vec<Vec<f64>> =
+            rows.iter().map(|row| row.iter().map(|v| f64::from(*v)).collect()).collect();
         self.stored.add(&stored);
         if self.exchangeable {
             // A rescaled value is not the stored one and cannot be exchanged.
-            let of_row = |row: &[f32]| row.iter().map(|v| exchanged(self.sample, *v)).collect();
-            match rows().map(of_row).collect::<Option<Vec<Vec<f64>>>>() {
+            let of_row = |row: &Vec<f32>| row.iter().map(|v| exchanged(self.sample, *v)).collect();
+            match rows.iter().map(of_row).collect::<Option<Vec<Vec<f64>>>>() {
                 Some(values) => self.exchanged.add(&values),
                 None => self.exchangeable = false,
             }
@@ -142,6 +149,11 @@ fn exchanged(sample: SampleType, v: f32) -> Option<f64> {
     match sample {
         SampleType::U16 if whole(0.0, 65535.0) => Some(f64::from((v as u16).swap_bytes())),
         SampleType::I16 if whole(-32768.0, 32767.0) => Some(f64::from((v as i16).swap_bytes())),
+        // The next float above the greatest integer is out of range.
+        SampleType::U32 if whole(0.0, 4_294_967_040.0) => Some(f64::from((v as u32).swap_bytes())),
+        SampleType::I32 if whole(-2_147_483_648.0, 2_147_483_520.0) => {
+            Some(f64::from((v as i32).swap_bytes()))
+        }
         SampleType::F32 => {
             let other = f32::from_bits(v.to_bits().swap_bytes());
             // Exchanged bytes of a sound float give tiny, huge and invalid numbers. Those of no plausible
@@ -182,6 +194,14 @@ mod tests {
         assert_eq!(verdict(SampleType::U16, |v| v, 1.0), None);
         assert_eq!(verdict(SampleType::U16, swapped, 1.0), Some(Implausible::ByteOrder));
         assert_eq!(verdict(SampleType::I16, signed, 1.0), Some(Implausible::ByteOrder));
+        // Air of one value is smooth in either order, and less than half of the voxels are noise.
+        let clean = |v: f32| if v < 5000.0 { 0.0 } else { v };
+        assert_eq!(verdict(SampleType::U32, clean, 1.0), None);
+        assert_eq!(verdict(SampleType::I32, move |v| clean(v) - 10000.0, 1.0), None);
+        let swapped = move |v: f32| (clean(v) as u32).swap_bytes() as f32;
+        assert_eq!(verdict(SampleType::U32, swapped, 1.0), Some(Implausible::ByteOrder));
+        let signed = move |v: f32| (clean(v) as i32 - 10000).swap_bytes() as f32;
+        assert_eq!(verdict(SampleType::I32, signed, 1.0), Some(Implausible::ByteOrder));
         assert_eq!(verdict(SampleType::F32, |v| v / 20000.0, 1.0), None);
         let float = |v: f32| {
             let w = f32::from_bits((v / 20000.0).to_bits().swap_bytes());

@@ -29,7 +29,7 @@ impl ContactSheet {
         (self.size[0].div_ceil(self.shrink), self.size[1].div_ceil(self.shrink))
     }
 
-    /// Adds slice `k` if it is one of the evenly spaced slices that the sheet shows.
+    /// Adds slice `k` if it is one of the evenly spaced slices that the sheet shows. NaN stands for no value and is black.
     pub fn add(&mut self, k: usize, values: &[f32]) {
         let n = self.size[2];
         let shown = SHOWN.min(n);
@@ -65,7 +65,7 @@ impl ContactSheet {
             for (j, row) in tile.chunks_exact(w).enumerate() {
                 let at = (y0 + j) * width + x0;
                 for (out, v) in pixels[at..at + w].iter_mut().zip(row) {
-                    // `as` saturates, so values outside the range become black or white.
+                    // `as` saturates, so values outside the range become black or white, and it turns NaN into 0.
                     *out = ((v - low) * scale) as u8;
                 }
             }

@@ -17,7 +17,7 @@ use grainpath_core::slices::{SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics};
 
 use super::plausible::{Implausible, Plausibility};
-use super::{CtSettings, Denoise, Histogram, Interpolation, Replaced, ScanError, Threshold, Tracing};
+use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
 
 /// Slices that are at most this many pixels apart are interpolated by their grey values: the blur of an
 /// edge then reaches from slice to slice. With slices farther apart, a flank between them would show as
@@ -163,6 +163,8 @@ pub struct Survey {
     pub high: f64,
     /// Difference between the grey values of air and material.
     pub contrast: f64,
+    /// The least grey value of the slices sampled, which slices without any value get.
+    pub air: f64,
     /// Height at which the part begins, mm, where it is known: in scans that are taken upside down, and after
     /// [`PartedScan::survey`](super::PartedScan::survey).
     pub start_mm: Option<f64>,
@@ -185,24 +187,23 @@ impl Survey {
         diagnostics.begin(Stage::Read, n);
         // All slices are read through, because packed slices cannot be reached without unpacking those before
         // them.
-        let (mut slice, mut n_voxels) = (Vec::new(), 0);
+        let (mut slice, mut air) = (Vec::new(), f32::INFINITY);
+        let (mut n_voxels, mut n_unknown) = (0, 0);
         source.restart()?;
         for _ in 0..lattice.first {
             source.skip_slice()?;
         }
-        let not_finite_before = source.n_not_finite();
         for k in 0..n {
             diagnostics.check()?;
             if is_sampled(k, n, sampled) {
-                let before = source.n_not_finite();
-                source.next_slice(&mut slice)?;
-                n_voxels += slice.len() as u64;
-                // Counted in the whole slice: a crop cannot tell how many of its voxels were replaced.
-                let replaced = Replaced::in_slice(&slice, source.n_not_finite().saturating_sub(before));
+                source.next_known(&mut slice)?;
                 let values = lattice.cropped(std::mem::take(&mut slice));
+                n_voxels += values.len() as u64;
+                n_unknown += values.iter().filter(|v| v.is_nan()).count() as u64;
+                air = values.iter().copied().fold(air, f32::min);
                 plausibility.add(&values, lattice.nx);
                 if found || contrast {
-                    histogram.add(&values, lattice.nx, replaced);
+                    histogram.add(&values, lattice.nx);
                 }
             } else {
                 source.skip_slice()?;
@@ -210,7 +211,7 @@ impl Survey {
             diagnostics.advance(1);
         }
         // All values not finite: the sample type is almost certainly wrong.
-        if n_voxels > 0 && source.n_not_finite() - not_finite_before == n_voxels {
+        if n_voxels > 0 && n_unknown == n_voxels {
             return Err(ScanError::NotFinite { voxels: n_voxels });
         }
         match plausibility.verdict() {
@@ -239,7 +240,8 @@ impl Survey {
             Threshold::Value(v) => (v, f64::INFINITY),
             Threshold::Range(a, b) => (a, b),
         };
-        let mut survey = Self { low, high, contrast: (materials.1 - materials.0).abs(), start_mm: None };
+        let contrast = (materials.1 - materials.0).abs();
+        let mut survey = Self { low, high, contrast, air: f64::from(air), start_mm: None };
         if lattice.flip[2] {
             survey.start_mm = survey.find_bottom(source, lattice, s)?;
         }
@@ -261,7 +263,7 @@ impl Survey {
         let least = s.min_island_mm2 / (lattice.spacing_mm[0] * lattice.spacing_mm[1]);
         let (mut slice, mut bottom) = (Vec::new(), None);
         for (k, z) in lattice.z_mm.iter().enumerate() {
-            source.next_slice(&mut slice)?;
+            source.next_known(&mut slice)?;
             let inside = slice.iter().filter(|&&v| self.signed(v) > 0.0).count();
             // Specks below the plate would otherwise lift the part.
             if inside as f64 > least.max(1.0) {

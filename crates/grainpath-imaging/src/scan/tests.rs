@@ -411,8 +411,10 @@ fn a_turned_scan_stands_on_its_side() {
     );
 }
 
-/// A phantom whose values are changed as they are read.
-struct Changed(Phantom, fn(f32) -> f32, u64);
+/// A phantom whose values are changed as they are read; the function also gets the place of the voxel in its slice and the
+/// number of the slice. NaN stands for no value, and comes as 0 where finite values are asked for.
+struct Changed(Phantom, fn(f32, usize, usize) -> f32, u64);
+
 impl SliceSource for Changed {
     fn info(&self) -> &VolumeInfo {
         &self.0.info
@@ -422,9 +424,15 @@ impl SliceSource for Changed {
         self.0.restart()
     }
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        let more = self.next_known(out)?;
+        out.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = 0.0);
+        Ok(more)
+    }
+    fn next_known(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        let k = self.0.next;
         let more = self.0.next_slice(out)?;
-        out.iter_mut().for_each(|v| *v = (self.1)(*v));
-        self.2 += out.iter().filter(|v| **v == 0.0).count() as u64;
+        out.iter_mut().enumerate().for_each(|(p, v)| *v = (self.1)(*v, p, k));
+        self.2 += out.iter().filter(|v| v.is_nan()).count() as u64;
         Ok(more)
     }
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
@@ -437,91 +445,96 @@ impl SliceSource for Changed {
 
 #[test]
 fn values_that_cannot_be_a_scan_stop_early() {
-    let refusal = |change: fn(f32) -> f32, settings: CtSettings| {
+    let refusal = |change: fn(f32, usize, usize) -> f32, settings: CtSettings| {
         let phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
         let made = slice_scan(&mut Changed(phantom, change, 0), &settings, &Diagnostics::default());
         made.expect_err("no scan").to_string()
     };
-    let swapped = |v: f32| f32::from((v as u16).swap_bytes());
+    let swapped = |v: f32, _, _| f32::from((v as u16).swap_bytes());
     for threshold in [Threshold::Otsu, Threshold::Value(11000.0)] {
         let told = refusal(swapped, CtSettings { threshold, ..settings() });
         assert!(told.contains("wrong order") && told.contains("shape.ct.byte_order"), "{told}");
     }
-    assert!(refusal(|_| 0.0, settings()).contains("NaN, infinite or padding"));
-    assert!(refusal(|_| 5.0, settings()).contains("every voxel has the grey value 5"));
+    assert!(refusal(|_, _, _| f32::NAN, settings()).contains("NaN, infinite or padding"));
+    assert!(refusal(|_, _, _| 5.0, settings()).contains("every voxel has the grey value 5"));
 }
 
 /// A detector's numbers of 16 bits on an offset, in integers of 32.
 #[test]
 fn grey_values_that_float32_rounds_are_told() {
-    let told = |sample: SampleType, change: fn(f32) -> f32| {
+    let told = |sample: SampleType, change: fn(f32, usize, usize) -> f32| {
         let mut phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
         phantom.info.sample = sample;
         let diagnostics = Diagnostics::default();
         slice_scan(&mut Changed(phantom, change, 0), &settings(), &diagnostics).expect("layers");
         diagnostics.warnings().into_iter().find(|w| w.id == WarningId::ScanValuesRounded).map(|w| w.text)
     };
-    let far: fn(f32) -> f32 = |v| v + 2_147_483_648.0;
+    let far: fn(f32, usize, usize) -> f32 = |v, _, _| v + 2_147_483_648.0;
     let text = told(SampleType::U32, far).expect("a warning");
     assert!(text.contains("where float32 has 8") && text.ends_with(" steps between them"), "{text}");
     assert!(told(SampleType::F64, far).is_some());
-    assert_eq!(told(SampleType::U32, |v| v), None);
-    assert_eq!(told(SampleType::U32, |v| v + 4_194_304.0), None, "half steps are left");
+    // A step of float32 at 2^31 is 256; the threshold lies between the two values.
+    let two: fn(f32, usize, usize) -> f32 = |v, _, _| 2_147_483_648.0 + if v > 11000.0 { 256.0 } else { 0.0 };
+    let text = told(SampleType::U32, two).expect("a warning");
+    assert!(text.ends_with("where float32 has 1 step between them"), "{text}");
+    assert_eq!(told(SampleType::U32, |v, _, _| v), None);
+    assert_eq!(told(SampleType::U32, |v, _, _| v + 4_194_304.0), None, "half steps are left");
     assert_eq!(told(SampleType::F32, far), None, "the file itself holds no more");
 }
 
-/// A round field of view: pixels outside a circle have the lowest value of their slice and are counted.
-struct Round(Phantom, u64);
-
-impl SliceSource for Round {
-    fn info(&self) -> &VolumeInfo {
-        &self.0.info
-    }
-    fn restart(&mut self) -> Result<(), SliceError> {
-        self.1 = 0;
-        self.0.restart()
-    }
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        let more = self.0.next_slice(out)?;
-        let lowest = out.iter().copied().fold(f32::INFINITY, f32::min);
-        for (p, v) in out.iter_mut().enumerate() {
-            let (x, y) = ((p % 100) as f64 - 49.5, (p / 100) as f64 - 49.5);
-            if x * x + y * y > 48.0 * 48.0 {
-                *v = lowest;
-                self.1 += 1;
-            }
-        }
-        Ok(more)
-    }
-    fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        self.0.skip_slice()
-    }
-    fn n_not_finite(&self) -> u64 {
-        self.1
-    }
-}
-
 #[test]
-fn padding_around_a_round_field_of_view_moves_no_threshold() {
+fn voxels_without_a_value_move_no_threshold() {
+    // A round field of view is padded. A turned stack does not fill the box around it.
+    let round: fn(f32, usize, usize) -> f32 = |v, p, _| {
+        let (x, y) = ((p % 100) as f64 - 49.5, (p / 100) as f64 - 49.5);
+        if x * x + y * y > 48.0 * 48.0 { f32::NAN } else { v }
+    };
+    let whole: fn(f32, usize, usize) -> f32 = |v, _, _| v;
     for threshold in [Threshold::Otsu, Threshold::Iso50(None)] {
-        let wanted = CtSettings { threshold, ..settings() };
-        let noisy = || {
+        let made = |change: fn(f32, usize, usize) -> f32, rotate_deg: [f64; 3]| {
             let mut phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
             // Air lies far enough above 0 that its noise is not cut.
             phantom.noise = 300.0;
             phantom.info.padded = true;
-            phantom
-        };
-        let made = |source: &mut dyn SliceSource| {
-            let diagnostics = Diagnostics::default();
-            let made = slice_scan(source, &wanted, &diagnostics).expect("layers");
+            let rotate_rad = rotate_deg.map(f64::to_radians);
+            let (wanted, diagnostics) =
+                (CtSettings { threshold, rotate_rad, ..settings() }, Diagnostics::default());
+            let made = slice_scan(&mut Changed(phantom, change, 0), &wanted, &diagnostics).expect("layers");
             let told = diagnostics.warnings().iter().any(|w| w.text.contains("are padding"));
             (made.report.threshold[0], told)
         };
-        let (plain, padded) = (made(&mut noisy()), made(&mut Round(noisy(), 0)));
-        println!("{threshold:?}: {plain:?} {padded:?}");
-        assert!((padded.0 - plain.0).abs() < 0.005 * (METAL - AIR), "{threshold:?}: {plain:?} {padded:?}");
-        assert!(padded.1 && !plain.1, "{threshold:?}");
+        let plain = made(whole, [0.0; 3]);
+        assert!(!plain.1);
+        for rotate_deg in [[0.0; 3], [90.0, 0.0, 0.0], [0.0, 90.0, 0.0], [20.0, 30.0, 37.0]] {
+            for (change, is_padded) in [(round, true), (whole, false)] {
+                let found = made(change, rotate_deg);
+                println!("{threshold:?}, turned by {rotate_deg:?}, padded {is_padded}: {plain:?} {found:?}");
+                let off = (found.0 - plain.0).abs() / (METAL - AIR);
+                assert!(off < 0.005, "{threshold:?}, {rotate_deg:?}, padded {is_padded}: {off}");
+                assert_eq!(found.1, is_padded, "{threshold:?}, {rotate_deg:?}");
+            }
+        }
+    }
+}
+
+/// The first slices have no value at all. The values begin below 0, so that 0 would be material.
+#[test]
+fn slices_without_a_value_are_air_in_every_part() {
+    let scan = || {
+        let lower: fn(f32, usize, usize) -> f32 = |v, _, k| if k < 5 { f32::NAN } else { v - 16000.0 };
+        Changed(Phantom::new(sphere, [60, 60, 40], [0.34; 3]), lower, 0)
+    };
+    for threshold in [Threshold::Iso50(None), Threshold::Value(-5000.0)] {
+        let settings = CtSettings { threshold, ..settings() };
+        let diagnostics = Diagnostics::default();
+        let whole = slice_scan(&mut scan(), &settings, &diagnostics).expect("a whole scan");
+        assert!((whole.report.bottom_mm - 2.0).abs() < 0.2, "{}", whole.report.bottom_mm);
+        let cut = PartedScan::new(scan().info(), &settings).expect("a sound header");
+        let survey = cut.survey(&mut scan(), &diagnostics).expect("a scan");
+        let part =
+            |slices: Range<usize>| cut.cut(&mut scan(), &survey, slices, &diagnostics).expect("a part");
+        let joined = cut.join(&survey, vec![part(0..3), part(3..20), part(20..40)], &diagnostics);
+        assert_eq!(joined.expect("a whole scan"), whole);
     }
 }
 

@@ -4,7 +4,8 @@
 //! The voxels of the rotated scan fill the box around the rotated stack. Each takes the grey value at its
 //! position in the stored scan, interpolated linearly from the eight voxels around it. Rotations by
 //! quarter turns map voxels onto voxels and change no value. Up to half a voxel beyond the outermost
-//! centres the outermost value is used, farther out the least value, which is air.
+//! centres the outermost value is used; farther out voxels have no value of their own, nor where the nearest stored voxel has
+//! none. These get the least value, which is air.
 //!
 //! Slices come in blocks of bounded memory. For each block the stored slices are read once, two at a
 //! time. Along each row of the block the slope of the row gives the voxels between the two slices, so
@@ -37,6 +38,7 @@ pub(super) struct Turned<S> {
     block: Vec<f32>,
     block_start: usize,
     cursor: SliceCursor,
+    /// The least grey value of the stored slices read so far.
     air: f32,
 }
 
@@ -101,6 +103,7 @@ impl<S: SliceSource> Turned<S> {
         let mut info =
             VolumeInfo::new(stored.info().format, n.map(|count| count as usize), stored.info().sample);
         info.spacing_mm = turned_spacing.to_array().map(Some);
+        info.padded = stored.info().padded;
         let cursor = SliceCursor::new(info.size[2]);
         Ok(Self {
             stored,
@@ -125,7 +128,7 @@ impl<S: SliceSource> Turned<S> {
         let n_block = (BLOCK_BYTES / (4 * self.area())).clamp(1, n_slices - next);
         self.block_start = next;
         self.block.clear();
-        // NaN marks voxels that no stored slice has reached; they become air at the end.
+        // NaN marks voxels that no stored slice has reached; they become air when a slice is handed out.
         self.block.resize(n_block * self.area(), f32::NAN);
         let [_, _, n_stored] = self.lattice.size();
         // The stored slices that lie between the corners of the block.
@@ -156,14 +159,12 @@ impl<S: SliceSource> Turned<S> {
             self.mix(&lower, &upper, k);
             lower = upper;
         }
-        let air = if self.air.is_finite() { self.air } else { 0.0 };
-        self.block.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = air);
         Ok(())
     }
 
     fn read(&mut self) -> Result<Vec<f32>, SliceError> {
         let mut slice = Vec::new();
-        self.stored.next_slice(&mut slice)?;
+        self.stored.next_known(&mut slice)?;
         let slice = self.lattice.cropped(slice);
         self.air = slice.iter().copied().fold(self.air, f32::min);
         Ok(slice)
@@ -173,7 +174,7 @@ impl<S: SliceSource> Turned<S> {
     fn mix(&mut self, lower: &[f32], upper: &[f32], k: usize) {
         let [nx, ny, nz] = self.lattice.size();
         let [columns, rows, _] = self.info.size;
-        let area = self.area();
+        let (area, air) = (self.area(), self.air);
         // A voxel is a volume, so the outermost slices reach half a voxel farther.
         let bottom = if k == 0 { -0.5 - EDGE } else { k as f64 };
         let top = if k + 2 >= nz { nz as f64 - 0.5 + EDGE } else { (k + 1) as f64 };
@@ -203,8 +204,16 @@ impl<S: SliceSource> Turned<S> {
                 let (i1, j1) = ((i + 1).min(nx - 1), (j + 1).min(ny - 1));
                 let (u, v) = ((px - i as f64) as f32, (py - j as f64) as f32);
                 let w = (p.z - k as f64).clamp(0.0, 1.0) as f32;
+                let nearest = if w < 0.5 { lower } else { upper };
+                let (column, row) = (if u < 0.5 { i } else { i1 }, if v < 0.5 { j } else { j1 });
+                if nearest[row * nx + column].is_nan() {
+                    continue;
+                }
+                let known = |v: f32| if v.is_nan() { air } else { v };
                 let plane = |s: &[f32]| {
-                    let along = |row: usize| s[row * nx + i] + u * (s[row * nx + i1] - s[row * nx + i]);
+                    let (from, to) =
+                        (|row: usize| known(s[row * nx + i]), |row: usize| known(s[row * nx + i1]));
+                    let along = |row: usize| from(row) + u * (to(row) - from(row));
                     let (a, b) = (along(j), along(j1));
                     a + v * (b - a)
                 };
@@ -232,6 +241,13 @@ impl<S: SliceSource> SliceSource for Turned<S> {
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        let more = self.next_known(out)?;
+        let air = if self.air.is_finite() { self.air } else { 0.0 };
+        out.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = air);
+        Ok(more)
+    }
+
+    fn next_known(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         let Some(k) = self.cursor.slice() else { return Ok(false) };
         let area = self.area();

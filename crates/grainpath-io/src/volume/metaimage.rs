@@ -15,6 +15,7 @@ use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
 
+use super::finite::Finite;
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, spacing, unsupported};
@@ -70,7 +71,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     if get("elementnumberofchannels").is_some_and(|n| n != "1") {
         return Err(unsupported(name, "several channels", "a volume of grey values has one"));
     }
-    if get("binarydata").is_some_and(|v| v.eq_ignore_ascii_case("false")) {
+    if get("binarydata").is_some_and(|v| !is_true(v)) {
         return Err(unsupported(name, "voxels written as text", "save the file with binary data"));
     }
     let stored = need("ElementType")?;
@@ -102,8 +103,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
     info.spacing_mm = signed_mm.map(spacing);
     let placement = placement_of(name, &get, unit_mm, signed_mm, &mut info)?;
-    let yes = |key: &str| get(key).is_some_and(|v| v.eq_ignore_ascii_case("true"));
-    let packing = if yes("compresseddata") { Packing::Zlib } else { Packing::None };
+    let packing = if get("compresseddata").is_some_and(is_true) { Packing::Zlib } else { Packing::None };
     let data = need("ElementDataFile")?;
     let skip: i64 = match get("headersize") {
         None => 0,
@@ -121,13 +121,19 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     if skip < 0 {
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
-    let big_endian = yes("binarydatabyteordermsb") || yes("elementbyteordermsb");
+    // Where both keys are there, MetaIO takes the first of these.
+    let big_endian = get("binarydatabyteordermsb").or(get("elementbyteordermsb")).is_some_and(is_true);
     let layout = Layout { file, offset, inside: false, packing, big_endian, scale: (1.0, 0.0) };
     let voxels = RawSource::new(files, info, layout)?;
     match placement {
         Some(placement) => oriented(voxels, &placement, name),
-        None => Ok(Box::new(voxels)),
+        None => Ok(Box::new(Finite::new(voxels))),
     }
+}
+
+/// Whether a value is true. Source: `MetaObject::M_Read` of MetaIO, which looks at the first letter alone.
+fn is_true(value: &str) -> bool {
+    value.starts_with(['T', 't', '1'])
 }
 
 /// Position of the voxels that the header states, in LPS as in ITK; `None` if it states no directions and no axis of
@@ -145,7 +151,8 @@ fn placement_of<'a>(
         error(name, VolumeProblem::Field { format: FORMAT, field, found, expected })
     };
     let numbers = |text: &str| text.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
-    let matrix = get("transformmatrix").or(get("orientation")).or(get("rotation"));
+    // Of several keys for one thing, MetaIO takes the first of these.
+    let matrix = get("transformmatrix").or(get("rotation")).or(get("orientation"));
     // Programs write `???` if they do not know the orientation.
     let letters = get("anatomicalorientation").filter(|text| !text.contains('?'));
     let directions = match (matrix, letters) {
@@ -167,7 +174,7 @@ fn placement_of<'a>(
         (None, None) if signed_mm.iter().all(|mm| *mm >= 0.0 || spacing(*mm).is_none()) => return Ok(None),
         (None, None) => [DVec3::X, DVec3::Y, DVec3::Z],
     };
-    let origin = match get("offset").or(get("position")).or(get("origin")) {
+    let origin = match get("origin").or(get("offset")).or(get("position")) {
         None => DVec3::ZERO,
         Some(text) => match numbers(text).as_deref() {
             Some(&[x, y, z]) => DVec3::new(x, y, z),

@@ -6,6 +6,7 @@
 mod dicom;
 mod error;
 mod files;
+mod finite;
 mod in_order;
 mod metaimage;
 mod nifti;
@@ -22,6 +23,7 @@ mod zarr;
 
 pub use error::{VolumeError, VolumeProblem};
 pub use files::{Files, ReadSeek, natural_order};
+pub use finite::Finite;
 pub use in_order::{AnySlice, InOrder};
 pub use raw::RawHeader;
 pub use write::write_tiff_stack;
@@ -75,7 +77,7 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     };
     // A header given by the user wins over the content, which may look like any format by chance.
     if let Some(header) = raw {
-        return Ok(Box::new(raw::open(&files, &first, header)?));
+        return Ok(Box::new(Finite::new(raw::open(&files, &first, header)?)));
     }
     if files.is_folder() {
         if is_zarr(&files) {
@@ -104,7 +106,7 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
         return nrrd::open(&files, &first);
     }
     if starts(b"II*\0") || starts(b"MM\0*") || starts(b"II+\0") || starts(b"MM\0+") {
-        return Ok(Box::new(tiff_pages::open(&files, &first)?));
+        return Ok(Box::new(Finite::new(tiff_pages::open(&files, &first)?)));
     }
     // Gzip is read as NIfTI (.nii.gz): NRRD and MetaImage compress only their voxels.
     if starts(b"\x1f\x8b") || nifti::is(&head) {

@@ -18,6 +18,7 @@ use grainpath_core::DVec3;
 use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
 
+use super::finite::Finite;
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{
@@ -149,7 +150,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     )?;
     match placement {
         Some(placement) => oriented(voxels, &placement, name),
-        None => Ok(Box::new(voxels)),
+        None => Ok(Box::new(Finite::new(voxels))),
     }
 }
 

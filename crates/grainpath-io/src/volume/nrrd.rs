@@ -15,6 +15,7 @@ use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
 
+use super::finite::Finite;
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{
@@ -109,7 +110,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let voxels = RawSource::new(files, info, layout)?;
     match placement {
         Some(placement) => oriented(voxels, &placement, name),
-        None => Ok(Box::new(voxels)),
+        None => Ok(Box::new(Finite::new(voxels))),
     }
 }
 

@@ -27,6 +27,7 @@ use grainpath_core::math::{acos, atan2};
 use grainpath_core::slices::{SliceSource, VolumeInfo, WorldFrame};
 use grainpath_core::{DMat3, DVec3, Warning, WarningId};
 
+use super::finite::Finite;
 use super::resliced::{Reordered, Shear, StoredAxis, Upright};
 use super::{VolumeError, VolumeProblem, check_size, error, spacing, unsupported};
 
@@ -151,7 +152,9 @@ pub(super) fn oriented(
     let mut source: Box<dyn SliceSource> = Box::new(source);
     let mut origin_mm = placement.origin_mm;
     // The shear comes first: it is defined by the stored axes.
-    if let Some(shear) = Shear::find(&r, &info, file)? {
+    let shear = Shear::find(&r, &info, file)?;
+    let is_moved = shear.is_some();
+    if let Some(shear) = shear {
         info.warnings.push(Warning::new(WarningId::ScanSheared, shear.told(&info)).in_file(file));
         info.size = shear.size;
         check_size(file, info.size)?;
@@ -206,7 +209,8 @@ pub(super) fn oriented(
             info.warnings.push(Warning::new(WarningId::ScanReadAgain, text).in_file(file));
         }
     }
-    Ok(Box::new(Reordered::new(source, info, order)))
+    let reordered = Reordered::new(source, info, order);
+    Ok(Box::new(if is_moved { Finite::of_moved(reordered) } else { Finite::new(reordered) }))
 }
 
 impl Shear {

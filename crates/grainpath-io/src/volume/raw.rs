@@ -6,7 +6,6 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
-use super::sample::NotFinite;
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
     error, io_error, sample,
@@ -59,7 +58,6 @@ pub(super) struct RawSource {
     stream: Stream,
     next: usize,
     buffer: Vec<u8>,
-    not_finite: NotFinite,
 }
 
 enum Stream {
@@ -93,15 +91,7 @@ impl RawSource {
     pub(super) fn new(files: &Files, info: VolumeInfo, layout: Layout) -> Result<Self, VolumeError> {
         check_size(&layout.file, info.size)?;
         let stream = start(files, &layout)?;
-        let mut source = Self {
-            info,
-            files: files.clone(),
-            layout,
-            stream,
-            next: 0,
-            buffer: Vec::new(),
-            not_finite: NotFinite::default(),
-        };
+        let mut source = Self { info, files: files.clone(), layout, stream, next: 0, buffer: Vec::new() };
         source.check_length()?;
         Ok(source)
     }
@@ -173,7 +163,6 @@ impl SliceSource for RawSource {
     fn restart(&mut self) -> Result<(), SliceError> {
         self.stream = start(&self.files, &self.layout)?;
         self.next = 0;
-        self.not_finite.restart();
         Ok(())
     }
 
@@ -202,11 +191,6 @@ impl SliceSource for RawSource {
         if (slope, intercept) != (1.0, 0.0) {
             out.iter_mut().for_each(|v| *v = *v * slope + intercept);
         }
-        // Only floats and scaled values can be NaN or infinite.
-        let floats = matches!(self.info.sample, SampleType::F32 | SampleType::F64);
-        if floats || (slope, intercept) != (1.0, 0.0) {
-            self.not_finite.replace_in(out);
-        }
         self.next += 1;
         Ok(true)
     }
@@ -231,9 +215,5 @@ impl SliceSource for RawSource {
         }
         self.next += 1;
         Ok(true)
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
     }
 }

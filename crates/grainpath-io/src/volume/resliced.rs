@@ -30,9 +30,12 @@ pub(super) struct Shear {
     pub row_lean_deg: f64,
 }
 
+/// Marks voxels outside the stored slice, which has no value for them. All that is not finite within it is NaN.
+pub(super) const OUTSIDE: f32 = f32::NEG_INFINITY;
+
 /// Slices that are moved within their plane, with rows that are moved within the slice. Values between
-/// pixels are interpolated linearly. Outside the stored slice the value is the lowest of the slice, which
-/// is air.
+/// pixels are interpolated linearly, where those that are not finite count as the lowest of the slice, which is air. A voxel
+/// is NaN if the stored pixel nearest to it is not finite, and [`OUTSIDE`] beyond the stored slice.
 pub(super) struct Upright {
     inner: Box<dyn SliceSource>,
     info: VolumeInfo,
@@ -50,7 +53,7 @@ impl Upright {
     fn moved(&self, k: usize, out: &mut Vec<f32>) {
         let [nx, ny, _] = self.inner.info().size;
         let [columns, rows, _] = self.info.size;
-        let outside = self.stored.iter().copied().fold(f32::INFINITY, f32::min);
+        let air = self.stored.iter().copied().filter(|v| v.is_finite()).fold(f32::INFINITY, f32::min);
         let shift = self.shear.slice_shift_px[k];
         out.clear();
         out.reserve(columns * rows);
@@ -60,7 +63,7 @@ impl Upright {
             let x0 = self.shear.first_px[0] - shift[0] - self.shear.columns_per_row * y;
             // A pixel is an area, so positions up to one pixel outside the border take the value of the border.
             if y <= -1.0 || y >= ny as f64 {
-                out.extend(std::iter::repeat_n(outside, columns));
+                out.extend(std::iter::repeat_n(OUTSIDE, columns));
                 continue;
             }
             let y = y.clamp(0.0, (ny - 1) as f64);
@@ -69,15 +72,18 @@ impl Upright {
             for column in 0..columns {
                 let x = column as f64 + x0;
                 if x <= -1.0 || x >= nx as f64 {
-                    out.push(outside);
+                    out.push(OUTSIDE);
                     continue;
                 }
                 let x = x.clamp(0.0, (nx - 1) as f64);
                 let (i, u) = (x as usize, (x - x.floor()) as f32);
                 let next = (i + 1).min(nx - 1);
-                let along = |row: &[f32]| row[i] + u * (row[next] - row[i]);
+                let (nearest_row, nearest) =
+                    (if v < 0.5 { low } else { high }, if u < 0.5 { i } else { next });
+                let finite = |v: f32| if v.is_finite() { v } else { air };
+                let along = |row: &[f32]| finite(row[i]) + u * (finite(row[next]) - finite(row[i]));
                 let (a, b) = (along(low), along(high));
-                out.push(a + v * (b - a));
+                out.push(if nearest_row[nearest].is_finite() { a + v * (b - a) } else { f32::NAN });
             }
         }
     }
@@ -110,10 +116,6 @@ impl SliceSource for Upright {
         let more = self.inner.skip_slice()?;
         self.next += usize::from(more);
         Ok(more)
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.inner.n_not_finite()
     }
 }
 
@@ -154,22 +156,11 @@ pub(super) struct Reordered {
     block: Vec<f32>,
     block_start: usize,
     next: usize,
-    /// Voxels that were not finite in earlier passes over the file.
-    not_finite_before: u64,
 }
 
 impl Reordered {
     pub(super) fn new(inner: Box<dyn SliceSource>, info: VolumeInfo, order: [StoredAxis; 3]) -> Self {
-        Self {
-            inner,
-            info,
-            order,
-            stored: Vec::new(),
-            block: Vec::new(),
-            block_start: 0,
-            next: 0,
-            not_finite_before: 0,
-        }
+        Self { inner, info, order, stored: Vec::new(), block: Vec::new(), block_start: 0, next: 0 }
     }
 
     /// Whether stored slices come in the order of the height.
@@ -228,12 +219,6 @@ impl Reordered {
             n_stored - self.block_start - n_block..n_stored - self.block_start
         } else {
             0..n_stored
-        };
-        // For a sideways stack every pass reads all voxels, so one pass counts all. For an upside-down stack each pass reads
-        // other voxels.
-        self.not_finite_before = match self.order[2].axis {
-            2 if self.next > 0 => self.n_not_finite(),
-            _ => 0,
         };
         self.inner.restart()?;
         for _ in 0..needed.start {
@@ -307,8 +292,5 @@ impl SliceSource for Reordered {
         }
         self.next += 1;
         Ok(true)
-    }
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite_before + self.inner.n_not_finite()
     }
 }

@@ -2,47 +2,7 @@
 
 use grainpath_core::slices::SampleType;
 
-/// Counts and replaces voxels that are NaN or infinite in the file, or that a reader made NaN because they are padding.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct NotFinite {
-    /// Number of such voxels since the last restart.
-    pub(super) n_voxels: u64,
-    /// The lowest finite value of the slices read so far.
-    least: Option<f32>,
-}
-
-impl NotFinite {
-    /// Starts counting again. The lowest value is kept.
-    pub(super) fn restart(&mut self) {
-        self.n_voxels = 0;
-    }
-
-    /// Takes the lowest value of a slice that is not given out, so that slices without finite values before it get air.
-    pub(super) fn learn(&mut self, slice: &[f32]) {
-        let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
-        self.least = self.least.into_iter().chain(least).reduce(f32::min);
-    }
-
-    /// Whether a finite value was seen.
-    pub(super) fn knows_air(&self) -> bool {
-        self.least.is_some()
-    }
-
-    /// Replaces values that are not finite by the lowest value of the slice, which is air. A slice
-    /// without finite values gets the lowest value so far, or 0 where none is known yet.
-    pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
-        let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
-        self.learn(slice);
-        // The lowest value is used, because 0 is water in Hounsfield units and would add material.
-        let air = least.or(self.least).unwrap_or(0.0);
-        for v in slice.iter_mut().filter(|v| !v.is_finite()) {
-            *v = air;
-            self.n_voxels += 1;
-        }
-    }
-}
-
-/// Appends the voxels in `bytes`, which holds a whole number of them. Floats may be NaN.
+/// Appends the voxels in `bytes`, which holds a whole number of them. Floats may be NaN or infinite.
 pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &mut Vec<f32>) {
     fn each<const N: usize>(bytes: &[u8], big: bool, out: &mut Vec<f32>, f: impl Fn([u8; N]) -> f32) {
         let values = bytes.chunks_exact(N).map(|c| {

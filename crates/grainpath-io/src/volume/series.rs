@@ -10,7 +10,7 @@
 //! at a time in memory; hidden files and index files of DICOM media are skipped.
 
 use super::files::MAX_FILE;
-use super::sample::NotFinite;
+use super::finite::Finite;
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, error,
 };
@@ -65,7 +65,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
         info.warnings.push(Warning::new(WarningId::ScanFilesSkipped, text).in_file(files.place()));
     }
     let cursor = SliceCursor::new(images.len());
-    Ok(Box::new(Series { info, files, names: images, cursor, not_finite: NotFinite::default() }))
+    Ok(Box::new(Finite::new(Series { info, files, names: images, cursor })))
 }
 
 struct Series {
@@ -73,7 +73,6 @@ struct Series {
     files: Files,
     names: Vec<String>,
     cursor: SliceCursor,
-    not_finite: NotFinite,
 }
 
 impl SliceSource for Series {
@@ -83,7 +82,6 @@ impl SliceSource for Series {
 
     fn restart(&mut self) -> Result<(), SliceError> {
         self.cursor.restart();
-        self.not_finite.restart();
         Ok(())
     }
 
@@ -97,16 +95,12 @@ impl SliceSource for Series {
             let (found, first) = ([image.width, image.height], self.names[0].clone());
             return Err(error(name, VolumeProblem::OtherSize { found, expected: [x, y], first }).into());
         }
-        take_grey(image, &self.info, name, out, &mut self.not_finite)?;
+        take_grey(image, &self.info, name, out)?;
         Ok(self.cursor.pass())
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
         Ok(self.cursor.pass())
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
     }
 }
 
@@ -129,7 +123,6 @@ pub(super) fn take_grey(
     info: &VolumeInfo,
     place: &str,
     out: &mut Vec<f32>,
-    not_finite: &mut NotFinite,
 ) -> Result<(), VolumeError> {
     // A change of depth would change the scale of grey values between two slices.
     let found = sample_of(&image.samples);
@@ -138,9 +131,6 @@ pub(super) fn take_grey(
         return Err(error(place, VolumeProblem::OtherSample { found, expected }));
     }
     *out = image.to_grey_f32();
-    if info.sample == SampleType::F32 {
-        not_finite.replace_in(out);
-    }
     Ok(())
 }
 

@@ -125,6 +125,14 @@ fn metaimage_beside_and_in_one() {
     check(&mut *single(&[("a.mhd", packed), ("a.zraw", zlib(&big()))]).expect("zlib"));
     let local = [head("ElementDataFile = LOCAL\n"), little()].concat();
     check(&mut *single(&[("a.mha", local)]).expect("one file"));
+    // Words are told by their first letter, and of two keys for the byte order one counts.
+    let packed = head("CompressedData = 1\nElementByteOrderMSB = T\nElementDataFile = a.zraw\n");
+    check(&mut *single(&[("a.mhd", packed), ("a.zraw", zlib(&big()))]).expect("zlib"));
+    for (binary, element, voxels) in [("False", "True", little()), ("1", "F", big())] {
+        let order = format!("BinaryDataByteOrderMSB = {binary}\nElementByteOrderMSB = {element}\n");
+        let both = [head(&format!("{order}ElementDataFile = LOCAL\n")), voxels].concat();
+        check(&mut *single(&[("a.mha", both)]).expect("one file"));
+    }
     says(single(&[("a.mhd", head("ElementDataFile = LIST\n"))]), "a.mhd", "several files");
     says(single(&[("a.mhd", b"NDims = 3\nDimSize = 3 2 4\n".to_vec())]), "a.mhd", "no ElementType");
     // Voxels as text, a size that is no number and an offset that is none are refused and not guessed.
@@ -694,9 +702,35 @@ fn voxels_that_are_no_numbers_come_as_air_and_are_counted() {
     source.restart().expect("again");
     assert_eq!(source.n_not_finite(), 0);
     let none: Vec<u8> = [f32::INFINITY; 24].iter().flat_map(|v| v.to_le_bytes()).collect();
-    let mut source = single(&[("a.nrrd", [head, none].concat())]).expect("a volume");
+    let mut source = single(&[("a.nrrd", [head.clone(), none].concat())]).expect("a volume");
     assert_eq!(all(&mut *source).expect("slices")[2], [0.0; 6]);
     assert_eq!(source.n_not_finite(), 24);
+    // Slices without a value before the first that has some: 0 would be material.
+    let late: Vec<f32> = (0..24).map(|i| if i < 12 { f32::NAN } else { i as f32 - 1000.0 }).collect();
+    let late: Vec<u8> = late.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let mut nifti = nifti()[..352].to_vec();
+    nifti[70] = 16;
+    let nifti = [nifti, late.clone()].concat();
+    let raw = RawHeader { size: [3, 2, 4], sample: SampleType::F32, big_endian: false, offset_bytes: 0 };
+    for source in [
+        single(&[("a.nrrd", [head, late.clone()].concat())]),
+        single(&[("a.nii", nifti.clone())]),
+        single(&[("a.nii.gz", gzip(&nifti))]),
+        open_volume(files(&[("a.raw", late)], false), Some(&raw)),
+    ] {
+        let mut source = source.expect("a volume");
+        for _ in 0..2 {
+            let slices = all(&mut *source).expect("slices");
+            assert_eq!(slices[..2], [[-988.0; 6], [-988.0; 6]]);
+            assert_eq!((slices[2][1], slices[3][5], source.n_not_finite()), (-987.0, -977.0, 12));
+            source.restart().expect("again");
+        }
+        // The first slice may be passed over.
+        assert!(source.skip_slice().expect("a slice"));
+        let mut slice = Vec::new();
+        assert!(source.next_slice(&mut slice).expect("a slice"));
+        assert_eq!((slice[0], source.n_not_finite()), (-988.0, 6));
+    }
 }
 
 #[test]

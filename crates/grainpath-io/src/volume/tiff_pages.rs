@@ -16,7 +16,6 @@ use grainpath_core::units::LengthUnit;
 use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
 
-use super::sample::NotFinite;
 use super::series::{sample_of, take_grey};
 use super::{
     Files, MAX_SLICES, ReadSeek, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size,
@@ -32,7 +31,6 @@ pub(super) struct TiffSource {
     name: String,
     decoder: Pages,
     next: usize,
-    not_finite: NotFinite,
 }
 
 pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError> {
@@ -57,14 +55,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
     }
     info.size[2] = n;
     let decoder = start(files, name, [nx, ny])?;
-    Ok(TiffSource {
-        info,
-        files: files.clone(),
-        name: name.to_owned(),
-        decoder,
-        next: 0,
-        not_finite: NotFinite::default(),
-    })
+    Ok(TiffSource { info, files: files.clone(), name: name.to_owned(), decoder, next: 0 })
 }
 
 fn damaged(name: &str, page: usize, e: &tiff::TiffError) -> VolumeError {
@@ -137,7 +128,6 @@ impl SliceSource for TiffSource {
     fn restart(&mut self) -> Result<(), SliceError> {
         self.decoder = start(&self.files, &self.name, [self.info.size[0], self.info.size[1]])?;
         self.next = 0;
-        self.not_finite.restart();
         Ok(())
     }
 
@@ -159,7 +149,7 @@ impl SliceSource for TiffSource {
         }
         let image = page::read_page(&mut self.decoder, super::MAX_PIXELS as u64);
         let image = image.map_err(|e| error(&place, e))?;
-        take_grey(image, &self.info, &place, out, &mut self.not_finite)?;
+        take_grey(image, &self.info, &place, out)?;
         self.advance()?;
         Ok(true)
     }
@@ -170,9 +160,5 @@ impl SliceSource for TiffSource {
         }
         self.advance()?;
         Ok(true)
-    }
-
-    fn n_not_finite(&self) -> u64 {
-        self.not_finite.n_voxels
     }
 }

@@ -62,12 +62,12 @@ def whole_text(text: str, name: str) -> None:
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """What was meant by a word that is not among some."""
+    """What was probably meant by a word that is not among some; empty if none of them is near."""
     # Imported here, since only mistakes need it.
     import difflib
 
-    near = difflib.get_close_matches(word, list(words), n=1, cutoff=0)
-    return f"did you mean {near[0]!r}?" if near else ""
+    near = difflib.get_close_matches(word, list(words), n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def watch(progress: Any, cancel: Any) -> None:

@@ -98,18 +98,18 @@ def scan_survey(
     spec: Spec,
     array: tuple[list[int], str, list[float] | None, Any, int],
     watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
-) -> tuple[tuple[float, float, float, float | None], list[int]]: ...
+) -> tuple[tuple[float, float, float, float, float | None], list[int]]: ...
 def scan_part(
     spec: Spec,
     array: tuple[list[int], str, list[float] | None, Any, int],
-    found: tuple[float, float, float, float | None],
+    found: tuple[float, float, float, float, float | None],
     slices: tuple[int, int, int],
     watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
 ) -> bytes: ...
 def scan_join(
     spec: Spec,
     array: tuple[list[int], str, list[float] | None],
-    found: tuple[float, float, float, float | None],
+    found: tuple[float, float, float, float, float | None],
     parts: list[bytes],
     watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
     n_missing: int = 0,

@@ -264,7 +264,7 @@ class Job:
     def __getitem__(self, key: str) -> Any:
         settings = self.settings
         if key not in settings:
-            raise KeyError(f"no setting {key!r}; {nearest(str(key), settings)}")
+            raise KeyError(f"no setting {key!r}{nearest(str(key), settings)}")
         return settings[key]
 
     def __contains__(self, key: object) -> bool:

@@ -66,7 +66,7 @@ def specimen(name: str) -> tuple[Mesh, Job | None]:
     """
     found = _grainpath.specimen(name)
     if found is None:
-        raise JobError(f"no specimen {name!r}; {_nearest(name, specimens())}")
+        raise JobError(f"no specimen {name!r}{_nearest(name, specimens())}")
     mesh = Mesh._of(found[0])
     return mesh, None if found[1] is None else Job(mesh, text=found[1], name=f"{name}.toml")
 
@@ -83,7 +83,7 @@ def new(
         raise JobError(f"pixels = {pixels!r} should be from 64 to 1024, and is for the preset ct")
     files, names = _grainpath.example(preset, pixels)
     if files is None:
-        raise JobError(f"no preset {preset!r}; {_nearest(preset, names)}")
+        raise JobError(f"no preset {preset!r}{_nearest(preset, names)}")
     folder = preset if folder is None else os.fspath(folder)
     paths = [os.path.join(folder, name) for name, _ in files]
     for path in paths:
@@ -120,4 +120,4 @@ def markers(width_mm: float, height_mm: float, *, pdf: bool = False) -> bytes:
 
 
 def _nearest(word: str, words: Any) -> str:
-    return f"{nearest(word, words)} There are {', '.join(words)}"
+    return f"{nearest(word, words) or '.'} There are {', '.join(words)}"

@@ -31,8 +31,11 @@ const WEDGE_STEP: f64 = 0.25;
 /// The bead of a wedge ends this far before the end of the line that closes the wedge, in strips. Source: derived; round
 /// ends of two beads then touch in the middle of the way.
 const BEFORE_END: f64 = 0.5;
-/// A wedge gets a bead from this length on, in strips. Source: chosen; the flow of a bead that is shorter than wide has hardly
-/// begun. On a round hub of a scan half a strip would add 760 beads to 6640 paths.
+/// The bead of a wedge goes on, as narrow as beads may be, until the wedge has this share of that width. Source: derived;
+/// there the bead lays as much twice as it closes.
+const TIP_SHARE: f64 = 0.5;
+/// A wedge gets a bead from this length on, where it is as wide as the narrowest bead, in strips. Source: chosen; the flow of
+/// a bead that is shorter than wide has hardly begun. On a round hub of a scan half a strip would add 760 beads to 6640 paths.
 const LEAST_WEDGE: f64 = 1.0;
 
 /// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
@@ -237,7 +240,7 @@ impl Hatch {
     }
 
     /// The wedges that lines with strips of `strip_mm` leave open beside the border, whose walls begin `border_mm` beyond
-    /// it, where they are at least `least_mm` wide. `joined` holds the end to which a joint leads from each end.
+    /// it, for beads with strips of at least `least_mm`. `joined` holds the end to which a joint leads from each end.
     pub(super) fn wedges(
         &self,
         joined: &[Option<u32>],
@@ -274,14 +277,14 @@ impl Hatch {
         for pair in resampled(&border, false, WEDGE_STEP * strip_mm).windows(2) {
             let at = 0.5 * (pair[0] + pair[1]);
             match self.across(at, pair[1] - pair[0], [from, to], strip_mm, border_mm) {
-                Some((middle, width_mm)) if width_mm >= least_mm => {
+                Some((middle, width_mm)) if width_mm >= TIP_SHARE * least_mm => {
                     wedge.points.push(middle);
-                    wedge.widths_mm.push(width_mm.min(strip_mm));
+                    wedge.widths_mm.push(width_mm.clamp(least_mm, strip_mm.max(least_mm)));
                 }
-                _ => self.finish(&mut wedge, strip_mm, out),
+                _ => self.finish(&mut wedge, [strip_mm, least_mm], out),
             }
         }
-        self.finish(&mut wedge, strip_mm, out);
+        self.finish(&mut wedge, [strip_mm, least_mm], out);
     }
 
     /// The space between the walls beside a place of the border and the next line inwards: its middle and its width, mm.
@@ -321,9 +324,11 @@ impl Hatch {
     }
 
     /// Adds a wedge that is long enough for a bead, and begins another one.
-    fn finish(&self, wedge: &mut Wedge, strip_mm: f64, out: &mut Vec<Wedge>) {
+    fn finish(&self, wedge: &mut Wedge, [strip_mm, least_mm]: [f64; 2], out: &mut Vec<Wedge>) {
         let mut wedge = std::mem::take(wedge);
-        if length_mm(&wedge.points, false) > LEAST_WEDGE * strip_mm {
+        let all = wedge.points.iter().zip(&wedge.widths_mm);
+        let wide: Vec<DVec2> = all.filter(|(_, mm)| **mm > least_mm).map(|(p, _)| *p).collect();
+        if length_mm(&wide, false) > LEAST_WEDGE * strip_mm {
             wedge.points.iter_mut().for_each(|p| *p = rotated(*p, self.axis));
             out.push(wedge);
         }

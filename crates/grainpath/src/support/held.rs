@@ -327,12 +327,21 @@ impl<'a> Part<'a> {
 
     /// Whether a section lies within a distance of a point.
     fn near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
-        let region = self.stack.layers()[layer].region();
+        self.section_near(layer, p, reach_mm).is_some_and(|section| is_near(section, p, reach_mm))
+    }
+
+    /// Whether a section contains a point.
+    pub(super) fn contains(&mut self, layer: usize, p: DVec2) -> bool {
+        self.section_near(layer, p, 0.0).is_some_and(|section| section.contains(p))
+    }
+
+    /// A section whose bounds lie within a distance of a point.
+    fn section_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> Option<&LineClipper> {
+        let new = || LineClipper::new(self.stack.layers()[layer].region());
+        // The clipper knows its bounds; those of the region would be found anew for every point.
+        let section: &LineClipper = self.clippers.entry(layer).or_insert_with(new);
         let here = Bounds2 { min: p, max: p }.grown(reach_mm);
-        if !region.bounds().is_some_and(|b| b.meets(here)) {
-            return false;
-        }
-        is_near(self.clippers.entry(layer).or_insert_with(|| LineClipper::new(region)), p, reach_mm)
+        section.bounds().filter(|b| b.meets(here)).map(|_| section)
     }
 
     /// Whether a bead of the part lies below a point of layer `k`, across the removal gap.

@@ -146,7 +146,7 @@ pub(crate) fn lengthen_tips(
     let arch_mm = reach_mm / step_mm * usual_height_mm(stack, settings);
     let mut index = PointGrid3::new(reach_mm);
     lines.iter().flatten().for_each(|&p| index.insert(p, ()));
-    for contact in contacts.iter_mut().filter(|c| index.nearest_within(c.at, reach_mm).is_some()) {
+    for contact in contacts.iter_mut().filter(|c| index.within(c.at, reach_mm).next().is_some()) {
         contact.tip_mm = arch_mm;
     }
 }

@@ -6,7 +6,7 @@
 //! line lies within [`FREE_STEP_BEADS`] of it, or the tip of a contact does. Every stretch that is not held and is longer
 //! than [`LONGEST_SHARE`] of L is divided by contacts, each with a short line across all walls.
 //!
-//! Lengths are mm. Cost: an offset and a walk along the walls, in the layers that flat overhangs begin in. Limits: walls
+//! Lengths are mm. Cost: an offset for each wall and a walk along it, in the layers that flat overhangs begin in. Limits: walls
 //! so near the plate that no support fits below them, across the removal gap, are left as they are.
 
 use grainpath_core::buckets::{PointGrid2, PointGrid3};
@@ -89,11 +89,11 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
         };
         holders[end].iter().filter(room).for_each(|&p| held.insert(p, ()));
         let step_mm = interface::step_mm(layer.height_mm(), settings);
-        let mut is_free = |p: DVec2| {
+        let is_beyond = |p: DVec2, part: &mut Part<'_>| {
             held.within(p, reach_mm).next().is_none()
-                && overhang.nearest_within(p.extend(bottom_mm), near_mm).is_some()
+                && !part.contains(k - 1, p)
+                && overhang.within(p.extend(bottom_mm), near_mm).next().is_some()
                 && !settings.blocked(p.extend(bottom_mm))
-                && !part.has_bead_near(k - 1, p, step_mm)
         };
         let mut found = Vec::new();
         for wall in 0..settings.part_walls {
@@ -103,7 +103,14 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
             }
             for contour in walls.contours() {
                 let points = points_along(contour);
-                let free: Vec<bool> = points.iter().map(|&p| is_free(p)).collect();
+                // The walls of the layer below cost two offsets, so they are laid only where a stretch lies beyond its section.
+                let mut free: Vec<bool> = points.iter().map(|&p| is_beyond(p, &mut part)).collect();
+                if stretches(&points, true, &free, longest_mm).is_empty() {
+                    continue;
+                }
+                for (free, p) in free.iter_mut().zip(&points).filter(|(free, _)| **free) {
+                    *free = !part.has_bead_near(k - 1, *p, step_mm);
+                }
                 let stretches = stretches(&points, true, &free, longest_mm);
                 found.extend(stretches.into_iter().map(|(points, closed)| Free {
                     layer: k,

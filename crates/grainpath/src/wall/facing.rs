@@ -24,6 +24,9 @@ use grainpath_core::{BeadWidth, DVec2, Toolpath};
 /// Longest piece of a loop without a point that looks across, mm. Source: derived: about a bead's width, so that a bead
 /// ends to widen within a bead's width of the place where the space ends.
 const STEP_MM: f64 = 0.4;
+/// A point lies on a piece that is nearer than this, mm; the other side never is. Source: derived; coordinates of 1000 mm are
+/// rounded by 1e-13 mm, and polygons lie on a grid of 1e-4 mm.
+const ON_MM: f64 = 1e-6;
 /// Cosine of the largest angle between the way across and the normal of a loop. Source: derived: 26 degrees. Where two
 /// sides meet at a larger angle, they face each other for less than a bead's width.
 const ACROSS: f64 = 0.9;
@@ -52,7 +55,7 @@ pub(super) fn share_the_space(
         let across = |p: DVec2, normal: DVec2| {
             let near = pieces.within(p, s + range_mm.1);
             let ways = near.map(|(i, share)| pieces.ends(i)[0].lerp(pieces.ends(i)[1], share) - p);
-            let ways = ways.filter(|way| way.dot(normal) > ACROSS * way.length());
+            let ways = ways.filter(|way| way.length() > ON_MM && way.dot(normal) > ACROSS * way.length());
             // The diameter of the circle that touches the loop here and passes through the other point: the distance of
             // parallel sides, and in a round place the same for every point across.
             let across_mm = ways.map(|way| way.length_squared() / way.dot(normal)).min_by(f64::total_cmp)?;

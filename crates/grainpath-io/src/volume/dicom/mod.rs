@@ -40,6 +40,7 @@ use grainpath_core::DVec3;
 
 use self::codec::Codec;
 use self::header::{Padding, Pixels, Slice};
+use super::finite::Finite;
 use super::placement::{Placement, oriented};
 use super::{
     AnySlice, Files, InOrder, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem,
@@ -134,7 +135,7 @@ pub(super) fn open(
     let series = InOrder::new(Series { info, files: files.clone(), slices });
     match placement {
         Some(placement) => oriented(series, &placement, files.place()),
-        None => Ok(Box::new(series)),
+        None => Ok(Box::new(Finite::new(series))),
     }
 }
 

@@ -203,6 +203,38 @@ fn every_axis_order_and_flip_gives_the_same_slices() {
     }
 }
 
+/// The first slice of the world has no value at all, and the others none in their third column.
+#[test]
+fn voxels_without_a_value_are_those_that_were_stored_without_one() {
+    let is_lost = |v: i16| v < 100 || v % 10 == 3;
+    for (order, reversed) in every_order() {
+        let s = stored(order, reversed);
+        let bytes = s.nrrd("left-posterior-superior", DVec3::ONE, "mm", 1.0);
+        let head =
+            String::from_utf8_lossy(&bytes[..bytes.len() - 2 * s.voxels.len()]).replace("short", "float");
+        let stored = s.voxels.iter().map(|&v| if is_lost(v) { f32::NAN } else { f32::from(v) });
+        let bytes: Vec<u8> = head.bytes().chain(stored.flat_map(f32::to_le_bytes)).collect();
+        let what = format!("axes {order:?}, reversed {reversed:?}");
+        let mut source = single(&[("a.nrrd", bytes)]).expect(&what);
+        let world = |z: usize| (0..20).map(move |p| value([p % 5, p / 5, z]));
+        for (finite, air) in [(false, f32::NAN), (true, 101.0)] {
+            source.restart().expect("again");
+            let (mut slice, mut n_lost) = (Vec::new(), 0);
+            for z in 0..3 {
+                let more = if finite { source.next_slice(&mut slice) } else { source.next_known(&mut slice) };
+                assert!(more.expect("a slice"));
+                // The least value of the third slice is higher by 100.
+                let air = air + if z == 2 { 100.0 } else { 0.0 };
+                let expected: Vec<f32> =
+                    world(z).map(|v| if is_lost(v) { air } else { f32::from(v) }).collect();
+                assert_eq!(format!("{slice:?}"), format!("{expected:?}"), "{what}, slice {z}");
+                n_lost += world(z).filter(|v| is_lost(*v)).count() as u64;
+                assert_eq!(source.n_not_finite(), n_lost, "{what}, slice {z}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_sform_counts_before_a_qform_that_contradicts_it() {
     let bytes = stored([1, 0, 2], [false, true, false]).nifti("sw", 2, 1.0);
@@ -303,9 +335,15 @@ fn sheared_stacks_are_moved_upright_and_say_so() {
             });
             let what = format!("{what} lean, axes {order:?}, reversed {reversed:?}");
             let bytes = affine(size, origin_mm, step_mm);
-            let source = single(&[("a", bytes.clone())]).expect(&what);
+            let mut source = single(&[("a", bytes.clone())]).expect(&what);
             let told = source.info().warnings.iter().any(|w| w.text.contains("moved upright"));
             assert!(told, "{what}: {:?}", source.info().warnings);
+            // The corners that the stored stack does not reach have no value, and the file holds all of its own.
+            let (mut slice, mut n_unknown) = (Vec::new(), 0);
+            while source.next_known(&mut slice).expect("slices") {
+                n_unknown += slice.iter().filter(|v| v.is_nan()).count();
+            }
+            assert!(n_unknown > 50 && source.n_not_finite() == 0, "{what}: {n_unknown}");
             let inside = follows_the_ramp(bytes, size, origin_mm, step_mm, &what);
             assert!(inside > 12 * 10 * 9 * 4 / 5, "{what}: {inside}");
             n += 1;

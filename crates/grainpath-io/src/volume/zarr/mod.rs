@@ -33,8 +33,8 @@ use serde_json::Value;
 use self::codec::{Shards, ToBytes, packed_limit};
 use self::metadata::{Array, ZARR};
 use super::{
-    AnySlice, Files, InOrder, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, damaged,
-    error, io_error, sample, spacing,
+    AnySlice, Files, Finite, InOrder, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem,
+    damaged, error, io_error, sample, spacing,
 };
 
 /// Limit on the size of a metadata file. Source: derived. A group that repeats the descriptions of ten thousand arrays has
@@ -308,7 +308,7 @@ impl Source {
                 },
             ));
         }
-        Ok(Box::new(InOrder::new(Self {
+        Ok(Box::new(Finite::new(InOrder::new(Self {
             info,
             files: files.clone(),
             folder,
@@ -318,7 +318,7 @@ impl Source {
             end: 0,
             indexes: BTreeMap::new(),
             absent: 0,
-        })))
+        }))))
     }
 
     fn slice_bytes(&self) -> usize {
