@@ -12,12 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::file_kind::FileKind;
 use crate::refusal::{Refusal, plain};
-use crate::roots::{Roots, write_whole};
+use crate::roots::{DRAFTS, DRAFTS_LOCK, Roots, write_whole};
 
-/// Name of the file.
-pub(crate) const FILE: &str = "drafts.json";
-/// Name of the file that is locked while the drafts are read and written anew. It is empty and stays.
-pub(crate) const LOCK: &str = ".drafts.lock";
 /// The greatest number of drafts that are kept, the newest ones. Source: chosen; a page lists no more.
 const MOST: usize = 20;
 /// The greatest number of bytes of all their texts. Source: chosen; jobs have some kilobytes.
@@ -51,7 +47,7 @@ fn wrong(path: &Path, what: &str) -> Refusal {
 
 /// Waits until no other thread or studio writes the drafts. The lock ends with the file.
 fn lock(roots: &Roots) -> Result<File, Refusal> {
-    let path = roots.writable(&roots.work().join(LOCK))?;
+    let path = roots.writable(&roots.work().join(DRAFTS_LOCK))?;
     let failed = |e: std::io::Error| wrong(&path, &plain(&e));
     let file = OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
     match file.lock() {
@@ -64,7 +60,7 @@ fn lock(roots: &Roots) -> Result<File, Refusal> {
 
 /// All drafts, the newest first.
 pub(crate) fn told(roots: &Roots) -> Result<Vec<Draft>, Refusal> {
-    let path = roots.work().join(FILE);
+    let path = roots.work().join(DRAFTS);
     match std::fs::read(&path) {
         Ok(bytes) => serde_json::from_slice(&bytes)
             .map_err(|e| wrong(&path, &format!("it is no list of drafts ({e}); move it away"))),
@@ -97,7 +93,7 @@ pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     // The newest ones come first, so the oldest ones go where there are too many.
     let n = all.iter().take(MOST).take_while(|d| is_kept(d)).count();
     all.truncate(n);
-    let path = roots.writable(&roots.work().join(FILE))?;
+    let path = roots.writable(&roots.work().join(DRAFTS))?;
     let failed = |e: std::io::Error| wrong(&path, &plain(&e));
     let bytes = serde_json::to_vec(&all).map_err(|e| failed(e.into()))?;
     write_whole(&path, &bytes).map_err(|e| wrong(&path, &e.message))

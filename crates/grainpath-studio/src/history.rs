@@ -11,11 +11,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Map, Value, json};
 
 use crate::engine::Finished;
-use crate::roots::Roots;
+use crate::roots::{HISTORY, Roots};
 use crate::runs::Kind;
 
-/// Name of the file.
-pub(crate) const FILE: &str = "history.jsonl";
 /// The greatest number of runs that are listed, the newest ones. Source: chosen; a page lists no more.
 const MOST_TOLD: usize = 200;
 /// Number of bytes that are read at the end of the file. Source: chosen; 200 lines take about a fifth of it.
@@ -43,7 +41,7 @@ fn row(kind: Kind, name: &str, input: Option<&Path>, finished: &Finished, at_s: 
 pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, finished: &Finished) {
     let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let line = format!("{}\n", row(kind, name, input, finished, at_s));
-    let Ok(path) = roots.writable(&roots.work().join(FILE)) else { return };
+    let Ok(path) = roots.writable(&roots.work().join(HISTORY)) else { return };
     let file = OpenOptions::new().create(true).append(true).open(path);
     // One call for the whole line, so that lines of two studios do not mix.
     let _ = file.and_then(|mut f| f.write_all(line.as_bytes()));
@@ -52,7 +50,7 @@ pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, f
 /// The newest runs, the last one first. Lines that are not JSON are skipped.
 pub(crate) fn told(roots: &Roots) -> Vec<Value> {
     let read = || -> std::io::Result<Vec<u8>> {
-        let mut file = std::fs::File::open(roots.work().join(FILE))?;
+        let mut file = std::fs::File::open(roots.work().join(HISTORY))?;
         let length = file.metadata()?.len();
         file.seek(SeekFrom::Start(length.saturating_sub(MOST_BYTES)))?;
         let mut bytes = Vec::new();

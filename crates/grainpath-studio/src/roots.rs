@@ -115,10 +115,18 @@ impl Roots {
     }
 }
 
-/// Names in the working folder that the studio uses itself.
-const OWN_NAMES: [&str; 4] = [UPLOADS, crate::drafts::FILE, crate::drafts::LOCK, crate::history::FILE];
 /// Name of the folder of files that were dropped on the page.
 pub(crate) const UPLOADS: &str = "uploads";
+/// Name of the file of changes that were not saved.
+pub(crate) const DRAFTS: &str = "drafts.json";
+/// Name of the file that is locked while [`DRAFTS`] is read and written anew. It is empty and stays.
+pub(crate) const DRAFTS_LOCK: &str = ".drafts.lock";
+/// Name of the file of the history of runs.
+pub(crate) const HISTORY: &str = "history.jsonl";
+/// Names in the working folder that the studio uses itself.
+const OWN_NAMES: [&str; 4] = [UPLOADS, DRAFTS, DRAFTS_LOCK, HISTORY];
+/// The ending of packed scans, which is one ending for the user and two for the file system.
+const PACKED_NIFTI: &str = ".nii.gz";
 
 /// A temporary file in a folder, which gets its name when it is whole. Who may read it is what the system gives new files,
 /// so that others can where the folder is shared; `tempfile` alone would keep it to the user.
@@ -147,9 +155,8 @@ const MOST_ENDING_BYTES: usize = 16;
 
 /// A name before and from its ending, which says what kind of file it is. `.nii.gz` is one ending.
 pub(crate) fn stem_and_ending(name: &str) -> (&str, &str) {
-    let at = name.rfind('.').unwrap_or(name.len());
-    let packed = name[..at].strip_suffix(".nii").filter(|_| &name[at..] == ".gz");
-    name.split_at(packed.map_or(at, str::len))
+    let packed = name.strip_suffix(PACKED_NIFTI).map(str::len);
+    name.split_at(packed.or(name.rfind('.')).unwrap_or(name.len()))
 }
 
 /// The last part of a name from the page, without characters that a path or a shell could misread.

@@ -59,8 +59,8 @@ impl Studio {
     pub fn new(options: &Options, engine: Arc<dyn Engine>) -> Result<Self, Refusal> {
         let base = options.base.trim_end_matches('/');
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "/-_.~".contains(c);
-        // An empty part would send the browser to another host ("//host"), and browsers take ".." out of an address.
-        let is_part = |part: &str| !matches!(part, "" | "." | "..");
+        // An empty part would send the browser to another host ("//host"), and browsers take "." and ".." out of an address.
+        let is_part = |part: &str| part.chars().any(|c| c != '.');
         let is_path =
             base.is_empty() || base.strip_prefix('/').is_some_and(|rest| rest.split('/').all(is_part));
         if !is_path || !base.chars().all(is_plain) {
