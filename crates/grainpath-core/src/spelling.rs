@@ -4,10 +4,10 @@
 ///
 /// Names that contain every part of the word are preferred: `layer_mm` means `layer_height_mm`, although a shorter name
 /// has a smaller edit distance. Among these names, or among all names if there is none of the kind, the one with the
-/// smallest edit distance (Levenshtein) is chosen; of equal ones, the first in the alphabet.
+/// smallest edit distance is chosen, in which two letters that changed places count once; of equal ones, the first in the alphabet.
 fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> &'a str {
     let lacks_a_part = |name: &str| !has_parts(name, word);
-    names.into_iter().min_by_key(|n| (lacks_a_part(n), strsim::levenshtein(word, n), *n)).unwrap_or_default()
+    names.into_iter().min_by_key(|n| (lacks_a_part(n), strsim::osa_distance(word, n), *n)).unwrap_or_default()
 }
 
 /// Whether a name contains every part of a word; parts stand between underscores.
@@ -31,7 +31,7 @@ pub fn near<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<
     }
     let is_part = near.contains(word) || word.contains(near) || has_parts(near, word);
     let most = word.chars().count().max(near.chars().count());
-    (is_part || 3 * strsim::levenshtein(word, near) <= most).then_some(near)
+    (is_part || 3 * strsim::osa_distance(word, near) <= most).then_some(near)
 }
 
 /// The end of a message that a word is none of the names: `; did you mean "walls"?`, or `.` if no name is near.
@@ -79,6 +79,7 @@ mod tests {
             Some("layer_height")
         );
         assert_eq!(super::near("layer_mm", ["arcs", "seam", "layer_height_mm"]), Some("layer_height_mm"));
+        assert_eq!(super::near("mehs", ["ct", "mesh"]), Some("mesh"), "two letters that changed places");
         assert_eq!(super::near("x", ["arcs", "seam"]), None);
         assert_eq!(super::near("x", []), None);
         assert_eq!(super::near("", ["arcs"]), None);
