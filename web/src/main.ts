@@ -465,7 +465,7 @@ function shift(input: HTMLInputElement, by: number, then: () => void): void {
 document.addEventListener("keydown", (event) => {
   const target = event.target as HTMLElement;
   const isField = ["INPUT", "TEXTAREA"].includes(target.tagName) && !(target instanceof HTMLInputElement && ["checkbox", "range"].includes(target.type));
-  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !isField && job.text() !== null) {
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && (!isField || job.isText(target)) && job.text() !== null) {
     if (event.shiftKey) job.redo(); else job.undo();
     event.preventDefault();
     return;
