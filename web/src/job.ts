@@ -4,6 +4,7 @@ import * as api from "./api";
 import { BoardPicture, type Point } from "./board";
 import { byId, el, numberField, numberOf, showValue } from "./dom";
 import { drafts, forget, keep } from "./drafts";
+import { absolute } from "./paths_of_job";
 import type { Open } from "./main";
 import { SettingsForm, plain, type Schema } from "./settings";
 import { get, set, value } from "./toml";
@@ -17,32 +18,20 @@ interface Parts {
 /** How long the text has to rest before it is checked, ms. Source: chosen; a pause between two words. */
 const REST_MS = 400;
 
-/** Whether a path begins at the root of a disk. */
-const isWhole = (path: string) => /^([/\\]|[A-Za-z]:)/.test(path);
+/** What is typed after such a pause is undone by itself, ms. Source: chosen; longer than between two words, shorter than a thought. */
+const PAUSE_MS = 1000;
 
 /** A text as TOML writes it: a JSON string is a TOML string too. */
 export const quoted = (text: string) => JSON.stringify(text);
 
-/** What runs is saved elsewhere, so files that a job names beside itself, in `folder`, are named in full. */
-export function absolute(text: string, folder: string): string {
-  const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["shape", "ct"], ["shape.ct", "path"], ["guide", "import"], ["guide", "volume"], ["guide.volume", "path"], ["guide", "field"], ["guide.field", "path"]];
-  const profiles: [string, string][] = [["printer", "profile"], ["material", "profile"], ["process", "profile"]];
-  for (const [table, key] of [...files, ...profiles]) {
-    const name = plain(get(text, table, key) ?? "");
-    const isFile = key !== "profile" || name.endsWith(".toml");
-    if (name && isFile && !isWhole(name)) text = set(text, table, key, quoted(`${folder}/${name}`));
-  }
-  for (const table of ["shape.photo", "guide.image"]) {
-    const names = value(get(text, table, "files") ?? "");
-    if (!Array.isArray(names) || !names.every((n) => typeof n === "string")) continue;
-    text = set(text, table, "files", `[${names.map((n) => quoted(isWhole(n) ? n : `${folder}/${n}`)).join(", ")}]`);
-  }
-  return text;
-}
+/** A text with the ends of lines that fields of the browser have. */
+const ended = (text: string) => text.replace(/\r\n?/g, "\n");
 
 export class JobPanel {
   private editor: HTMLTextAreaElement | null = null;
   private opened: Open | null = null;
+  /** The text of the file, as it is there and as the page has it: fields of several lines end each of them in a line feed alone. */
+  private file = "";
   private saved = "";
   private folder = "";
   /** The photograph of the job with its corners; null for jobs of other shapes. */
@@ -53,7 +42,8 @@ export class JobPanel {
   /** Texts before and after the present one. */
   private before: string[] = [];
   private after: string[] = [];
-  private isTyping = false;
+  /** Where and when a letter was typed last; null after a change of another kind. */
+  private typed: { caret: number; at_ms: number } | null = null;
   private changed: () => void = () => {};
   /** What to tell of changes that were found when the job was opened. */
   notice: string | null = null;
@@ -84,9 +74,18 @@ export class JobPanel {
     return { text: this.textElsewhere(), name: this.opened.name.replace(/\.[^.]*$/, "") };
   }
 
+  /** Takes the text of a file. */
+  private take(file: string, folder: string): void { [this.file, this.saved, this.folder] = [file, ended(file), folder]; }
+
+  /** A text of the page with the ends of lines that its file has; programs of the printer in it keep theirs. */
+  private filed(text: string): string {
+    if (text === this.saved) return this.file;
+    return this.file.includes("\r\n") ? text.replaceAll("\n", "\r\n") : text;
+  }
+
   /** The text as it reads in another folder. */
   private textElsewhere(): string {
-    const text = this.editor?.value ?? "";
+    const text = this.filed(this.editor?.value ?? "");
     return this.opened?.kind === "job" ? absolute(text, this.folder) : text;
   }
 
@@ -101,8 +100,8 @@ export class JobPanel {
       if (this.editor === editor) {
         const now = this.textElsewhere();
         this.opened = { path, kind: "job", name: path.split(/[/\\]/).pop() ?? path };
-        [this.saved, this.folder] = [text, path.replace(/[/\\][^/\\]*$/, "")];
-        if (now === editor.value) this.changed(); else this.put(now);
+        this.take(text, path.replace(/[/\\][^/\\]*$/, ""));
+        if (ended(now) === editor.value) this.changed(); else this.put(ended(now));
         this.parts.renamed(path);
       }
       await forget(opened.path);
@@ -116,9 +115,16 @@ export class JobPanel {
   put(text: string): void {
     if (!this.editor || this.editor.value === text) return;
     this.record();
-    this.isTyping = false;
+    this.typed = null;
     this.editor.value = text;
     this.changed();
+  }
+
+  /** Puts another value of a key into the text; null takes it out. */
+  state(table: string, key: string, value: string | null): void {
+    const text = set(this.text() ?? "", table, key, value);
+    if (value !== null && get(text, table, key) === null) this.parts.say(`${table} is no table in the text of the job: change it there.`, true);
+    else this.put(text);
   }
 
   private record(): void {
@@ -130,13 +136,21 @@ export class JobPanel {
   get canRedo(): boolean { return this.after.length > 0; }
   undo(): void { this.step(this.before, this.after); }
   redo(): void { this.step(this.after, this.before); }
+  /** Whether an element is the field of the text. */
+  isText(element: Element): boolean { return element === this.editor; }
 
   private step(from: string[], to: string[]): void {
     const text = from.pop();
     if (text === undefined || !this.editor) return;
-    to.push(this.editor.value);
-    this.isTyping = false;
-    this.editor.value = text;
+    const { editor } = this;
+    const [now, least] = [editor.value, Math.min(editor.value.length, text.length)];
+    to.push(now);
+    this.typed = null;
+    editor.value = text;
+    // The cursor goes behind what has changed, as it does in the browser's own fields.
+    let same = 0;
+    while (same < least && now[now.length - 1 - same] === text[text.length - 1 - same]) same++;
+    editor.setSelectionRange(text.length - same, text.length - same);
     this.changed();
   }
 
@@ -152,7 +166,7 @@ export class JobPanel {
       const [{ text, folder }, all, { profiles }, schema] = await Promise.all([isJob ? api.text(opened.path) : api.jobFor(opened.path), drafts(), api.profiles(), api.schema()]);
       // Another file may have been opened meanwhile.
       if (this.opened !== opened) return;
-      [this.saved, this.folder] = [text, isJob ? folder : ""];
+      this.take(text, isJob ? folder : "");
       this.build(profiles, schema);
       this.takeDraft(all.find((d) => d.path === opened.path));
     } catch (error) {
@@ -164,27 +178,29 @@ export class JobPanel {
 
   /** Puts changes of this file that were not saved back, or offers them where the file is another one by now. */
   private takeDraft(draft: api.Draft | undefined): void {
-    if (!draft || draft.text === this.saved) return;
+    if (!draft || ended(draft.text) === this.saved) return;
     const when = new Date(1000 * draft.at_s).toLocaleString();
-    if (draft.from === this.saved) {
-      this.put(draft.text);
+    if (ended(draft.from) === this.saved) {
+      this.put(ended(draft.text));
       this.notice = `Your changes of ${when}, which were not saved, are here again. Ctrl+Z takes the text of the file.`;
     } else {
-      this.after = [draft.text];
+      this.after = [ended(draft.text)];
       this.notice = `The file was changed since your changes of ${when}, which were not saved. Ctrl+Shift+Z takes yours.`;
     }
   }
 
   private build(profiles: api.Profile[], schema: Schema): void {
     const editor = el("textarea", { spellcheck: "false", "aria-label": "Job file, TOML", oninput: () => {
-      // All that is typed in one go is undone in one go.
-      if (!this.isTyping) this.record();
-      this.isTyping = true;
+      // All that is typed in one go at one place is undone in one go.
+      const [caret, at_ms, more] = [editor.selectionStart, performance.now(), editor.value.length - this.shown.length];
+      const isOneGo = this.typed !== null && at_ms - this.typed.at_ms < PAUSE_MS && [caret, caret - more].includes(this.typed.caret);
+      if (!isOneGo) this.record();
+      this.typed = { caret, at_ms };
       changed();
     } });
     editor.value = this.saved;
     this.editor = editor;
-    [this.before, this.after, this.isTyping, this.shown] = [[], [], false, this.saved];
+    [this.before, this.after, this.typed, this.shown] = [[], [], null, this.saved];
     const form = new SettingsForm(schema, profiles, () => editor.value, (text) => this.put(text));
     const wrong = el("p", { class: "error", id: "job-error", role: "alert", hidden: true });
     let rest: ReturnType<typeof setTimeout> | undefined;
@@ -197,7 +213,7 @@ export class JobPanel {
     const selects: (() => void)[] = [];
     const changed = () => {
       // The text of the file itself may be there before a draft of it is put back.
-      if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: editor.value, from: this.saved }).catch((e: Error) => this.parts.say(e.message, true));
+      if (this.opened && (this.before.length > 0 || this.after.length > 0)) keep({ path: this.opened.path, kind: this.opened.kind, text: this.filed(editor.value), from: this.file }).catch((e: Error) => this.parts.say(e.message, true));
       this.shown = editor.value;
       form.refresh();
       selects.forEach((u) => u());
@@ -212,10 +228,10 @@ export class JobPanel {
       return words;
     };
     const choice = (kind: string) => {
-      const select = el("select", { onchange: () => this.put(set(editor.value, kind, "profile", quoted(select.value))) },
+      const select = el("select", { onchange: () => this.state(kind, "profile", quoted(select.value)) },
         ...profiles.filter((p) => p.kind === kind).map((r) => el("option", { value: r.name, title: r.about }, r.name)));
       selects.push(() => {
-        const name = (get(editor.value, kind, "profile") ?? "").replace(/^"|"$/g, "");
+        const name = plain(get(editor.value, kind, "profile") ?? "");
         // A profile of the user's own is a file.
         if (name && ![...select.options].some((o) => o.value === name)) select.append(el("option", { value: name }, name));
         if (name) select.value = name;
@@ -300,7 +316,7 @@ export class JobPanel {
 
   /** What the material's card rests on. */
   private tier(profiles: api.Profile[], text: string): string {
-    const name = get(text, "material", "profile")?.replace(/^"|"$/g, "") ?? "pla";
+    const name = plain(get(text, "material", "profile") ?? "pla");
     const toml = profiles.find((p) => p.kind === "material" && p.name === name)?.toml ?? "";
     const found = toml.match(/strength_tier\s*=\s*"([^"]*)"/)?.[1];
     return found ? `Strength card of ${name}: tier ${found}` : `${name}: no strength card`;

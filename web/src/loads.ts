@@ -11,7 +11,7 @@ import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
 import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity, type Side } from "./part";
 import { plainNumber, type ShapePanel } from "./shape";
-import { blocks, change, get, insert, remove, set, value, type Block, type Value } from "./toml";
+import { blocks, change, get, insert, remove, set, value, type Block, type Table, type Value } from "./toml";
 import type { Gesture, Viewer } from "./viewer";
 
 interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; shape: ShapePanel; /** Takes a picture that the server draws, with its words. */ pictured: (address: string, words: string) => void; test: () => void }
@@ -25,15 +25,22 @@ const FIXES: [string, string][] = [["xyz", "in all directions"], ["normal", "acr
 /** Standard gravity, mm/s2. Source: the General Conference on Weights and Measures of 1901. */
 const GRAVITY = -9806.65;
 
-/** A fixture or a load of the text. */
-interface Item { name: string; isFixture: boolean; block: Block | null; case: string | null; keys: { [key: string]: Value }; face: number; side: Side | null; place: string }
+/** Where fixtures, loads and their cases stand, each a table of a list. */
+const LISTS = ["guide.fixture", "guide.load", "guide.case", "guide.case.load"];
 
+/** A fixture or a load of the text. Its block is there where the page can change it. */
+interface Item { name: string; isFixture: boolean; /** Whether all of its values are read. */ isRead: boolean; block: Block | null; case: string | null; keys: Table; face: number; side: Side | null; place: string }
+
+/** What is told of what the page only shows. */
+const CHANGED_THERE = "written in the text of the job, and changed there.";
+
+const tableOf = (v: Value | undefined): Table | null => (v && typeof v === "object" && !Array.isArray(v) ? v : null);
 const numbers = (v: Value | undefined): number[] | null => (Array.isArray(v) && v.length === 3 && v.every((n) => typeof n === "number") ? (v as number[]) : null);
 
 export class LoadsPanel {
   private items: Item[] = [];
-  /** Named load cases, in the order of the text. */
-  private cases: { name: string; block: Block }[] = [];
+  /** Named load cases, in the order of the text; without a block where they are written in another form than `[[guide.case]]`. */
+  private cases: { name: string; weight: number; block: Block | null }[] = [];
   private stress: { view: StressView; id: number; cases: string[]; report: api.StressReport; text: string; warnings: api.Warning[]; inside: Inside } | null = null;
   private shown: { what: Quantity; case: number; scale: [number, number] | null; magnified: number; isOn: boolean } = { what: "mises", case: 0, scale: null, magnified: 0, isOn: true };
   private readonly list = el("div", { id: "items" });
@@ -136,7 +143,7 @@ export class LoadsPanel {
 
   /** The side of a plane as the text has it, on the part as it stands. */
   private sideOf(of: Value | undefined): Side | null {
-    const side = of && typeof of === "object" && !Array.isArray(of) ? of : null;
+    const side = tableOf(of);
     const [point, normal] = [numbers(side?.point_mm), numbers(side?.normal)];
     return point && normal ? { point: this.pointToPart(new Vector3().fromArray(point)), normal: this.toPart(new Vector3().fromArray(normal)).normalize() } : null;
   }
@@ -173,7 +180,7 @@ export class LoadsPanel {
     else redraw(this.list, ...this.rows());
     this.drawn = rows;
     const follow = document.getElementById("follow") as HTMLInputElement | null;
-    if (follow) follow.checked = get(this.text, "guide", "kind") === '"stress"';
+    if (follow) follow.checked = value(get(this.text, "guide", "kind") ?? "") === "stress";
     if (this.stress && this.stress.text !== this.loadsOf(this.text)) {
       const old = document.getElementById("stale");
       if (old) old.hidden = false;
@@ -214,27 +221,33 @@ export class LoadsPanel {
     let inCase = "";
     this.cases = [];
     const counts = new Map<string, number>();
-    const add = (isFixture: boolean, block: Block | null, keys: { [key: string]: Value }, ofCase: string | null) => {
+    const tables = (list: Value | undefined) => (Array.isArray(list) ? list.map((one) => tableOf(one) ?? {}) : []);
+    const add = (isFixture: boolean, block: Block | null, keys: Table, ofCase: string | null, isRead = true) => {
       const counted = `${isFixture} ${ofCase}`;
       const n = (counts.get(counted) ?? 0) + 1;
       counts.set(counted, n);
-      const on = keys.on as { [key: string]: Value } | undefined;
-      const name = on && typeof on === "object" && !Array.isArray(on) ? on.face : undefined;
-      const face = typeof name === "string" ? faces.get(name) ?? -1 : -1;
-      const side = face >= 0 ? this.sideOf(on!.side) : null;
-      const place = face >= 0 ? `${this.parts.shape.words(face)}${side ? ` · the part beyond ${planeWords(on!.side)}` : ""}` : on ? JSON.stringify(on).replaceAll('"', "") : "the whole part";
-      found.push({ name: `${isFixture ? "fixture" : "load"} ${n}${ofCase === null ? "" : ` of case ${ofCase}`}`, isFixture, block, case: ofCase, keys, face, side, place });
+      const on = tableOf(keys.on);
+      const named = typeof on?.face === "string" ? faces.get(on.face.toLowerCase()) ?? -1 : -1;
+      const side = named >= 0 ? this.sideOf(on!.side) : null;
+      const isWhole = on?.side === undefined || side !== null;
+      const face = isRead && isWhole ? named : -1;
+      const place = !isRead ? "it cannot be read here" : face >= 0 ? `${this.parts.shape.words(face)}${side ? ` · the part beyond ${planeWords(on!.side)}` : ""}` : keys.on !== undefined ? JSON.stringify(keys.on).replaceAll('"', "") : "the whole part";
+      found.push({ name: `${isFixture ? "fixture" : "load"} ${n}${ofCase === null ? "" : ` of case ${ofCase}`}`, isFixture, isRead, block, case: ofCase, keys, face, side, place });
     };
-    for (const block of blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load")) {
-      const keys: { [key: string]: Value } = {};
-      for (const [key, entry] of block.keys) { const read = value(text.slice(entry.from, entry.to)); if (read !== undefined) keys[key] = read; }
-      if (block.table === "guide.case") { inCase = String(keys.name ?? ""); this.cases.push({ name: inCase, block }); continue; }
-      add(block.table === "guide.fixture", block.isPlain ? block : null, keys, block.table === "guide.case.load" ? inCase : null);
+    const addCase = (keys: Table, block: Block | null) => {
+      inCase = String(keys.name ?? "");
+      this.cases.push({ name: inCase, weight: typeof keys.weight === "number" ? keys.weight : 1, block });
+      for (const one of tables(keys.load)) add(false, null, one, inCase);
+    };
+    for (const block of blocks(text, ...LISTS)) {
+      if (block.table === "guide.case") addCase(block.values, block);
+      else add(block.table === "guide.fixture", block.isPlain ? block : null, block.values, block.table === "guide.case.load" ? inCase : null, block.isRead);
     }
-    for (const key of ["fixture", "load"] as const) {
-      const list = value(get(text, "guide", key) ?? "");
-      if (Array.isArray(list)) for (const one of list) if (one && typeof one === "object" && !Array.isArray(one)) add(key === "fixture", null, one, null);
-    }
+    // Lists of tables in braces.
+    const listed = (key: string) => tables(value(get(text, "guide", key) ?? ""));
+    for (const one of listed("fixture")) add(true, null, one, null);
+    for (const one of listed("load")) add(false, null, one, null);
+    for (const one of listed("case")) addCase(one, null);
     return found;
   }
 
@@ -245,22 +258,29 @@ export class LoadsPanel {
 
   /** The weight of a case as the text has it; 1 where it has none. */
   private weight(k: number): number {
-    const entry = this.cases[k]?.block.keys.get("weight");
-    const read = entry && value(this.text.slice(entry.from, entry.to));
-    return typeof read === "number" ? read : 1;
+    return this.cases[k]?.weight ?? 1;
   }
 
   private caseRows(): Node[] {
     if (this.cases.length === 0) return [];
-    return [el("h3", {}, "Load cases"), ...this.cases.map(({ name }, k) => {
-      const input = numberField({ id: `weight-${k}`, value: this.weight(k) }, { isPositive: true }, (v) => this.put(change(this.text, this.cases[k]!.block, "weight", String(v))));
+    return [el("h3", {}, "Load cases"), ...this.cases.map(({ name, block }, k) => {
+      if (!block) return el("p", { class: "note" }, `${name}: weight ${this.weight(k)}, ${CHANGED_THERE}`);
+      const input = numberField({ id: `weight-${k}`, value: this.weight(k) }, { isPositive: true }, (v) => this.put(change(this.text, this.cases[k]!.block!, "weight", String(v))));
       return el("div", { class: "row" }, el("label", {}, `${name}: weight`, input));
     }), el("p", { class: "note" }, "Loads of one case act together. Cases act one after the other, each with the same fixtures; loads without a case form one more.")];
+  }
+
+  /** Whether one more table of a list of the guide fits the text; says where it has to be written otherwise. */
+  private takes(list: "fixture" | "load" | "case"): boolean {
+    const isOpen = get(this.text, "guide", list) === null && get(this.text, "", "guide") === null;
+    if (!isOpen) this.parts.say(`guide.${list} is not written as [[guide.${list}]] in the text of the job: add it there.`, true);
+    return isOpen;
   }
 
   /** Puts a load into another case: one of the text, a new one, or none. */
   private moveTo(item: Item, to: string | null): void {
     if (!item.block) return;
+    if (!this.takes(to === null ? "load" : "case")) { this.drawn = ""; this.textChanged(); return; }
     const body = this.text.slice(item.block.from, item.block.to).replace(/^[^\n]*\n/, "");
     let text = this.without(item);
     if (to === null) {
@@ -268,7 +288,7 @@ export class LoadsPanel {
       text = insert(text, all.length > 0 ? all[all.length - 1]!.to : text.length, `[[guide.load]]\n${body}`);
     } else {
       const all = blocks(text, "guide.case", "guide.case.load");
-      const isHere = (b: Block) => { const entry = b.keys.get("name"); return b.table === "guide.case" && entry !== undefined && value(text.slice(entry.from, entry.to)) === to; };
+      const isHere = (b: Block) => b.table === "guide.case" && b.values.name === to;
       let k = all.findIndex(isHere);
       const isNew = k < 0;
       // Behind the last load of the case; a new case comes behind the last case.
@@ -285,7 +305,7 @@ export class LoadsPanel {
   private without(item: Item): string {
     const rest = remove(this.text, item.block!);
     if (item.case === null || this.items.some((other) => other !== item && other.case === item.case)) return rest;
-    const own = blocks(rest, "guide.case").find((b) => { const entry = b.keys.get("name"); return entry !== undefined && value(rest.slice(entry.from, entry.to)) === item.case; });
+    const own = blocks(rest, "guide.case").find((b) => b.values.name === item.case);
     return own ? remove(rest, own) : rest;
   }
 
@@ -302,7 +322,7 @@ export class LoadsPanel {
     const box = el("fieldset", { class: item.isFixture ? "held" : "loaded" }, el("legend", {}, item.name));
     for (const [event, lit] of [["pointerenter", item.face], ["focusin", item.face], ["pointerleave", -1], ["focusout", -1]] as const) box.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
     box.append(el("p", { class: "note" }, item.place));
-    if (!item.block) { box.append(el("p", { class: "note" }, "It is changed in the text of the job.")); return box; }
+    if (!item.block) { box.append(el("p", { class: "note" }, `It is ${CHANGED_THERE}`)); return box; }
     if (item.isFixture) {
       const fix = String(item.keys.fix ?? "");
       const select = el("select", { id: `fix-${k}`, onchange: () => put("fix", quoted(select.value)) }, ...FIXES.map(([key, words]) => el("option", { value: key, selected: key === fix }, words)));
@@ -313,7 +333,7 @@ export class LoadsPanel {
       return box;
     }
     const kind = KINDS.find(([key]) => key in item.keys);
-    if (!kind) { box.append(el("p", { class: "note" }, "Its kind is changed in the text of the job."), off); return box; }
+    if (!kind) { box.append(el("p", { class: "note" }, `Its kind is ${CHANGED_THERE}`), off); return box; }
     const isOnFace = "on" in item.keys;
     const select = el("select", { id: `kind-${k}`, onchange: () => {
       const [to, { text }] = [select.value as LoadKind, this];
@@ -333,7 +353,7 @@ export class LoadsPanel {
     }
     const [none, other] = ["", "\n"];
     const into: HTMLSelectElement = el("select", { id: `case-${k}`, onchange: () => this.moveTo(this.items[k]!, into.value === none ? null : into.value === other ? this.newCase() : into.value) },
-      el("option", { value: none, selected: item.case === null }, "none"), ...this.cases.map(({ name }) => el("option", { value: name, selected: item.case === name }, name)), el("option", { value: other }, "a new case"));
+      el("option", { value: none, selected: item.case === null }, "none"), ...this.cases.filter(({ name, block }) => (block && block.values.load === undefined) || name === item.case).map(({ name }) => el("option", { value: name, selected: item.case === name }, name)), el("option", { value: other }, "a new case"));
     box.append(el("div", { class: "row" }, el("label", {}, "load case", into)));
     return box;
   }
@@ -361,7 +381,7 @@ export class LoadsPanel {
   }
 
   /** Whether loads have the coordinates of the file. The text says it, which is ahead of the screen while the part is turned. */
-  private get isOfPart(): boolean { return get(this.text, "guide", "frame") === '"part"' && !this.parts.shape.report!.preview; }
+  private get isOfPart(): boolean { return value(get(this.text, "guide", "frame") ?? "") === "part" && !this.parts.shape.report!.preview; }
   /** What turns a direction of the part on screen into the coordinates of the job's loads. */
   private get intoJob(): Matrix4 {
     const { standing, turned, report } = this.parts.shape;
@@ -388,7 +408,8 @@ export class LoadsPanel {
     for (const [k, item] of this.items.entries()) {
       const isPlaced = !("on" in item.keys) || item.face >= 0;
       const isTurned = !item.isFixture || ["xyz", "normal"].includes(String(item.keys.fix));
-      if (!item.block || !isPlaced || !isTurned) return { refused: `${item.name} is told in the frame of the plate (${item.place}) and does not turn with the part: choose its place as a face, or set guide.frame = "part" and give its numbers in the coordinates of the file.` };
+      if (!item.block) return { refused: `${item.name} is ${CHANGED_THERE} Turn the part there too, by shape.rotate_deg.` };
+      if (!isPlaced || !isTurned) return { refused: `${item.name} is told in the frame of the plate (${item.place}) and does not turn with the part: choose its place as a face, or set guide.frame = "part" and give its numbers in the coordinates of the file.` };
       for (const key of vectors) {
         const v = numbers(item.keys[key]);
         // Changes before it have moved the block, which keeps its place among the blocks.
@@ -402,7 +423,7 @@ export class LoadsPanel {
   }
 
   /** The block of the k-th fixture or load in a text. */
-  private blockAt(text: string, k: number): Block | undefined { return blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load").filter((b) => b.table !== "guide.case")[k]; }
+  private blockAt(text: string, k: number): Block | undefined { return blocks(text, ...LISTS).filter((b) => b.table !== "guide.case")[k]; }
 
   // ---- adding -----------------------------------------------------------------------------------------------------
 
@@ -435,6 +456,7 @@ export class LoadsPanel {
   private add(what: "fixture" | "load" | "gravity"): void {
     const { chosen, report, view, side } = this.parts.shape;
     let text = this.text;
+    if (!this.takes(what === "fixture" ? "fixture" : "load")) return;
     const end = () => {
       const all = blocks(text, "guide.fixture", "guide.load");
       return all.length > 0 ? all[all.length - 1]!.to : text.length;
@@ -467,7 +489,7 @@ export class LoadsPanel {
   /** A point of a place that is no face, mm, or null. */
   private pointOf(on: Value | undefined): Vector3 | null {
     if (!on || typeof on !== "object" || Array.isArray(on)) return null;
-    const table = (key: string) => { const t = on[key]; return t && typeof t === "object" && !Array.isArray(t) ? t : null; };
+    const table = (key: string) => tableOf(on[key]);
     const box = Array.isArray(on.box_mm) ? on.box_mm.map((p) => numbers(p)) : null;
     let p = box?.[0] && box[1] ? box[0].map((v, k) => 0.5 * (v + box[1]![k]!)) : null;
     p ??= numbers(table("plane")?.point_mm) ?? numbers(table("cylinder")?.point_mm) ?? numbers(table("sphere")?.centre_mm) ?? numbers(table("turned_box")?.centre_mm);
@@ -508,6 +530,8 @@ export class LoadsPanel {
   private arrows(item: Item, reach: number): Arrow[] {
     const { view } = this.parts.shape;
     const patch = item.face >= 0 ? view!.patch(item.face, item.side) : null;
+    // What is stated and cannot be shown is left out; a load without a place acts on all of the part.
+    if (!item.isRead || (item.keys.on !== undefined && !patch && !this.pointOf(item.keys.on))) return [];
     const middle = patch ? patch.middle.clone() : this.pointOf(item.keys.on) ?? view!.low.clone().add(view!.high).multiplyScalar(0.5);
     if (item.isFixture) {
       const cone = (at: Vector3, along: Vector3): Arrow => ({ at, along, length: 0.16 * reach, colour: HELD, heads: 1, isCone: true });

@@ -10,7 +10,8 @@ import { history } from "./history";
 import { howFar } from "./queue";
 import { beadWords, legend, look, scaleOf, swatch, wordsOfLayer } from "./sight";
 import { Plain } from "./plain";
-import { JobPanel, absolute } from "./job";
+import { JobPanel } from "./job";
+import { absolute } from "./paths_of_job";
 import { LoadsPanel } from "./loads";
 import { ShapePanel, plainNumber } from "./shape";
 import { StrengthPanel } from "./strength";
@@ -505,7 +506,7 @@ function shift(input: HTMLInputElement, by: number, then: () => void): void {
 document.addEventListener("keydown", (event) => {
   const target = event.target as HTMLElement;
   const isField = ["INPUT", "TEXTAREA"].includes(target.tagName) && !(target instanceof HTMLInputElement && ["checkbox", "range"].includes(target.type));
-  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !isField && job.text() !== null) {
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && (!isField || job.isText(target)) && job.text() !== null) {
     if (event.shiftKey) job.redo(); else job.undo();
     event.preventDefault();
     return;

@@ -21,12 +21,19 @@ function written(value: unknown): string {
   return Array.isArray(value) ? `[${value.map(written).join(", ")}]` : JSON.stringify(value);
 }
 
+/** What is wrong in a list of numbers whose comma may stand before decimals or between two numbers, or "". */
+export function commaWord(row: Schema, text: string): string {
+  const [found, before, after] = row.items?.type === "number" && /^\s*\[/.test(text) ? text.match(/(\d+),(\d+)/) ?? [] : [];
+  return found ? `${found} may be ${before}.${after} or two numbers, ${before}, ${after}: write a point or a space` : "";
+}
+
 /** What a user typed as TOML, or null where it fits no type of the row. */
 export function typed(row: Schema, text: string): string | null {
   const types = [row.type ?? []].flat();
   const word = text.trim();
   if (row.enum) return row.enum.includes(word) ? JSON.stringify(word) : null;
   if (types.includes("array") && /^\[/.test(word)) {
+    if (commaWord(row, word)) return null;
     const parts = word.replace(/^\[|\]$/g, "").split(",").filter((p) => p.trim()).map(decimal);
     return parts.every((p) => p !== null) ? `[${parts.join(", ")}]` : null;
   }
@@ -61,13 +68,15 @@ const split = (table: string): [string, string] => [table.replace(/\.?[^.]*$/, "
 /** What a text states in place of the table of a row. */
 const inPlace = (text: string, row: Row) => get(text, ...split(row.table));
 
+const isBraced = (written: string | null) => written?.startsWith("{") ?? false;
+
 /** The value of a row as a text states it; a file that stands for a table is its path. */
-const statedValue = (text: string, row: Row) => get(text, row.table, row.key) ?? (row.other === "path" && row.key === "path" ? inPlace(text, row) : null);
+const statedValue = (text: string, row: Row) => get(text, row.table, row.key) ?? (row.other === "path" && row.key === "path" && !isBraced(inPlace(text, row)) ? inPlace(text, row) : null);
 
 /** The text with another value of a row; a file that stands for its table becomes the path in it. */
 export function state(text: string, row: Row, value: string | null): string {
   const file = row.other === "path" ? inPlace(text, row) : null;
-  if (file === null) return set(text, row.table, row.key, value);
+  if (file === null || isBraced(file)) return set(text, row.table, row.key, value);
   text = set(text, ...split(row.table), row.key === "path" ? value : null);
   return row.key === "path" ? text : set(set(text, row.table, "path", file), row.table, row.key, value);
 }
@@ -140,7 +149,7 @@ export class SettingsForm {
     const judged = () => {
       const value = typed(schema, input.value);
       const range = schema.minimum !== undefined ? ` from ${schema.minimum} to ${schema.maximum}` : "";
-      complain(input, value === null ? `should be ${[schema.type].flat().join(" or ")}${range}` : "", around);
+      complain(input, value === null ? commaWord(schema, input.value) || `should be ${[schema.type].flat().join(" or ")}${range}` : "", around);
       return value;
     };
     input.addEventListener("input", judged);
@@ -156,10 +165,10 @@ export class SettingsForm {
     this.update.push(() => {
       const text = this.text();
       const stated = statedValue(text, row);
-      const isTable = tableOf(schema) !== undefined && isStated(text, `${table}.${key}`);
-      // A table in braces, or another value in its place, would be stated twice by a row of it.
+      const isTable = stated === null && tableOf(schema) !== undefined && isStated(text, `${table}.${key}`);
+      // Another value in place of its table would be stated twice by a row of it.
       const instead = inPlace(text, row);
-      made.dataset.off = (row.other === "value" ? !isStated(text, table) : instead !== null && (row.other === null || instead.startsWith("{"))) ? "yes" : "";
+      made.dataset.off = (row.other === "value" ? !isStated(text, table) : instead !== null && row.other === null && !isBraced(instead)) ? "yes" : "";
       const other = this.unstated(row);
       made.dataset.stated = stated === null ? "" : "yes";
       reset.hidden = stated === null;

@@ -139,10 +139,7 @@ export class ShapePanel {
     return `${row.name} · ${row.kind}${round}, ${fixed(row.area_mm2, 1)} mm²${row.doubtful ? " · another face is alike: choose it by a box in the text" : ""}`;
   }
 
-  private put(key: string, value: string | null): void {
-    const text = this.parts.job.text();
-    if (text !== null) this.parts.job.put(set(text, "shape", key, value));
-  }
+  private put(key: string, value: string | null): void { this.parts.job.state("shape", key, value); }
 
   private build(): void {
     const report = this.report!;

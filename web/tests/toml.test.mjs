@@ -10,8 +10,9 @@ const bundle = async (file) => {
   return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
 };
 const { blocks, change, entries, get, insert, remove, set, value } = await bundle("toml.ts");
-const { plain, rowsOf, state, typed } = await bundle("settings.ts");
+const { commaWord, plain, rowsOf, state, typed } = await bundle("settings.ts");
 const { decimal } = await bundle("dom.ts");
+const { absolute } = await bundle("paths_of_job.ts");
 
 const TEXT = `# a bracket
 [shape]
@@ -39,7 +40,7 @@ test("values are found between comments, lists and strings", () => {
   assert.match(get(TEXT, "shape", "rotate_deg"), /^\[\n {2}0, # about x\n {2}90, 0,\n\]$/);
   assert.equal(get(TEXT, "guide", "force_n"), null);
   assert.equal(get(TEXT, "guide.load", "force_n"), null, "rows of a list are left to the text");
-  assert.equal(entries(TEXT).length, 7);
+  assert.equal(entries(TEXT).length, 8, "with the key in braces");
 });
 
 test("a changed value leaves every other character", () => {
@@ -67,6 +68,57 @@ test("dotted tables and keys", () => {
   assert.equal(get(text, "shape.photo", "files"), '["a.jpg"]');
 });
 
+test("keys in quotes, in braces and with points are those of their tables", () => {
+  const braces = 'shape = { mesh = "bar.stl" }\nmaterial = { "profile" = "petg" } # mine\nfill = { density = 0.4 }\nprocess = {}\n';
+  assert.equal(get(braces, "shape", "mesh"), '"bar.stl"');
+  assert.equal(get(braces, "material", "profile"), '"petg"');
+  assert.equal(set(braces, "material", "profile", '"pla"'), braces.replace("petg", "pla"));
+  assert.equal(set(braces, "fill", "pattern", '"grid"'), braces.replace("0.4", '0.4, pattern = "grid"'));
+  assert.equal(set(braces, "process", "walls", "3"), braces.replace("{}", "{ walls = 3 }"));
+  assert.equal(set(braces, "shape.photo", "thickness_mm", "3"), braces.replace('stl"', 'stl", photo.thickness_mm = 3'));
+  const two = "fill = { density = 0.4, pattern = 'grid' }\n";
+  assert.equal(set(two, "fill", "density", null), "fill = { pattern = 'grid' }\n");
+  assert.equal(set(two, "fill", "pattern", null), "fill = { density = 0.4 }\n");
+  // A deeper table in braces.
+  const deep = 'shape = { ct = { path = "scan" }, scale = 2 }\n';
+  assert.equal(get(deep, "shape.ct", "path"), '"scan"');
+  assert.equal(set(deep, "shape.ct", "slice_mm", "0.5"), deep.replace('"scan"', '"scan", slice_mm = 0.5'));
+  // Dotted keys have no header, and a table of one cannot have another.
+  const dotted = 'fill.pattern = "grid"\n[shape]\nct.path = "scan" # mine\nscale = 2\n';
+  assert.equal(get(dotted, "fill", "pattern"), '"grid"');
+  assert.equal(set(dotted, "fill", "density", "0.3"), dotted.replace('"grid"\n', '"grid"\nfill.density = 0.3\n'));
+  assert.equal(set(dotted, "shape.ct", "slice_mm", "0.5"), dotted.replace("# mine\n", "# mine\nct.slice_mm = 0.5\n"));
+  // Quoted names and a mark of the encoding.
+  const quoted = '\ufeff["shape"] # the part\n"mesh" = "a.stl"\n[ "fill" . \'x\' ]\ny = 1\n["a.b"]\nc = 1\n';
+  assert.equal(get(quoted, "shape", "mesh"), '"a.stl"');
+  assert.equal(set(quoted, "shape", "scale", "2"), quoted.replace('"a.stl"\n', '"a.stl"\nscale = 2\n'));
+  assert.equal(get(quoted, "fill.x", "y"), "1");
+  assert.equal(get(quoted, "a.b", "c"), null, "a point in quotes parts no names");
+  // What is no table takes no key.
+  assert.equal(set('material = "petg"\n', "material", "profile", '"pla"'), 'material = "petg"\n');
+  assert.equal(set("[[fill]]\ndensity = 1\n", "process", "walls", "3"), "[[fill]]\ndensity = 1\n\n[process]\nwalls = 3\n");
+});
+
+test("lines within texts and lines that are being typed are no headers and no keys", () => {
+  const text = "[printer]\nstart_gcode = \'\'\'\nG28\n[fill]\nwalls = 9\n\'\'\'\nend_gcode = \"\"\"a \\\"\"\"\n[shape]\n\"\"\"\"\n[process]\nwalls = 3\n";
+  assert.deepEqual(entries(text).map((e) => `${e.table}.${e.key}`), ["printer.start_gcode", "printer.end_gcode", "process.walls"]);
+  assert.equal(set(text, "fill", "pattern", '"stripes"'), `${text}\n[fill]\npattern = "stripes"\n`);
+  assert.equal(value(get(text, "printer", "end_gcode")), 'a """\n[shape]\n"');
+  assert.deepEqual(entries("[fill\ndensity = 1\n[shape]\nmesh =\nunit\nscale = 2\n").map((e) => `${e.table}.${e.key}`), ['"[".density', "shape.mesh", "shape.scale"]);
+});
+
+test("comments within a list stay where its values change", () => {
+  assert.equal(set(TEXT, "shape", "rotate_deg", "[0, 90, 37.5]"), TEXT.replace("  90, 0,", "  90, 37.5,"));
+  assert.equal(get(set(TEXT, "shape", "rotate_deg", "[0, 90]"), "shape", "rotate_deg"), "[0, 90]");
+});
+
+test("a list does not take a comma for what may be one of decimals", () => {
+  const angles = { type: "array", items: { type: "number" } };
+  assert.deepEqual(["[22,5]", "[0, 22,5]", "[22, 5]", "[22.5]", "[0 ,90]"].map((t) => typed(angles, t)), [null, null, "[22, 5]", "[22.5]", "[0, 90]"]);
+  assert.equal(commaWord(angles, "[22,5]"), "22,5 may be 22.5 or two numbers, 22, 5: write a point or a space");
+  assert.equal(typed({ type: "array", items: { type: "integer" } }, "[22,5]"), "[22, 5]");
+});
+
 test("what is typed becomes TOML or is refused", () => {
   const number = { type: "number", minimum: 0, maximum: 1 };
   assert.deepEqual(["0.5", ".5", "1.", "2", "a", ""].map((t) => typed(number, t)), ["0.5", "0.5", "1.0", null, null, null]);
@@ -90,7 +142,10 @@ test("values are read as they are written", () => {
   assert.equal(value("'a\\b'"), "a\\b");
   assert.equal(value('"a\\"b"'), 'a"b');
   assert.equal(value("true"), true);
-  for (const wrong of ["", "[1, 2", "{ a 1 }", "1 2", '"open', "nonsense", "[1 2]"]) assert.equal(value(wrong), undefined, wrong);
+  assert.deepEqual(value('{ "face" = "f:1", side.point_mm = [0], side.\'normal\' = [1] }'), { face: "f:1", side: { point_mm: [0], normal: [1] } });
+  assert.equal(value('"tab\tand \\u00e9 \\U0001F600"'), "tab\tand é 😀");
+  assert.deepEqual(value("[0x1f, -inf, 1_0.5]"), [31, -Infinity, 10.5]);
+  for (const wrong of ["", "[1, 2", "{ a 1 }", "1 2", '"open', "nonsense", "[1 2]", "{ a = 1, a = 2 }", "{ a = 1, a.b = 2 }", '"\\q"', "1979-05-27", "[".repeat(1e5)]) assert.equal(value(wrong), undefined, wrong);
 });
 
 const LOADS = `[shape]
@@ -123,6 +178,21 @@ test("tables of a list are found with their lines", () => {
   assert.deepEqual([...deep.keys.keys()], ["force_n"]);
 });
 
+test("tables of a list are read with dotted keys and tables below them", () => {
+  const text = `[[guide.load]]\non.face = "f:1" # wall\non.side.point_mm = [0, 0, 1]\n"force_n" = [1, 0, 0]\n\n[[guide.load]]\nforce_n = [1, 0, 0]\n[guide.load.on]\n"face" = "f:2"\n[[guide.case]]\nname = "two"\nload = [{ on = { face = "f:3" } }]\n[[guide.case.load]]\non = 1979-05-27\n[fill]\ndensity = 1\n`;
+  const [dotted, below, own, odd] = blocks(text, "guide.load", "guide.case", "guide.case.load");
+  assert.deepEqual(dotted.values, { on: { face: "f:1", side: { point_mm: [0, 0, 1] } }, force_n: [1, 0, 0] });
+  assert.deepEqual([below.values, below.isRead, below.isPlain], [{ force_n: [1, 0, 0], on: { face: "f:2" } }, true, false]);
+  assert.ok(text.slice(below.from, below.to).endsWith('"face" = "f:2"\n'), "its lines are those of the tables below it too");
+  assert.deepEqual(own.values, { name: "two", load: [{ on: { face: "f:3" } }] });
+  assert.deepEqual([odd.values, odd.isRead, odd.isPlain], [{}, false, false]);
+  assert.equal(get(text, "guide.load.on", "face"), null, "rows of a list are left to the text");
+  assert.equal(change(text, dotted, "force_n", "[2, 0, 0]"), text.replace("[1, 0, 0]", "[2, 0, 0]"));
+  assert.equal(change(text, dotted, "on", '{ face = "f:9" }'), text.replace('on.face = "f:1" # wall\non.side.point_mm = [0, 0, 1]\n', 'on = { face = "f:9" } # wall\n'));
+  assert.ok(change(text, below, "torque_nmm", "1").includes("force_n = [1, 0, 0]\ntorque_nmm = 1\n[guide.load.on]"));
+  assert.equal(remove(text, below), text.replace(text.slice(below.from - 1, below.to), ""));
+});
+
 test("a key of one table of a list is changed, added and taken away", () => {
   const [fixture, load] = blocks(LOADS, "guide.fixture", "guide.load");
   assert.equal(change(LOADS, fixture, "fix", '"x"'), LOADS.replace('fix = "xyz"', 'fix = "x"'));
@@ -150,6 +220,7 @@ test("every setting has a row, and one of a table that is another value's is wri
   assert.equal(table, '[shape]\nscale = 2\n\n[shape.ct]\npath = "scan"\nslice_mm = 0.5\n');
   assert.equal(state(table, slice, null), table.replace("slice_mm = 0.5\n", ""));
   assert.equal(state("[shape]\n", slice, "1"), "[shape]\n\n[shape.ct]\nslice_mm = 1\n");
+  assert.equal(state("[shape]\nct = { path = 'a' }\n", slice, "1"), "[shape]\nct = { path = 'a', slice_mm = 1 }\n");
 });
 
 test("a table of a list is put in and taken out, and the rest stays", () => {
@@ -160,4 +231,36 @@ test("a table of a list is put in and taken out, and the rest stays", () => {
   assert.equal(insert("", 0, "[[guide.load]]\n"), "[[guide.load]]\n");
   assert.equal(insert("a = 1", 5, "[[guide.load]]\n"), "a = 1\n\n[[guide.load]]\n");
   assert.equal(blocks("[[guide.load]]", "guide.load")[0].to, 14);
+});
+
+test("all files that a job names beside itself are named in full", () => {
+  const job = `shape = { mesh = "part.stl" } # the part
+material.profile = "own.toml"
+printer.profile = "generic-0.4"
+[shape.ct]
+truth = "true.stl"
+[shape.photo]
+files = [
+  "low.png", # below
+  "/whole/high.png",
+]
+[guide]
+deck = "deck.inp"
+field.path = 'C:\\\\whole.npy'
+[fill]
+density = { min = 0.1, max = 1, by = "file", file = "stress.vtu" }
+[fibre]
+material = "fibre.toml"
+[[region]]
+on = { mesh = "mod.stl" }
+[output]
+gcode = "out.gcode"
+`;
+  const whole = absolute(job, "/jobs");
+  for (const name of ["part.stl", "own.toml", "true.stl", "low.png", "deck.inp", "stress.vtu", "fibre.toml", "mod.stl"]) {
+    assert.ok(whole.includes(`"/jobs/${name}"`), name);
+  }
+  // Names of profiles, whole paths, outputs and all else stay.
+  assert.equal(whole.replaceAll('"/jobs/', '"'), job);
+  assert.equal(absolute(whole, "/other"), whole);
 });
