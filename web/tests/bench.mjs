@@ -105,7 +105,10 @@ export async function studio(cwd, ...words) {
     child.stderr.on("data", (chunk) => (errors += chunk));
     child.on("exit", (code) => reject(new Error(`the studio ended with ${code}: ${errors}`)));
   });
-  const end = () => new Promise((resolve) => { const begun = Date.now(); child.removeAllListeners("exit"); child.on("exit", (code) => resolve({ code, ms: Date.now() - begun })); child.kill("SIGINT"); });
+  // A test that fails ends no studio of its own, which must not keep the whole file from ending.
+  for (const held of [child, child.stdout, child.stderr]) held.unref();
+  process.once("exit", () => child.kill("SIGKILL"));
+  const end = () => new Promise((resolve) => { const begun = Date.now(); child.ref(); child.removeAllListeners("exit"); child.on("exit", (code) => resolve({ code, ms: Date.now() - begun })); child.kill("SIGINT"); });
   return { address, end, child };
 }
 
@@ -179,6 +182,8 @@ export async function visit(browser, address, { isFirst = false, keepsDrafts = f
   }
   // Answers of the test instead of the server's. One that is set after the first request is sometimes never asked.
   for (const [url, answer] of Object.entries(routes)) await page.route(url, answer);
+  // Requests with `keepalive` are lost now and then where requests are intercepted; those behind them would wait for ever.
+  if (Object.keys(routes).length > 0) await page.addInitScript(() => { const whole = window.fetch; window.fetch = (what, how) => whole(what, { ...how, keepalive: false }); });
   // Changes that are on their way to be kept: one that comes after the next test has forgotten all would be put into its page.
   let isChanged = false;
   const changes = new Set();
