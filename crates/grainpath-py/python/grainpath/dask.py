@@ -30,7 +30,7 @@ SLABS = 64
 #: Layers that are filled at a time, where nothing else is asked for. Each window makes the masks of its neighbours anew.
 WINDOW = 32
 #: Grey values and the height of the part's begin, as the module has them.
-Found = tuple[float, float, float, float | None]
+Found = tuple[float, float, float, float, float | None]
 
 
 def plan_zarr(
