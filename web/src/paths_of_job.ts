@@ -17,12 +17,13 @@ const PROFILES = ["printer.profile", "material.profile", "process.profile", "fib
 export function absolute(text: string, folder: string): string {
   const whole = (name: Value) => (typeof name === "string" && name && !isWhole(name) ? `${folder}/${name}` : name);
   // From the last one on, so that the places of those before stay.
-  for (const entry of entries(text).reverse()) {
+  for (const entry of [...entries(text)].reverse()) {
     const key = entry.path.join(".");
     const name = value(text.slice(entry.from, entry.to));
-    const isFile = FILES.includes(key) || (PROFILES.includes(key) && typeof name === "string" && name.endsWith(".toml"));
-    const named = !isFile ? name : Array.isArray(name) ? name.map(whole) : name === undefined ? name : whole(name);
-    if (isFile && JSON.stringify(named) !== JSON.stringify(name)) text = renew(text, entry, Array.isArray(named) ? `[${named.map((n) => JSON.stringify(n)).join(", ")}]` : JSON.stringify(named));
+    const isProfile = PROFILES.includes(key) && typeof name === "string" && name.endsWith(".toml");
+    if (name === undefined || !(isProfile || FILES.includes(key))) continue;
+    const named = Array.isArray(name) ? name.map(whole) : whole(name);
+    if (JSON.stringify(named) !== JSON.stringify(name)) text = renew(text, entry, JSON.stringify(named));
   }
   return text;
 }

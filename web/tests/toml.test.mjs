@@ -5,14 +5,15 @@ import { build } from "esbuild";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 
-const bundle = async (file) => {
-  const made = await build({ entryPoints: [fileURLToPath(new URL(`../src/${file}`, import.meta.url))], bundle: true, write: false, format: "esm", platform: "neutral" });
+/** The modules as one, as in the page. */
+const bundle = async (...files) => {
+  const contents = files.map((file) => `export * from "./${file}";`).join("\n");
+  const made = await build({ stdin: { contents, resolveDir: fileURLToPath(new URL("../src", import.meta.url)), loader: "ts" }, bundle: true, write: false, format: "esm", platform: "neutral" });
   return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
 };
-const { blocks, change, entries, get, insert, remove, set, value } = await bundle("toml.ts");
+const { absolute, blocks, change, entries, get, insert, remove, set, value } = await bundle("toml.ts", "paths_of_job.ts");
 const { commaWord, plain, rowsOf, state, typed } = await bundle("settings.ts");
 const { decimal } = await bundle("dom.ts");
-const { absolute } = await bundle("paths_of_job.ts");
 
 const TEXT = `# a bracket
 [shape]
@@ -262,5 +263,8 @@ gcode = "out.gcode"
   }
   // Names of profiles, whole paths, outputs and all else stay.
   assert.equal(whole.replaceAll('"/jobs/', '"'), job);
+  const keys = () => entries(whole).map((e) => e.path.join("."));
+  const before = keys();
   assert.equal(absolute(whole, "/other"), whole);
+  assert.deepEqual(keys(), before, "what else is read of the text comes in its order");
 });
