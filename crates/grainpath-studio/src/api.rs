@@ -381,27 +381,27 @@ fn view(file: &FilePath, diagnostics: &grainpath_core::Diagnostics) -> Result<Fi
 
 const FILE_OR_TEXT: &str = "a job needs either \"file\" or \"text\"";
 
-impl GivenJob {
-    /// The job of a file, unless the file has changed since the page has read it.
-    fn of_file(&self, roots: &Roots, file: &str) -> Result<JobText, Refusal> {
-        let job = job_text(roots, FilePath::new(file))?;
-        // A text area has neither a mark of the byte order nor CR at the ends of lines.
-        let as_shown = |text: &str| text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
-        if self.shown.as_deref().is_some_and(|shown| as_shown(shown) != as_shown(&job.text)) {
-            return Err(Refusal::usage(format!(
-                "{}: has changed on the disk since it was opened; open it again, or save what is shown under another name",
-                job.name
-            )));
-        }
-        Ok(job)
+/// The job of a file, unless the file reads otherwise than the page has `shown` it.
+fn job_of_file(roots: &Roots, file: &str, shown: Option<&str>) -> Result<JobText, Refusal> {
+    let job = job_text(roots, FilePath::new(file))?;
+    // A text area has neither a mark of the byte order nor CR at the ends of lines.
+    let as_shown = |text: &str| text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+    if shown.is_some_and(|shown| as_shown(shown) != as_shown(&job.text)) {
+        return Err(Refusal::usage(format!(
+            "{}: has changed on the disk since it was opened; open it again, or save what is shown under another name",
+            job.name
+        )));
     }
+    Ok(job)
+}
 
+impl GivenJob {
     /// The job and the new folder of its run. A job that is a text is saved there.
     fn in_folder(self, roots: &Roots) -> Result<(JobText, PathBuf), Refusal> {
-        match (&self.file, &self.text) {
+        match (self.file, self.text) {
             (Some(file), None) => {
-                let job = self.of_file(roots, file)?;
-                let folder = roots.new_folder(&safe_name(&stem(FilePath::new(file))))?;
+                let job = job_of_file(roots, &file, self.shown.as_deref())?;
+                let folder = roots.new_folder(&safe_name(&stem(FilePath::new(&file))))?;
                 Ok((job, folder))
             }
             (None, Some(text)) => {
@@ -410,7 +410,7 @@ impl GivenJob {
                 write_whole(&path, text.as_bytes())?;
                 // Paths in the text are relative to the saved file, so that the command line reads the file in the same way.
                 let name = path.display().to_string();
-                Ok((JobText { text: text.clone(), name, folder: folder.clone() }, folder))
+                Ok((JobText { text, name, folder: folder.clone() }, folder))
             }
             (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
         }
@@ -418,10 +418,9 @@ impl GivenJob {
 
     /// The job without a folder, and its title. If the job is a text, its paths are relative to the working folder.
     fn unsaved(self, roots: &Roots) -> Result<(JobText, String), Refusal> {
-        match (&self.file, self.text) {
+        match (self.file, self.text) {
             (Some(file), None) => {
-                let file = file.clone();
-                let job = Self { text: None, ..self }.of_file(roots, &file)?;
+                let job = job_of_file(roots, &file, self.shown.as_deref())?;
                 Ok((job, stem(FilePath::new(&file))))
             }
             (None, Some(text)) => {

@@ -44,10 +44,24 @@ impl<S: SliceSource> Finite<S> {
         Self { marks_outside: true, ..Self::new(source) }
     }
 
+    /// The least grey value of a slice, which is kept if none before was less.
     fn learn(&mut self, slice: &[f32]) -> Option<f32> {
         let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
         self.least = self.least.into_iter().chain(least).reduce(f32::min);
         least
+    }
+
+    /// Reads the next slice with NaN for voxels without a value: whether there was one, and its least grey value.
+    fn read(&mut self, out: &mut Vec<f32>) -> Result<(bool, Option<f32>), SliceError> {
+        if !self.source.next_slice(out)? {
+            return Ok((false, None));
+        }
+        self.was_read.push(true);
+        for v in out.iter_mut().filter(|v| !v.is_finite()) {
+            self.n_voxels += u64::from(!(self.marks_outside && *v == OUTSIDE));
+            *v = f32::NAN;
+        }
+        Ok((true, self.learn(out)))
     }
 
     /// Searches the slices that follow for a grey value, and then reads again what was read before.
@@ -82,29 +96,17 @@ impl<S: SliceSource> SliceSource for Finite<S> {
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        if !self.next_known(out)? {
-            return Ok(false);
-        }
-        if self.least.is_none() && !self.has_searched {
+        let (more, least) = self.read(out)?;
+        if more && self.least.is_none() && !self.has_searched {
             self.search()?;
         }
-        let least = out.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
         let air = least.or(self.least).unwrap_or(0.0);
         out.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = air);
-        Ok(true)
+        Ok(more)
     }
 
     fn next_known(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
-        if !self.source.next_slice(out)? {
-            return Ok(false);
-        }
-        self.was_read.push(true);
-        for v in out.iter_mut().filter(|v| !v.is_finite()) {
-            self.n_voxels += u64::from(!(self.marks_outside && *v == OUTSIDE));
-            *v = f32::NAN;
-        }
-        self.learn(out);
-        Ok(true)
+        Ok(self.read(out)?.0)
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
