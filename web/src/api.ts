@@ -34,7 +34,11 @@ export interface ShapeReport {
 export interface Pose { rotate_deg: number[]; height_mm: number; support_g: number; time_s: number; flat_mm2: number; tilt_deg: number; reserve?: { first_failure: number[]; case: string; mode: string; across_layers_mpa: number } }
 export interface SupportReport { mass_g: number | null; solid_mass_g: number; contacts: number; trees: number; farthest_mm: number; unreached: number[][] }
 export interface Resultant { case: string; name: string; area_mm2: number; at_mm: number[]; force_n: number[]; moment_nmm: number[] }
-export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
+/** The greatest stress and displacement of a load case. */
+export interface CasePeak { case: string; max_von_mises_mpa: number; at_mm?: number[]; max_displacement_mm?: number }
+export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; /** Of each case, where there are several. */ peaks?: CasePeak[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
+/** What the strengths of a material rest on, by their tier in its profile (`material.strength_tier`). */
+export const TIERS: Record<string, string> = { T0: "data sheets and literature (tier T0)", T1: "tests of coupons printed on this machine (tier T1)", T2: "tests of coupons and of a whole part (tier T2)" };
 /** A line of the history. */
 export interface RunRow { at_s: number; kind: "plan" | "strength"; name: string; input: string | null; mass_g: number | null; time_s: number | null; layers: number | null; strength: StrengthReport | null }
 /** Changes of a file that were not saved. */

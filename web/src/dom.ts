@@ -152,6 +152,21 @@ export function fixed(value: number, digits: number): string {
   return value.toFixed(digits);
 }
 
+/** Decimals with which a number has three digits that count; digits before the point are never cut. */
+function decimals(value: number): number {
+  const power = Number(value.toExponential(2).split("e")[1]);
+  return value === 0 ? 0 : Math.min(Math.max(2 - power, 0), 9);
+}
+
+/** A number with three digits that count, as the command line tells stresses. */
+export function threeDigits(value: number): string { return value.toFixed(decimals(value)); }
+
+/** Numbers of one kind, with as many decimals as the greatest of them has with three digits. */
+export function alike(values: number[]): string[] {
+  const most = decimals(Math.max(...values.map(Math.abs)));
+  return values.map((v) => v.toFixed(most));
+}
+
 /** A time in words. */
 export function duration(seconds: number): string {
   if (seconds < 90) return `${fixed(seconds, 1)} s`;

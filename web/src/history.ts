@@ -32,7 +32,7 @@ function compared(a: api.RunRow, b: api.RunRow): Row[] {
   const [s, t] = [a.strength, b.strength];
   const number = (name: string, of: (run: api.RunRow) => number | null | undefined, digits: number, unit: string): Row => [name, words(of(a), digits, unit), words(of(b), digits, unit), share(of(a), of(b))];
   const peak = (r: api.StrengthReport | null) => (r ? `${fixed(r.peak_load_n, 0)} N (${fixed(r.low_n, 0)} to ${fixed(r.high_n, 0)})` : "–");
-  const card = (r: api.StrengthReport | null) => (r ? `${r.card ?? ""} tier ${r.card_tier}` : "–");
+  const card = (r: api.StrengthReport | null) => (r ? `${r.card ?? "strengths"}, from ${api.TIERS[r.card_tier] ?? `tier ${r.card_tier}`}` : "–");
   const rows: Row[] = [
     number("Mass", (r) => r.mass_g, 2, "g"),
     ["Printing time", a.time_s === null ? "–" : duration(a.time_s), b.time_s === null ? "–" : duration(b.time_s), share(a.time_s, b.time_s)],

@@ -62,7 +62,7 @@ export class Inside {
       el("label", { for: "lines", class: "check" }, lines, " principal stress lines"),
       el("p", { class: "note" }, swatch(TENSION), "tension ", swatch(COMPRESSION), "compression along the line"),
       el("label", { for: "degenerate", class: "check" }, points, " degenerate points of the surface ", this.pointWords),
-      el("p", { class: "note" }, "where both principal stresses in the surface are equal: ", swatch(WEDGE), "wedge ", swatch(TRISECTOR), "trisector"),
+      el("p", { class: "note" }, "where both principal stresses in the surface are equal: ", swatch(WEDGE), "wedge, which lines bend around, ", swatch(TRISECTOR), "trisector, where three sectors of lines meet"),
     ];
   }
 

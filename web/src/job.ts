@@ -6,8 +6,8 @@ import { byId, el, numberField, numberOf, showValue } from "./dom";
 import { drafts, forget, keep } from "./drafts";
 import { absolute } from "./paths_of_job";
 import type { Open } from "./main";
-import { SettingsForm, plain, type Schema } from "./settings";
-import { get, set, value } from "./toml";
+import { SettingsForm, plain, settingsOfPaths, type Schema } from "./settings";
+import { entries, get, set, value } from "./toml";
 
 interface Parts {
   run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
@@ -20,6 +20,9 @@ const REST_MS = 400;
 
 /** What is typed after such a pause is undone by itself, ms. Source: chosen; longer than between two words, shorter than a thought. */
 const PAUSE_MS = 1000;
+
+/** Settings that no solver reads, and whose values are told beside the stress: its peak is compared with the strength along the beads. */
+const TOLD_WITH_STRESS = ["material.xt_mpa"];
 
 /** A text as TOML writes it: a JSON string is a TOML string too. */
 export const quoted = (text: string) => JSON.stringify(text);
@@ -60,6 +63,34 @@ export class JobPanel {
     this.changed = () => {};
     [this.before, this.after] = [[], []];
     this.panel.replaceChildren(el("p", { class: "note" }, "A job says how a part is made: its shape, printer, material, loads and fill. Open a mesh or a job file to plan it."));
+  }
+
+  /** Settings that a stress does not depend on. */
+  private ofPaths = new Set<string>();
+  private profiles: api.Profile[] = [];
+
+  /**
+   * All that the stress of a text and what is told of it depend on: its settings without those of the paths, and the same of
+   * its profiles.
+   */
+  stressOf(text: string): string {
+    const isWanted = (path: string[]) => TOLD_WITH_STRESS.includes(path.join(".")) || !path.some((_, k) => this.ofPaths.has(path.slice(0, k + 1).join(".")));
+    const rows: unknown[] = [];
+    const add = (of: string, above: string[]) => {
+      for (const e of entries(of)) {
+        const path = [...above, ...e.path];
+        const written = of.slice(e.from, e.to);
+        if (path.length > 1 && path[path.length - 1] !== "profile" && isWanted(path)) rows.push([path.join("."), value(written) ?? written]);
+      }
+    };
+    add(text, []);
+    for (const kind of ["printer", "material", "process"]) {
+      const name = plain(get(text, kind, "profile") ?? "");
+      const known = this.profiles.find((p) => p.kind === kind && p.name === name);
+      // A profile of the user's own is a file, and is known by its name.
+      if (known) add(known.toml, [kind]); else rows.push([kind, name]);
+    }
+    return JSON.stringify(rows);
   }
 
   /** The text of the job, if one is open. */
@@ -201,6 +232,7 @@ export class JobPanel {
     editor.value = this.saved;
     this.editor = editor;
     [this.before, this.after, this.typed, this.shown] = [[], [], null, this.saved];
+    [this.ofPaths, this.profiles] = [new Set(settingsOfPaths(schema)), profiles];
     const form = new SettingsForm(schema, profiles, () => editor.value, (text) => this.put(text));
     const wrong = el("p", { class: "error", id: "job-error", role: "alert", hidden: true });
     let rest: ReturnType<typeof setTimeout> | undefined;
@@ -319,7 +351,7 @@ export class JobPanel {
     const name = plain(get(text, "material", "profile") ?? "pla");
     const toml = profiles.find((p) => p.kind === "material" && p.name === name)?.toml ?? "";
     const found = toml.match(/strength_tier\s*=\s*"([^"]*)"/)?.[1];
-    return found ? `Strength card of ${name}: tier ${found}` : `${name}: no strength card`;
+    return found ? `Strengths of ${name} rest on ${api.TIERS[found] ?? `tier ${found}`}` : `${name}: no strengths are known`;
   }
 
   async plan(): Promise<void> {

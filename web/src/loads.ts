@@ -6,7 +6,7 @@
 import { Matrix4, Vector3 } from "three";
 import * as api from "./api";
 import { gradient, ramp, type Rgb } from "./colours";
-import { el, fixed, numberField, redraw, showValue, warning } from "./dom";
+import { alike, el, fixed, numberField, redraw, showValue, threeDigits, warning } from "./dom";
 import { Inside } from "./inside";
 import { quoted, type JobPanel } from "./job";
 import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity, type Side } from "./part";
@@ -30,6 +30,9 @@ const LISTS = ["guide.fixture", "guide.load", "guide.case", "guide.case.load"];
 
 /** A fixture or a load of the text. Its block is there where the page can change it. */
 interface Item { name: string; isFixture: boolean; /** Whether all of its values are read. */ isRead: boolean; block: Block | null; case: string | null; keys: Table; face: number; side: Side | null; place: string }
+
+/** The name that the server gives the case of all loads without one. */
+const UNNAMED = "loads";
 
 /** What is told of what the page only shows. */
 const CHANGED_THERE = "written in the text of the job, and changed there.";
@@ -134,7 +137,7 @@ export class LoadsPanel {
     if (!hit || hit.face !== shape.chosen[0]) { this.parts.say("That point lies on another face; click the chosen one.", true); return; }
     if (!this.splitFrom) { this.splitFrom = hit.point; this.parts.say("Now the second point."); return; }
     const normal = hit.normal.clone().cross(hit.point.clone().sub(this.splitFrom));
-    if (normal.length() < 1e-6) { this.parts.say("The two points are one; click another place.", true); return; }
+    if (normal.length() < 1e-6) { this.parts.say("Both clicks hit the same point; click the second one further along the cut.", true); return; }
     shape.side = { point: this.splitFrom, normal: normal.normalize() };
     this.setGesture("turn");
     document.getElementById("progress")!.hidden = true;
@@ -181,9 +184,9 @@ export class LoadsPanel {
     this.drawn = rows;
     const follow = document.getElementById("follow") as HTMLInputElement | null;
     if (follow) follow.checked = value(get(this.text, "guide", "kind") ?? "") === "stress";
-    if (this.stress && this.stress.text !== this.loadsOf(this.text)) {
+    if (this.stress) {
       const old = document.getElementById("stale");
-      if (old) old.hidden = false;
+      if (old) old.hidden = this.stress.text === this.parts.job.stressOf(this.text);
     }
     this.draw();
   }
@@ -209,9 +212,6 @@ export class LoadsPanel {
       if (input && input !== document.activeElement) showValue(input, this.weight(k));
     });
   }
-
-  /** What the stress depends on: all but how the part is printed. */
-  private loadsOf(text: string): string { return JSON.stringify([this.items.map((i) => [i.name, i.keys, i.case]), this.cases.map((_, k) => this.weight(k)), ["analysis", "element_mm", "frame", "elasticity"].map((k) => get(text, "guide", k)), get(text, "material", "profile")]); }
 
   /** Fixtures and loads of the text. */
   private read(): Item[] {
@@ -521,9 +521,15 @@ export class LoadsPanel {
     view.paintParts(parts.filter((p) => side !== null || !chosen.includes(p.face)));
     const reach = 0.2 * view.high.distanceTo(view.low);
     const arrows: Arrow[] = [];
-    for (const item of this.items) arrows.push(...this.arrows(item, reach));
+    for (const item of this.items) if (this.acts(item)) arrows.push(...this.arrows(item, reach));
     view.setArrows(arrows);
     viewer?.draw();
+  }
+
+  /** Whether an item acts in what is on screen: under the stress of a load case, its fixtures and its own loads do. */
+  private acts(item: Item): boolean {
+    const name = this.stress && this.shown.isOn && this.stress.cases.length > 1 ? this.stress.cases[this.shown.case] : undefined;
+    return item.isFixture || name === undefined || (item.case ?? UNNAMED) === name;
   }
 
   /** The arrows of a fixture or a load. An arrow that pulls begins where it acts, one that pushes ends there. */
@@ -568,7 +574,7 @@ export class LoadsPanel {
     const wanted = this.parts.job.wanted();
     const { view } = this.parts.shape;
     if (!wanted || !view) return;
-    const text = this.loadsOf(this.text);
+    const text = this.parts.job.stressOf(this.text);
     const end = await this.parts.run({ kind: "stress", ...wanted });
     if (!end) return;
     try {
@@ -597,16 +603,51 @@ export class LoadsPanel {
       stress.view.take(new Float32Array(nine));
       this.shown = { ...this.shown, case: k, scale: null };
       stress.inside.setCase(k);
+      this.tellCase();
+      this.draw();
       this.colour();
     } catch (error) {
+      if (this.stress === stress && this.wanted === k) {
+        // The case before it is still on screen.
+        this.wanted = this.shown.case;
+        const which = document.getElementById("case") as HTMLSelectElement | null;
+        if (which) which.value = String(this.shown.case);
+      }
       this.parts.say((error as Error).message, true);
     }
   }
 
-  private tell(): void {
-    const { report, cases, warnings, view, text } = this.stress!;
+  /** The greatest stress and displacement of the case that is shown. */
+  private get peak(): api.CasePeak {
+    const { report, cases } = this.stress!;
+    const { max_von_mises_mpa, peak_at_mm, max_displacement_mm } = report;
+    return report.peaks?.[this.shown.case] ?? { case: cases[0] ?? UNNAMED, max_von_mises_mpa, at_mm: peak_at_mm, max_displacement_mm };
+  }
+
+  private readonly facts = el("table", { id: "stress-facts" });
+
+  /** Tells the numbers of the case that is shown, and how far its displacement is drawn. */
+  private tellCase(): void {
+    const { report, cases } = this.stress!;
+    const { peak } = this;
     const fact = (name: string, words: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, words));
-    const on = el("input", { type: "checkbox", id: "stress-on", checked: true, onchange: () => { this.shown.isOn = on.checked; this.parts.shape.view?.showStress(on.checked); this.legend(); this.parts.viewer()?.draw(); } });
+    const several = cases.length > 1;
+    const place = peak.at_mm?.map((v) => fixed(v, 1)).join(", ");
+    const forces = (rows: api.Resultant[] | undefined) => (rows ?? []).filter((r) => !several || r.case === peak.case).map((r) => fact(r.name, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
+    const isStrengthTold = report.reserve !== undefined && report.strength_mpa !== undefined && peak.max_von_mises_mpa > 0;
+    this.facts.replaceChildren(
+      fact(several ? `Peak of case ${peak.case}, von Mises` : "Peak, von Mises", `${threeDigits(peak.max_von_mises_mpa)} MPa${place ? ` at ${place}` : ""}`, "peak-stress"),
+      ...(several ? [fact("Peak of all cases", `${threeDigits(report.max_von_mises_mpa)} MPa`, "peak-of-all")] : []),
+      ...(peak.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${threeDigits(peak.max_displacement_mm)} mm`, "peak-moved")]),
+      ...(isStrengthTold ? [fact("Strength along the beads / peak", `${threeDigits(report.strength_mpa! / peak.max_von_mises_mpa)}`)] : []),
+      ...(report.error_estimate === undefined ? [] : [fact(`Mesh error, estimated${several ? ", of the worst case" : ""}`, `${fixed(100 * report.error_estimate, 1)} % of the stress`)]),
+      ...forces(report.loads), ...forces(report.reactions));
+    document.getElementById("magnify")?.dispatchEvent(new Event("input"));
+  }
+
+  private tell(): void {
+    const { cases, warnings, view, text } = this.stress!;
+    const on = el("input", { type: "checkbox", id: "stress-on", checked: true, onchange: () => { this.shown.isOn = on.checked; this.parts.shape.view?.showStress(on.checked); this.legend(); this.draw(); } });
     const what = el("select", { id: "quantity", onchange: () => { this.shown = { ...this.shown, what: what.value as Quantity, scale: null }; this.colour(); } }, ...QUANTITIES.map(([key, words, unit]) => el("option", { value: key, selected: key === this.shown.what }, `${words}, ${unit}`)));
     const which = el("select", { id: "case", onchange: () => void this.showCase(Number(which.value)) }, ...cases.map((name, k) => el("option", { value: k }, name)));
     const end = (id: string, k: 0 | 1, label: string) => {
@@ -618,11 +659,15 @@ export class LoadsPanel {
       });
       return el("label", {}, label, field);
     };
-    const moved = view.largestMove;
     const { low, high } = this.parts.shape.view!;
-    // At the end of the slider the largest displacement is a tenth of the part.
-    const most = moved > 0 ? (0.1 * high.distanceTo(low)) / moved : 0;
-    const slider = el("input", { type: "range", id: "magnify", min: 0, max: 1, step: 0.01, value: 0, "aria-label": "Displacement drawn", oninput: () => { view.setMagnified(slider.valueAsNumber * most); words.textContent = `${plainNumber(Math.round(slider.valueAsNumber * most))} times`; this.parts.viewer()?.draw(); } });
+    // At the end of the slider the largest displacement of the case is a tenth of the part.
+    const most = () => (view.largestMove > 0 ? (0.1 * high.distanceTo(low)) / view.largestMove : 0);
+    const slider = el("input", { type: "range", id: "magnify", min: 0, max: 1, step: 0.01, value: 0, "aria-label": "Displacement drawn", oninput: () => {
+      const times = slider.valueAsNumber * most();
+      view.setMagnified(times);
+      words.textContent = `${plainNumber(Math.round(times))} times`;
+      this.parts.viewer()?.draw();
+    } });
     const words = el("output", {}, "0 times");
     // From rest to the displacement and back in two seconds, again and again until it is pressed once more.
     const swing = el("button", { type: "button", id: "swing", "aria-pressed": "false", "aria-label": "Let the displacement swing", onclick: () => {
@@ -638,16 +683,10 @@ export class LoadsPanel {
       };
       if (isOn) requestAnimationFrame(frame);
     } }, "▶");
-    const at = report.peak_at_mm?.map((v) => fixed(v, 1)).join(", ");
-    const sum = (rows: api.Resultant[] | undefined) => (rows ?? []).map((r) => fact(`${r.name}${cases.length > 1 ? ` (${r.case})` : ""}`, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
     this.answer.replaceChildren(
       // They may have changed while it was solved.
-      el("p", { class: "warning", id: "stale", hidden: text === this.loadsOf(this.text) }, "Fixtures or loads have changed since; solve again."),
-      el("table", {}, fact("Peak, von Mises", `${fixed(report.max_von_mises_mpa, 2)} MPa${at ? ` at ${at}` : ""}`, "peak-stress"),
-        ...(report.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${fixed(report.max_displacement_mm, 4)} mm`, "peak-moved")]),
-        ...(report.reserve === undefined ? [] : [fact("Strength along the beads over the peak", `${fixed(report.reserve, 2)} ×`)]),
-        ...(report.error_estimate === undefined ? [] : [fact("The mesh misses about", `${fixed(100 * report.error_estimate, 1)} %`)]),
-        ...sum(report.loads), ...sum(report.reactions)),
+      el("p", { class: "warning", id: "stale", hidden: text === this.parts.job.stressOf(this.text) }, "The part, its material, fixtures, loads or elements have changed since; solve again."),
+      this.facts,
       el("div", { class: "row" }, el("label", {}, "Colour by", what), ...(cases.length > 1 ? [el("label", {}, "Case", which)] : [])),
       el("div", { class: "row" }, end("scale-low", 0, "Scale from"), end("scale-high", 1, "to")),
       el("div", { class: "row" }, swing, el("label", {}, "Displacement drawn", slider), words),
@@ -655,6 +694,8 @@ export class LoadsPanel {
       ...this.stress!.inside.fields(),
       ...warnings.map(warning),
     );
+    this.tellCase();
+    this.draw();
     this.colour();
   }
 
@@ -665,7 +706,7 @@ export class LoadsPanel {
     const scale = (this.shown.scale ??= proposed);
     this.stress.view.setScale(...scale);
     const { id, cases } = this.stress;
-    this.parts.pictured(`v1/jobs/${id}/stress/${this.shown.case}/picture`, `Von Mises stress of ${cases[this.shown.case] ?? "the loads"} from in front and from behind: blue 0, red the largest.`);
+    this.parts.pictured(`v1/jobs/${id}/stress/${this.shown.case}/picture`, `Von Mises stress of ${cases[this.shown.case] ?? "the loads"} from in front and from behind: blue 0, red the largest, ${threeDigits(this.peak.max_von_mises_mpa)} MPa.`);
     for (const [id, k] of [["scale-low", 0], ["scale-high", 1]] as const) {
       const input = document.getElementById(id) as HTMLInputElement | null;
       if (input) showValue(input, Number(scale[k].toPrecision(4)));
@@ -697,7 +738,7 @@ export class LoadsPanel {
       const found = at.clientX < 0 ? null : this.stress.view.probe(viewer.rayAt(at.clientX, at.clientY));
       if (!found) return null;
       const [s, p] = [found.nine, principal(found.nine)];
-      return `von Mises ${fixed(mises(s), 2)} MPa · principal ${p.map((v) => fixed(v, 2)).join(", ")} MPa · xx yy zz xy yz zx ${s.slice(0, 6).map((v) => fixed(v, 2)).join(", ")} · moved ${fixed(Math.hypot(s[6]!, s[7]!, s[8]!), 4)} mm · at (${found.at.toArray().map((v) => fixed(v, 1)).join(", ")})`;
+      return `von Mises ${threeDigits(mises(s))} MPa · principal ${alike(p).join(", ")} MPa · xx yy zz xy yz zx ${alike(s.slice(0, 6)).join(", ")} · moved ${threeDigits(Math.hypot(s[6]!, s[7]!, s[8]!))} mm · at (${found.at.toArray().map((v) => fixed(v, 1)).join(", ")})`;
     }
     return face >= 0 ? this.parts.shape.words(face) : null;
   }

@@ -60,6 +60,11 @@ export function rowsOf(section: string, schema: Schema): Row[] {
     [...(isSimple(row) ? [{ table: section, key, schema: row, other } as Row] : []), ...rowsOf(`${section}.${key}`, row)]);
 }
 
+/** Names of the settings that the shape and the stress of a part do not depend on. */
+export function settingsOfPaths(schema: Schema, above = ""): string[] {
+  return Object.entries((above === "" ? schema.properties : tableOf(schema)) ?? {}).flatMap(([key, row]) => [...(row["x-first-stage"] === "paths" ? [above + key] : []), ...settingsOfPaths(row, `${above}${key}.`)]);
+}
+
 /** Whether a text states keys of a table. */
 const isStated = (text: string, table: string) => entries(text).some((e) => e.table === table);
 

@@ -26,8 +26,8 @@ const LOADED = 0xd65d20;
 
 /** The interval of the peak load, and what it is over: runs without corners of the card know nothing of the material's scatter. */
 function over(report: api.StrengthReport): string {
-  if (report.low_n === report.high_n) return `with the nominal card of the material (tier ${report.card_tier}) alone`;
-  const card = Object.keys(report.corners).length > 1 ? `over the card of the material (tier ${report.card_tier}) and the grid` : `over the grid alone, with the nominal card of the material (tier ${report.card_tier})`;
+  if (report.low_n === report.high_n) return `with the nominal strengths of the material alone, from ${api.TIERS[report.card_tier] ?? report.card_tier}`;
+  const card = Object.keys(report.corners).length > 1 ? `over the strengths of the material, from ${api.TIERS[report.card_tier] ?? report.card_tier}, and the grid` : `over the grid alone, with the nominal strengths of the material, from ${api.TIERS[report.card_tier] ?? report.card_tier}`;
   return `between ${fixed(report.low_n, 0)} and ${fixed(report.high_n, 0)} N ${card}`;
 }
 
@@ -112,8 +112,7 @@ export class StrengthPanel {
     const tell = () => {
       const toml = cards.find((p) => p.name === this.material)?.toml ?? "";
       const found = toml.match(/strength_tier\s*=\s*"([^"]*)"/)?.[1];
-      const words: Record<string, string> = { T0: "data sheets and literature", T1: "tests of coupons printed on this machine", T2: "T1, and confirmed by the test of a whole part" };
-      tier.textContent = found ? `Card tier ${found}${words[found] ? `: ${words[found]}` : ""}` : "This material has no strengths.";
+      tier.textContent = found ? `Its strengths rest on ${api.TIERS[found] ?? `tier ${found}`}` : "This material has no strengths.";
     };
     const material = el("select", { onchange: () => { this.material = material.value; tell(); this.draw(); } }, ...cards.map((p) => el("option", { value: p.name, selected: p.name === this.material, title: p.about }, p.name)));
     tell();

@@ -92,6 +92,9 @@ export function folder(files = {}) {
   return { dir, at: (name) => join(dir, name), remove: () => rmSync(dir, { recursive: true, force: true }) };
 }
 
+/** A number with three digits that count, digits before the point never cut, as page and command line tell stresses. */
+export const threeDigits = (v) => (v === 0 ? "0" : v.toFixed(Math.max(2 - Number(v.toExponential(2).split("e")[1]), 0)));
+
 /** What the command line prints with these arguments. */
 export const command = (cwd, ...words) => execFileSync(GRAINPATH, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
 

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { boxStl, choose, faceAt, held, hold, load, vector, solve, colours, command, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, shown, stl, studio, until, view, visit } from "./bench.mjs";
+import { boxStl, choose, faceAt, held, hold, load, vector, solve, colours, command, threeDigits, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, shown, stl, studio, until, view, visit } from "./bench.mjs";
 
 /** Colours by hue: the light of a face scales them. */
 const HELD = [70, 130, 190];
@@ -685,8 +685,8 @@ test("what the page solves is what the command line solves from the same job", a
   const shown = await page.textContent("#peak-stress");
   writeFileSync(files.at("angle.toml"), await text(page));
   const theirs = JSON.parse(command(files.dir, "run", "angle.toml", "--check", "--json")).stress;
-  assert.ok(shown.startsWith(`${theirs.max_von_mises_mpa.toFixed(2)} MPa at ${theirs.peak_at_mm.map((v) => v.toFixed(1)).join(", ")}`), `${shown} ${JSON.stringify(theirs.peak_at_mm)}`);
-  assert.equal(await page.textContent("#peak-moved"), `${theirs.max_displacement_mm.toFixed(4)} mm`);
+  assert.ok(shown.startsWith(`${threeDigits(theirs.max_von_mises_mpa)} MPa at ${theirs.peak_at_mm.map((v) => v.toFixed(1)).join(", ")}`), `${shown} ${JSON.stringify(theirs.peak_at_mm)}`);
+  assert.equal(await page.textContent("#peak-moved"), `${threeDigits(theirs.max_displacement_mm)} mm`);
   assert.deepEqual(theirs.loads[0].force_n.map((v) => Math.round(v * 1e6) / 1e6 + 0), [0, -30, 0]);
   assert.ok(readFileSync(files.at("angle.toml"), "utf8").includes('[[guide.fixture]]'));
   await close();
@@ -714,6 +714,12 @@ test("several load cases are shown one by one", async () => {
     return Number((await page.textContent("#bead")).match(/von Mises ([\d.]+) MPa/)[1]);
   };
   assert.ok(Math.abs((await at()) - 10) < 0.05);
+  // The numbers beside it are those of the case. The same force is five times as large in the first one.
+  const peak = async (id) => Number((await page.textContent(`#${id}`)).match(/^[\d.]+/)[0]);
+  const [first, moved] = [await peak("peak-stress"), await peak("peak-moved")];
+  assert.equal(await peak("peak-of-all"), first);
+  const forces = () => page.$$eval("#stress-facts tr", (rows) => rows.map((r) => r.textContent).filter((t) => / N$/.test(t)));
+  assert.match((await forces())[0], /^load 1320\.00, -?0\.00, -?0\.00 N$/);
   // The case that was chosen last is shown, and not the one whose values come last.
   await page.selectOption("#case", "1");
   await late.asked;
@@ -723,6 +729,59 @@ test("several load cases are shown one by one", async () => {
   await page.selectOption("#case", "1");
   await page.waitForFunction(() => Number(document.getElementById("scale-high").value) < 6);
   assert.ok(Math.abs((await at()) - 2) < 0.02);
+  assert.ok(Math.abs((await peak("peak-stress")) / first - 0.2) < 0.003, `${await peak("peak-stress")} ${first}`);
+  assert.ok(Math.abs((await peak("peak-moved")) / moved - 0.2) < 0.003, `${await peak("peak-moved")} ${moved}`);
+  assert.equal(await peak("peak-of-all"), first);
+  assert.match((await forces())[0], /^load 164\.00, -?0\.00, -?0\.00 N$/);
+  assert.equal((await forces()).length, 2, "its load and its reaction");
+  await close();
+});
+
+/** The job of a bar that is held at one end; at the other it is pulled in one case and pushed aside in another. */
+async function twoCases(page) {
+  await hold(page, [0, 4, 2]);
+  const name = await page.evaluate((f) => window.studio.report.faces[f].name, await faceAt(page, [60, 4, 2]));
+  const one = (words, force) => `\n[[guide.case]]\nname = "${words}"\n[[guide.case.load]]\non = { face = "${name}" }\nforce_n = ${force}\n`;
+  await page.click("#tab-job");
+  await page.fill("#panel-job textarea", `${await text(page)}${one("pull", "[320, 0, 0]")}${one("push", "[0, 20, 0]")}`);
+  await page.click("#tab-loads");
+}
+
+test("under the stress of a case its own loads are drawn, without the stress those of all cases", async () => {
+  const { page, close } = await opened("bar.stl");
+  await twoCases(page);
+  await view(page, "top");
+  // On the shafts of both arrows, which begin at the middle of the end.
+  const arrows = async () => (await colours(page, [[66, 4, 2], [60, 11, 2]])).map((c) => hue(c, LOADED) < 0.07);
+  assert.deepEqual(await arrows(), [true, true]);
+  await solve(page);
+  await view(page, "top");
+  assert.deepEqual(await arrows(), [true, false], "pull");
+  await page.selectOption("#case", "1");
+  await page.waitForFunction(() => document.getElementById("stress-facts").textContent.includes("case push"));
+  await settle(page);
+  assert.deepEqual(await arrows(), [false, true], "push");
+  await page.uncheck("#stress-on");
+  await settle(page);
+  assert.deepEqual(await arrows(), [true, true]);
+  await close();
+});
+
+test("a case whose values do not come leaves the one before it on screen and chosen", async () => {
+  let isLost = false;
+  const { page, close } = await opened("bar.stl", { routes: { "**/stress/1": (route) => (isLost ? route.fulfill({ status: 404, json: { ok: false, error: "no such job" } }) : route.fallback()) } });
+  await twoCases(page);
+  await solve(page);
+  const told = await page.textContent("#stress-facts");
+  isLost = true;
+  await page.selectOption("#case", "1");
+  await page.waitForSelector("#progress .error");
+  assert.equal(await page.textContent("#progress .error"), "no such job");
+  assert.equal(await page.inputValue("#case"), "0");
+  assert.equal(await page.textContent("#stress-facts"), told);
+  isLost = false;
+  await page.selectOption("#case", "1");
+  await page.waitForFunction(() => document.getElementById("stress-facts").textContent.includes("case push"));
   await close();
 });
 
@@ -751,6 +810,55 @@ test("a solved stress says when the loads have changed since", async () => {
   assert.equal(await page.isVisible("#stale"), true);
   await solve(page);
   assert.equal(await page.isVisible("#stale"), false);
+  // So do the elements, the part's material and its strength, and not what is printed; the text as it was has this stress.
+  const solved = await text(page);
+  for (const [words, isStale] of [["[process]\ntop_speed_mm_s = 40\n", false], ["[material]\ne_mpa = 900\n", true], ["[material]\nxt_mpa = [1.0, 2.0, 3.0]\n", true], ["[fill]\ndensity = 0.3\n", false]]) {
+    const table = words.split("\n")[0];
+    const changed = solved.includes(`${table}\n`) ? solved.replace(`${table}\n`, words) : `${words}\n${solved}`;
+    await page.$eval("#panel-job textarea", (area, value) => { area.value = value; area.dispatchEvent(new Event("input", { bubbles: true })); }, changed);
+    assert.equal(await page.isVisible("#stale"), isStale, words);
+    await page.$eval("#panel-job textarea", (area, value) => { area.value = value; area.dispatchEvent(new Event("input", { bubbles: true })); }, solved);
+    assert.equal(await page.isVisible("#stale"), false, `${words}: taken back`);
+  }
+  await page.click("#tab-shape");
+  await page.selectOption("#printer-and-material select >> nth=1", "petg");
+  await page.click("#tab-loads");
+  assert.equal(await page.isVisible("#stale"), true, "another material");
+  await close();
+});
+
+test("a job whose lines end as on Windows keeps them, and what is typed in its text is undone", async () => {
+  writeFileSync(files.at("jobs/windows.toml"), '# mine\r\n[shape]\r\nmesh = "plate.stl"\r\n\r\n[[guide.fixture]]\r\non = { box_mm = [[0, 0, 0], [0, 10, 2]] }\r\nfix = "xyz"\r\n\r\n[[guide.load]]\r\non = { box_mm = [[20, 0, 0], [20, 10, 2]] }\r\nforce_n = [40, 0, 0]  # pulled\r\n');
+  const { page, wrong, close } = await visit(browser, server.address);
+  await page.click("#open");
+  await page.click('#chooser .folders button:has-text("jobs")');
+  await page.click('#chooser .files button:has-text("windows.toml")');
+  await shaped(page);
+  await page.click("#tab-loads");
+  await page.waitForSelector("#value-1-x");
+  const before = await text(page);
+  await vector(page, "value-1", [55, 0, 0]);
+  const changed = await text(page);
+  assert.match(changed, /force_n = \[55, 0, 0\]  # pulled/);
+  // Typed at the end of the text, and undone by itself.
+  await page.click("#tab-job");
+  await page.focus("#panel-job textarea");
+  await page.keyboard.press("Control+End");
+  await page.keyboard.type("\n# typed");
+  assert.equal(await text(page), `${changed}\n# typed`);
+  await page.keyboard.press("Control+z");
+  assert.equal(await text(page), changed);
+  await page.keyboard.press("Control+z");
+  assert.equal(await text(page), before);
+  await page.keyboard.press("Control+Shift+z");
+  await page.fill("#save-name", "windows-again");
+  await page.click("#save-as");
+  await page.waitForSelector("#progress:has-text('Saved as')");
+  const saved = (await page.textContent("#progress")).match(/Saved as (\S+\.toml)/)[1];
+  const lines = readFileSync(saved, "utf8").split("\n");
+  assert.ok(lines.slice(0, -1).every((l) => l.endsWith("\r")), JSON.stringify(lines));
+  assert.ok(lines.includes("force_n = [55, 0, 0]  # pulled\r"));
+  assert.deepEqual(wrong, []);
   await close();
 });
 
@@ -800,10 +908,10 @@ test("printer and material are chosen before all else, with what the material's 
   const { page, wrong, close } = await opened("bar.stl");
   assert.equal(await page.textContent("#panel-shape h2"), "Printer and material");
   const tier = () => page.textContent("#panel-shape .tier");
-  assert.match(await tier(), /^Strength card of pla: tier T\d$/);
+  assert.match(await tier(), /^Strengths of pla rest on .* \(tier T\d\)$/);
   await page.selectOption("#printer-and-material select >> nth=1", "petg");
   assert.match(await text(page), /\[material\]\nprofile = "petg"/);
-  assert.match(await tier(), /^Strength card of petg: tier T\d$/);
+  assert.match(await tier(), /^Strengths of petg rest on .* \(tier T\d\)$/);
   // Both panels show the same choice.
   assert.equal(await page.inputValue("#panel-job select >> nth=1"), "petg");
   assert.deepEqual(wrong, []);

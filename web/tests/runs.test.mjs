@@ -151,7 +151,7 @@ test("runs of two materials are told apart, far masses are named, and a plan wit
   const found = await table(page);
   // 64 to 96 N over 80 to 120 N.
   assert.equal(found["Breaks at"][2], "80.0 % (53.3 to 120.0)");
-  assert.deepEqual([found.Card[0], found.Card[1]], ["PLA 1 tier T0", "PETG 2 tier T0"]);
+  assert.deepEqual([found.Card[0], found.Card[1]], ["PLA 1, from data sheets and literature (tier T0)", "PETG 2, from data sheets and literature (tier T0)"]);
   assert.ok("Breaks at, for 0.28 g of each, the second taken 0.08 times as heavy" in found, Object.keys(found).join());
   assert.deepEqual(wrong, []);
   await close();

@@ -308,6 +308,9 @@ warning_ids! {
     GcodeNotRead = "gcode-not-read",
         "Lines of a G-code program cannot be understood and were skipped.",
         "check that the file is G-code and complete";
+    HistoryNotWritten = "history-not-written",
+        "The studio could not add a run to its list of earlier runs, `history.jsonl`; the run itself is good.",
+        "make the working folder of the studio and this file writable, and look for room on the disk";
 }
 
 impl fmt::Display for WarningId {

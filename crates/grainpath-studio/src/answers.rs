@@ -6,6 +6,7 @@ use axum::response::{IntoResponse, Response};
 use serde_json::json;
 
 use crate::refusal::Refusal;
+use crate::runs::{MOST_KEPT, MOST_SURFACES};
 
 /// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
 pub(crate) const MAX_JOB_BYTES: u64 = 4 << 20;
@@ -33,7 +34,11 @@ impl Problem {
     }
 
     pub(crate) fn missing() -> Self {
-        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps its latest jobs until it is closed")
+        let words = format!(
+            "no such job: the studio keeps its latest {MOST_KEPT} jobs, of shapes, stress and supports the latest \
+             {MOST_SURFACES} each, until it is closed; run it again"
+        );
+        Self::new(StatusCode::NOT_FOUND, words)
     }
 }
 

@@ -463,8 +463,8 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             let title = stem(&out);
             let name = title.clone();
             let work: runs::Work = Box::new(move |d, ready| {
-                let finished = engine.plan(&job, &out, &roots, d, ready)?;
-                history::add(&roots, Kind::Plan, &name, input.as_deref(), &finished);
+                let mut finished = engine.plan(&job, &out, &roots, d, ready)?;
+                history::add(&roots, Kind::Plan, &name, input.as_deref(), &mut finished);
                 Ok(finished)
             });
             studio.runs.add(Kind::Plan, title, work)
@@ -476,8 +476,8 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             let name = stem(&out);
             let title = name.clone();
             let work: runs::Work = Box::new(move |d, _| {
-                let finished = engine.strength(&job, program.as_deref(), &roots, d)?;
-                history::add(&roots, Kind::Strength, &name, input.as_deref(), &finished);
+                let mut finished = engine.strength(&job, program.as_deref(), &roots, d)?;
+                history::add(&roots, Kind::Strength, &name, input.as_deref(), &mut finished);
                 Ok(finished)
             });
             studio.runs.add(Kind::Strength, title, work)

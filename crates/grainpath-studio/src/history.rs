@@ -10,7 +10,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Map, Value, json};
 
+use grainpath_core::{Warning, WarningId};
+
 use crate::engine::Finished;
+use crate::refusal::{Refusal, plain};
 use crate::roots::{HISTORY, Roots};
 use crate::runs::Kind;
 
@@ -37,14 +40,20 @@ fn row(kind: Kind, name: &str, input: Option<&Path>, finished: &Finished, at_s: 
     Value::Object(row)
 }
 
-/// Adds the line of a run that is done. A line that cannot be written is no error, since the run itself is good.
-pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, finished: &Finished) {
+/// Adds the line of a run that is done. A line that cannot be written is a warning of the run, whose result is good.
+pub(crate) fn add(roots: &Roots, kind: Kind, name: &str, input: Option<&Path>, finished: &mut Finished) {
     let at_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let line = format!("{}\n", row(kind, name, input, finished, at_s));
-    let Ok(path) = roots.writable(&roots.work().join(HISTORY)) else { return };
-    let file = OpenOptions::new().create(true).append(true).open(path);
-    // One call for the whole line, so that lines of two studios do not mix.
-    let _ = file.and_then(|mut f| f.write_all(line.as_bytes()));
+    let written = roots.writable(&roots.work().join(HISTORY)).and_then(|path| {
+        let file = OpenOptions::new().create(true).append(true).open(&path);
+        // One call for the whole line, so that lines of two studios do not mix.
+        file.and_then(|mut f| f.write_all(line.as_bytes()))
+            .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))
+    });
+    if let Err(refusal) = written {
+        let text = format!("this run is not in the list of earlier runs: {}", refusal.message);
+        finished.warnings.push(Warning::new(WarningId::HistoryNotWritten, text));
+    }
 }
 
 /// The newest runs, the last one first. Lines that are not JSON are skipped.

@@ -36,6 +36,15 @@ enum Takes {
 const IN_PATH: [(&str, &str); 4] =
     [("id", "integer"), ("range", "string"), ("kind", "string"), ("case", "integer")];
 
+/// What an argument of the query is.
+#[derive(Debug, Clone, Copy)]
+enum Form {
+    Text,
+    Number,
+    /// One of these words.
+    OneOf(&'static [&'static str]),
+}
+
 /// An address of the interface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Route {
@@ -44,8 +53,8 @@ pub(crate) struct Route {
     /// The name of the operation.
     name: &'static str,
     about: &'static str,
-    /// Arguments of the query.
-    query: &'static [(&'static str, &'static str)],
+    /// Arguments of the query: name, meaning and form.
+    query: &'static [(&'static str, &'static str, Form)],
     body: Takes,
     /// Status of success.
     status: &'static str,
@@ -65,16 +74,16 @@ pub(crate) const STATE: Route = Route::get(
     Answers::Json("Studio"),
 );
 pub(crate) const FILES: Route = Route {
-    query: &[("path", "A folder below one of the roots.")],
+    query: &[("path", "A folder below one of the roots.", Form::Text)],
     ..Route::get("/v1/files", "files", "The files of a folder.", Answers::Json("Listing"))
 };
 pub(crate) const TEXT: Route = Route {
-    query: &[("path", "A job file (.toml).")],
+    query: &[("path", "A job file (.toml).", Form::Text)],
     ..Route::get("/v1/text", "text", "The text of a job file.", Answers::Json("JobText"))
 };
 pub(crate) const SAVE: Route = Route {
     method: "post",
-    query: &[("path", "A new job file (.toml); a relative one is below the working folder.")],
+    query: &[("path", "A new job file (.toml); a relative one is below the working folder.", Form::Text)],
     body: Takes::Text,
     status: "201",
     ..Route::get(
@@ -85,11 +94,11 @@ pub(crate) const SAVE: Route = Route {
     )
 };
 pub(crate) const PICTURE: Route = Route {
-    query: &[("path", "A photograph (PNG, JPEG, BMP).")],
+    query: &[("path", "A photograph (PNG, JPEG, BMP).", Form::Text)],
     ..Route::get("/v1/picture", "picture", "The bytes of a photograph.", Answers::Bytes)
 };
 pub(crate) const JOB_FOR: Route = Route {
-    query: &[("path", "A mesh, a drawing, a photograph, a scan, or the folder of one.")],
+    query: &[("path", "A mesh, a drawing, a photograph, a scan, or the folder of one.", Form::Text)],
     ..Route::get(
         "/v1/job",
         "jobFor",
@@ -105,7 +114,7 @@ pub(crate) const EXAMPLES: Route = Route::get(
 );
 pub(crate) const EXAMPLE: Route = Route {
     method: "post",
-    query: &[("name", "One of the examples.")],
+    query: &[("name", "One of the examples.", Form::Text)],
     ..Route::get(
         "/v1/examples",
         "example",
@@ -115,7 +124,7 @@ pub(crate) const EXAMPLE: Route = Route {
 };
 pub(crate) const UPLOAD: Route = Route {
     method: "post",
-    query: &[("name", "The file's name; unsafe characters are replaced, and a taken name gets a number.")],
+    query: &[("name", "The file's name; unsafe characters are replaced, and a taken name gets a number.", Form::Text)],
     body: Takes::Bytes,
     ..Route::get("/v1/uploads", "upload", "Streams the body to a file.", Answers::Json("Upload"))
 };
@@ -223,7 +232,10 @@ pub(crate) const CASE: Route = Route::get(
     Answers::Bytes,
 );
 pub(crate) const SECTION: Route = Route {
-    query: &[("axis", "x, y or z."), ("at", "Position of the section on this axis, mm.")],
+    query: &[
+        ("axis", "The axis across which the section lies.", Form::OneOf(&["x", "y", "z"])),
+        ("at", "Position of the section on this axis, mm.", Form::Number),
+    ],
     ..Route::get(
         "/v1/jobs/{id}/stress/{case}/section",
         "section",
@@ -318,8 +330,13 @@ fn operation(route: &Route) -> Value {
     let in_path = IN_PATH.iter().filter(|(name, _)| is_in(name)).map(
         |(name, kind)| json!({ "name": name, "in": "path", "required": true, "schema": { "type": kind } }),
     );
-    let in_query = route.query.iter().map(|(name, about)| {
-        json!({ "name": name, "in": "query", "required": true, "description": about, "schema": { "type": "string" } })
+    let in_query = route.query.iter().map(|(name, about, form)| {
+        let schema = match form {
+            Form::Text => json!({ "type": "string" }),
+            Form::Number => json!({ "type": "number" }),
+            Form::OneOf(words) => json!({ "type": "string", "enum": words }),
+        };
+        json!({ "name": name, "in": "query", "required": true, "description": about, "schema": schema })
     });
     let mut operation = json!({
         "operationId": route.name, "summary": route.about,

@@ -25,11 +25,11 @@ use crate::refusal::{Refusal, RefusalKind};
 const MOST_WAITING: usize = 64;
 /// If there are more runs than this, the oldest finished ones are dropped; a finished run holds its program.
 /// Source: chosen; 32 programs of 30 MB are 1 GB.
-const MOST_KEPT: usize = 32;
+pub(crate) const MOST_KEPT: usize = 32;
 /// The greatest number of finished runs that are kept of each kind that shows a surface (shape, stress, supports). Each
 /// change of a job makes a new one, and the page shows only the last.
 /// Source: chosen; four of a million triangles are 100 MB.
-const MOST_SURFACES: usize = 4;
+pub(crate) const MOST_SURFACES: usize = 4;
 
 /// The progress of a run from the queue to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

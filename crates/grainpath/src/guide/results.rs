@@ -47,12 +47,54 @@ pub struct ResultSurface {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// The nodes around a face of an element in order; those along an edge of a flat element.
+struct Outline {
+    nodes: Vec<u32>,
+    /// Whether every second node lies in the middle of a side.
+    has_middles: bool,
+}
+
+impl Outline {
+    /// The outline of a face with these corners, which are numbered as those of the element.
+    fn of(element: &Element, corners: &[usize]) -> Self {
+        let n_corners = element.kind.n_corners();
+        let middle = |a: usize, b: usize| {
+            let edge = element.kind.edges().iter().position(|e| *e == [a, b] || *e == [b, a])?;
+            Some(element.nodes()[n_corners + edge])
+        };
+        let mut nodes = Vec::with_capacity(2 * corners.len());
+        for (k, &corner) in corners.iter().enumerate() {
+            nodes.push(element.nodes()[corner]);
+            // An edge has one side, which is not closed.
+            if k + 1 < corners.len() || corners.len() > 2 {
+                nodes.extend(middle(corner, corners[(k + 1) % corners.len()]));
+            }
+        }
+        Self { has_middles: nodes.len() > corners.len(), nodes }
+    }
+
+    /// Triangles that fill it: one at each corner and a fan between the middles of the sides, or a fan between the corners.
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let Self { nodes, has_middles } = self;
+        let fan = |ring: &[u32]| (1..ring.len() - 1).map(|k| [ring[0], ring[k], ring[k + 1]]).collect();
+        if !has_middles {
+            return fan(nodes);
+        }
+        let middles: Vec<u32> = nodes.iter().skip(1).step_by(2).copied().collect();
+        let mut found: Vec<[u32; 3]> = fan(&middles);
+        let n = nodes.len();
+        found.extend((0..n).step_by(2).map(|k| [nodes[(k + n - 1) % n], nodes[k], nodes[k + 1]]));
+        found
+    }
+}
+
 impl ResultMesh {
-    /// The surface of the elements through their corners; mid-edge nodes are left out. The nodes of a plate lie at
-    /// mid-height, so it gets a bottom face at `bottom_mm`, a top face as far above the nodes, and side faces.
+    /// The surface of the elements through all nodes of their edges. The nodes of a plate lie at mid-height, so it gets
+    /// a bottom face at `bottom_mm`, a top face as far above the nodes, and side faces.
     ///
-    /// Method: a face that two elements share lies inside; faces are paired by sorting them. Cost: n log n in the
-    /// elements.
+    /// Method: a face that two elements share lies inside; faces are paired by sorting them. A triangle with a node in
+    /// the middle of each side becomes four, so that the surface shows the greatest stress also where the node of that
+    /// stress is no corner. Cost: n log n in the elements.
     pub fn surface(&self, bottom_mm: f64) -> ResultSurface {
         let is_solid = self.elements.iter().any(|e| e.kind.dimension() == 3);
         let dimension = if is_solid { 3 } else { 2 };
@@ -73,15 +115,13 @@ impl ResultMesh {
         let alone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
         let mut outer: Vec<(usize, usize)> = alone.map(|one| (one[0].1, one[0].2)).collect();
         outer.sort_unstable();
-        let outer: Vec<Vec<u32>> = outer
-            .into_iter()
-            .map(|(k, f)| elements[k].kind.faces()[f].iter().map(|c| elements[k].corners()[*c]).collect())
-            .collect();
+        let outer: Vec<Outline> =
+            outer.into_iter().map(|(k, f)| Outline::of(elements[k], elements[k].kind.faces()[f])).collect();
         // A plate is drawn as its elements at the top and at the bottom, and as side faces along its border.
-        let flat: Vec<&[u32]> =
-            if is_solid { Vec::new() } else { elements.iter().map(|e| e.corners()).collect() };
+        let whole = |e: &&Element| Outline::of(e, &(0..e.kind.n_corners()).collect::<Vec<_>>());
+        let flat: Vec<Outline> = if is_solid { Vec::new() } else { elements.iter().map(whole).collect() };
         let mut point = vec![u32::MAX; self.nodes.len()];
-        outer.iter().flatten().chain(flat.iter().copied().flatten()).for_each(|n| point[*n as usize] = 0);
+        outer.iter().chain(&flat).flat_map(|o| &o.nodes).for_each(|n| point[*n as usize] = 0);
         let mut surface = ResultSurface::default();
         for (n, place) in self.nodes.iter().enumerate().filter(|(n, _)| point[*n] == 0).collect::<Vec<_>>() {
             point[n] = surface.points.len() as u32;
@@ -95,20 +135,23 @@ impl ResultMesh {
             }
         }
         let at = |n: u32| point[n as usize];
-        let fan = |face: &[u32], lift: u32| -> Vec<[u32; 3]> {
-            (1..face.len() - 1).map(|k| [0, k, k + 1].map(|i| at(face[i]) + lift)).collect()
+        let cut = |face: &Outline, lift: u32| -> Vec<[u32; 3]> {
+            face.triangles().into_iter().map(|corners| corners.map(|n| at(n) + lift)).collect()
         };
         for face in &outer {
-            if let [a, b] = face[..] {
-                let (a, b) = (at(a), at(b));
+            if is_solid {
+                surface.triangles.extend(cut(face, 0));
+                continue;
+            }
+            // Here a face is an edge of the border.
+            for ends in face.nodes.windows(2) {
+                let (a, b) = (at(ends[0]), at(ends[1]));
                 surface.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
-            } else {
-                surface.triangles.extend(fan(face, 0));
             }
         }
-        for face in flat {
-            surface.triangles.extend(fan(face, 0).into_iter().map(|[a, b, c]| [a, c, b]));
-            surface.triangles.extend(fan(face, 1));
+        for face in &flat {
+            surface.triangles.extend(cut(face, 0).into_iter().map(|[a, b, c]| [a, c, b]));
+            surface.triangles.extend(cut(face, 1));
         }
         surface
     }
@@ -239,6 +282,28 @@ mod tests {
         assert!((volume - 1.0).abs() < 1e-12 && (area - 6.0).abs() < 1e-12, "{volume} {area}");
         assert_eq!((surface.points.len(), surface.triangles.len()), (8, 12));
         assert_eq!(surface.nodes, [1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn nodes_in_the_middle_of_edges_are_on_the_surface() {
+        // A tetrahedron, and the middles of its edges in the order of VTK.
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+        let middles = edges.map(|[a, b]: [usize; 2]| 0.5 * (corners[a] + corners[b]));
+        let nodes: Vec<DVec3> = corners.into_iter().chain(middles).collect();
+        let numbers: Vec<u32> = (0..10).collect();
+        let solid = mesh(nodes.clone(), vec![element(ElementKind::Tet10, &numbers)]).surface(0.0);
+        let (volume, area) = measured(&solid);
+        assert!((volume - 1.0 / 6.0).abs() < 1e-12, "{volume}");
+        assert!((area - (1.5 + 0.75f64.sqrt())).abs() < 1e-12, "{area}");
+        assert_eq!((solid.nodes, solid.triangles.len()), (numbers, 16));
+        // A flat triangle of six nodes, from 0 to 2 mm.
+        let flat = [0, 1, 2, 4, 5, 6].map(|k: usize| nodes[k].with_z(1.0));
+        let plate = mesh(flat.to_vec(), vec![element(ElementKind::Tri6, &[0, 1, 2, 3, 4, 5])]);
+        let (volume, _) = measured(&plate.surface(0.0));
+        assert!((volume - 1.0).abs() < 1e-12, "{volume}");
+        // Four triangles above, four below, and two sides of two triangles along each edge.
+        assert_eq!(plate.surface(0.0).triangles.len(), 4 + 4 + 12);
     }
 
     #[test]

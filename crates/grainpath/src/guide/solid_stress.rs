@@ -132,9 +132,7 @@ pub(super) fn solve(
         s.residual = s.residual.max(solution.residual);
         s.error_estimate = s.error_estimate.max(recovered.relative_error);
         s.max_von_mises_mpa = s.max_von_mises_mpa.max(result.max_von_mises_mpa());
-        let moved = result.displacement.iter().flatten().map(|u| u.length()).fold(0.0, f64::max);
-        s.max_displacement_mm = s.max_displacement_mm.max(moved);
-        solved.results.push(ResultMesh {
+        let shown = ResultMesh {
             name: case.name.clone(),
             nodes: result.nodes.clone(),
             elements: result.elements.clone(),
@@ -144,7 +142,9 @@ pub(super) fn solve(
                 .named_places(case)
                 .map(|(name, on)| (name.to_owned(), loaded.nodes_on(on)))
                 .collect(),
-        });
+        };
+        s.max_displacement_mm = s.max_displacement_mm.max(shown.max_displacement_mm().unwrap_or(0.0));
+        solved.results.push(shown);
         let stress = Arc::new(Solid(StressField::new(result)));
         solved.cases.push(CaseStress { name: case.name.clone(), weight: case.weight, stress });
     }

@@ -129,6 +129,18 @@ pub(super) fn reserve(summary: &StressSummary) -> Option<f64> {
 
 /// The largest equivalent stress of all cases, MPa, and the position of its node.
 pub(super) fn peak_stress(results: &[ResultMesh]) -> Option<(f64, DVec3)> {
-    let all = results.iter().flat_map(|r| r.stress.iter().zip(&r.nodes));
-    all.map(|(stress, place)| (von_mises(stress), *place)).max_by(|a, b| a.0.total_cmp(&b.0))
+    results.iter().filter_map(ResultMesh::peak_stress).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+impl ResultMesh {
+    /// Its largest equivalent stress, MPa, and the position of that node.
+    pub(crate) fn peak_stress(&self) -> Option<(f64, DVec3)> {
+        let all = self.stress.iter().zip(&self.nodes);
+        all.map(|(stress, place)| (von_mises(stress), *place)).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Its largest displacement, mm; `None` where none is known.
+    pub(crate) fn max_displacement_mm(&self) -> Option<f64> {
+        self.displacement.as_ref().map(|all| all.iter().map(|u| u.length()).fold(0.0, f64::max))
+    }
 }

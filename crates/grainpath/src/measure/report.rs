@@ -13,11 +13,11 @@ use serde_json::Value;
 
 use crate::guide::given_field::FieldReport;
 use crate::guide::grain::PhotoReport;
-use crate::guide::{Degenerate, Guide};
+use crate::guide::{Degenerate, Guide, ResultMesh};
 use crate::measure::laid_density::LaidDensity;
 use crate::measure::laid_fibre::FibreReport;
 use crate::measure::stacked::{self, Stacked};
-use crate::measure::strength::{ReserveReport, StrengthReport};
+use crate::measure::strength::{ReserveReport, StrengthReport, three_digits};
 use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
@@ -119,6 +119,9 @@ pub struct StressReport {
     /// Position of the peak of `max_von_mises_mpa`, part coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_at_mm: Option<[f64; 3]>,
+    /// Peaks of each case; empty where there is only one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub peaks: Vec<CasePeak>,
     /// Resultant of each load of each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<ResultantReport>,
@@ -135,6 +138,18 @@ pub struct StressReport {
     pub wedges: usize,
     pub trisectors: usize,
     pub border_points: usize,
+}
+
+/// The greatest stress and displacement of a load case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct CasePeak {
+    pub case: String,
+    pub max_von_mises_mpa: f64,
+    /// Position of the node with this stress, part coordinates.
+    pub at_mm: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_displacement_mm: Option<f64>,
 }
 
 /// A load or a reaction of a case: the area it acts on, its force, and its moment about the
@@ -182,6 +197,15 @@ impl From<&Guide> for StressReport {
             let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
             s.balance.iter().flat_map(of_case).collect()
         };
+        let peak = |r: &ResultMesh| {
+            let (stress_mpa, place) = r.peak_stress()?;
+            Some(CasePeak {
+                case: r.name.clone(),
+                max_von_mises_mpa: digits(stress_mpa),
+                at_mm: place.to_array().map(digits),
+                max_displacement_mm: r.max_displacement_mm().map(digits),
+            })
+        };
         let is_solved = s.dofs > 0;
         let has_displacement = guide.results.iter().any(|r| r.displacement.is_some());
         Self {
@@ -197,6 +221,7 @@ impl From<&Guide> for StressReport {
             strength_mpa: s.strength_mpa.map(digits),
             reserve: guide.reserve().map(digits),
             peak_at_mm: guide.peak_stress().map(|(_, place)| place.to_array().map(digits)),
+            peaks: if guide.results.len() > 1 { guide.results.iter().filter_map(peak).collect() } else { Vec::new() },
             loads: resultants(&|b| &b.loads),
             reactions: resultants(&|b| &b.reactions),
             served: guide
@@ -217,9 +242,14 @@ impl StressReport {
     pub fn rows(&self) -> Vec<(String, String)> {
         let mut rows: Vec<(String, String)> = Vec::new();
         let mut add = |what: &str, value: String| rows.push((what.to_owned(), value));
-        let place =
-            self.peak_at_mm.map_or(String::new(), |[x, y, z]| format!(" at ({x:.2}, {y:.2}, {z:.2}) mm"));
-        add("peak stress", format!("{:.2} MPa (von Mises){place}", self.max_von_mises_mpa));
+        let stress = |mpa: f64, place: Option<[f64; 3]>| {
+            let at = place.map_or(String::new(), |[x, y, z]| format!(" at ({x:.2}, {y:.2}, {z:.2}) mm"));
+            format!("{} MPa (von Mises){at}", three_digits(mpa))
+        };
+        add("peak stress", stress(self.max_von_mises_mpa, self.peak_at_mm));
+        for peak in &self.peaks {
+            add(&format!("peak stress of case {}", peak.case), stress(peak.max_von_mises_mpa, Some(peak.at_mm)));
+        }
         if let Some(strength) = self.strength_mpa {
             add(
                 "strength over peak",
