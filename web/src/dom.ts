@@ -161,10 +161,11 @@ function decimals(value: number): number {
 /** A number with three digits that count, as the command line tells stresses. */
 export function threeDigits(value: number): string { return value.toFixed(decimals(value)); }
 
-/** Numbers of one kind, with as many decimals as the greatest of them has with three digits. */
-export function alike(values: number[]): string[] {
-  const most = decimals(Math.max(...values.map(Math.abs)));
-  return values.map((v) => v.toFixed(most));
+/** Numbers of one kind, with as many decimals as the greatest of them has with three digits, and at least some. */
+export function alike(values: number[], least = 0): string[] {
+  const most = Math.max(decimals(Math.max(...values.map(Math.abs))), least);
+  // A number that is rounded to zero has no sign.
+  return values.map((v) => (Number(v.toFixed(most)) + 0).toFixed(most));
 }
 
 /** A time in words. */

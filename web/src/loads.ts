@@ -633,10 +633,10 @@ export class LoadsPanel {
     const fact = (name: string, words: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, words));
     const several = cases.length > 1;
     const place = peak.at_mm?.map((v) => fixed(v, 1)).join(", ");
-    const forces = (rows: api.Resultant[] | undefined) => (rows ?? []).filter((r) => !several || r.case === peak.case).map((r) => fact(r.name, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
+    const forces = (rows: api.Resultant[] | undefined) => (rows ?? []).filter((r) => !several || r.case === peak.case).map((r) => fact(r.name, `${alike(r.force_n, 2).join(", ")} N`));
     const isStrengthTold = report.reserve !== undefined && report.strength_mpa !== undefined && peak.max_von_mises_mpa > 0;
     this.facts.replaceChildren(
-      fact(several ? `Peak of case ${peak.case}, von Mises` : "Peak, von Mises", `${threeDigits(peak.max_von_mises_mpa)} MPa${place ? ` at ${place}` : ""}`, "peak-stress"),
+      fact(`Peak, von Mises${several ? `, of ${peak.case}` : ""}`, `${threeDigits(peak.max_von_mises_mpa)} MPa${place ? ` at ${place}` : ""}`, "peak-stress"),
       ...(several ? [fact("Peak of all cases", `${threeDigits(report.max_von_mises_mpa)} MPa`, "peak-of-all")] : []),
       ...(peak.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${threeDigits(peak.max_displacement_mm)} mm`, "peak-moved")]),
       ...(isStrengthTold ? [fact("Strength along the beads / peak", `${threeDigits(report.strength_mpa! / peak.max_von_mises_mpa)}`)] : []),
