@@ -96,6 +96,8 @@ export const jobs = () => json<{ jobs: JobState[] }>("v1/jobs");
 export const history = () => json<{ runs: RunRow[] }>("v1/history");
 export const drafts = async () => (await json<{ drafts: Draft[] }>("v1/drafts")).drafts;
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
+/** The file that a shape was read from. */
+export const partFile = (id: number) => json<{ path: string; changed: boolean }>(`v1/jobs/${id}/part-file`);
 export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);
 
 /** Names this page to the server, with the number of its next change: the last change of a page that is left may overtake

@@ -84,6 +84,8 @@ async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Pro
   if (field) { say(`Nothing was run: ${field.labels?.[0]?.firstChild?.textContent || field.id} is ${field.value || "empty"} and ${field.dataset.wrong}`, true); return null; }
   const { signal } = opening;
   try {
+    // What runs is what is shown: a part that has changed on the disk is shown first.
+    if (wanted.kind !== "view" && wanted.kind !== "shape" && wanted.program === undefined && (await shape.readAnew())) return null;
     const end = await watch(await api.begin(wanted), outdated, signal);
     if (!end || !signal.aborted) return end;
     // Plans and tests are kept, and looked for.
@@ -615,6 +617,7 @@ let saved: string | null = null;
 try { saved = localStorage.getItem("theme"); } catch { /* Private windows may refuse. */ }
 setTheme(saved ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 byId("theme").addEventListener("click", () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+addEventListener("focus", () => void shape.readAnew());
 byId("open").addEventListener("click", () => void choose());
 byId("help").addEventListener("click", help);
 byId("runs").addEventListener("click", () => void runs());

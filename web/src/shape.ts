@@ -38,6 +38,8 @@ export class ShapePanel {
   private key = "";
   private warnings: api.Warning[] = [];
   private timer = 0;
+  /** The run of the shape that is shown. */
+  private id = 0;
   /** Ends the run of the shape that was asked for last, once another one is wanted. */
   private asked = new AbortController();
   private readonly poses: Poses;
@@ -94,8 +96,26 @@ export class ShapePanel {
     }
   }
 
+  /** Reads the part anew where its file has changed on the disk since, and says so; gives whether it had. */
+  async readAnew(): Promise<boolean> {
+    const { id, report } = this;
+    if (!report) return false;
+    try {
+      const { path, changed } = await api.partFile(id);
+      if (!changed || this.report !== report) return false;
+      await this.load();
+      // The part as it was stays where its file is gone or cannot be read; the error says so.
+      if (this.report !== report) this.parts.say(`${path} has changed on the disk since it was read. It was read again: this is the part as it is now, and a stress that was shown is gone.`, true);
+      return true;
+    } catch {
+      // A run that is no longer kept says nothing of its file.
+      return false;
+    }
+  }
+
   /** Takes the shape of a run in place of the one before. */
   private take(id: number, result: api.Result, bytes: ArrayBuffer): void {
+    this.id = id;
     const isSame = this.report !== null;
     this.report = result.report as unknown as api.ShapeReport;
     this.warnings = result.warnings;

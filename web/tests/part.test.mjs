@@ -2,7 +2,7 @@
 // kind has a control beside it that must differ.
 
 import assert from "node:assert/strict";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { boxStl, choose, faceAt, held, hold, load, vector, solve, colours, command, threeDigits, far, folder, launch, places, prismStl, settle, shaped, shapedAnew, shapeRun, shown, stl, studio, until, view, visit } from "./bench.mjs";
 
@@ -824,6 +824,36 @@ test("a solved stress says when the loads have changed since", async () => {
   await page.selectOption("#printer-and-material select >> nth=1", "petg");
   await page.click("#tab-loads");
   assert.equal(await page.isVisible("#stale"), true, "another material");
+  await close();
+});
+
+test("a part that has changed on the disk is read again before anything runs, and where its file is gone that is said", async () => {
+  writeFileSync(files.at("again.stl"), boxStl([60, 8, 4]));
+  const { page, close } = await opened("again.stl");
+  await hold(page, [0, 4, 2]);
+  await load(page, [60, 4, 2]);
+  await solve(page);
+  // As a CAD program would export it again, ten millimetres longer.
+  let run = await shapeRun(page);
+  writeFileSync(files.at("again.stl"), boxStl([70, 8, 4]));
+  await page.click("#solve");
+  await shapedAnew(page, run);
+  await page.waitForSelector("#progress .error:has-text('again.stl has changed on the disk since it was read')");
+  assert.equal(await page.textContent("#size"), "70.00 × 8.00 × 4.00 mm");
+  assert.equal(await page.isVisible("#peak-stress"), false, "the stress of the part before is gone");
+  assert.equal((await page.$$("#items fieldset")).length, 2);
+  await solve(page);
+  assert.ok(await page.isVisible("#peak-stress"));
+  // The page looks when it is come back to.
+  run = await shapeRun(page);
+  writeFileSync(files.at("again.stl"), boxStl([50, 8, 4]));
+  await page.evaluate(() => window.dispatchEvent(new Event("focus")));
+  await shapedAnew(page, run);
+  assert.equal(await page.textContent("#size"), "50.00 × 8.00 × 4.00 mm");
+  rmSync(files.at("again.stl"));
+  await page.click("#solve");
+  await page.waitForSelector("#progress .error:has-text('cannot read')");
+  assert.equal(await page.textContent("#size"), "50.00 × 8.00 × 4.00 mm");
   await close();
 });
 

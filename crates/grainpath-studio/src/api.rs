@@ -77,6 +77,7 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::RESERVE, get(layer_reserve)),
         (openapi::DAMAGE, get(damage)),
         (openapi::SURFACE, get(surface_bytes)),
+        (openapi::PART_FILE, get(part_file)),
         (openapi::STRESSED, get(stressed)),
         (openapi::CASE, get(case)),
         (openapi::SECTION, get(section_bytes)),
@@ -781,6 +782,15 @@ async fn surface_bytes(State(studio): Shared, Path(id): Path<u64>, headers: Head
     let result = done(&studio, id)?;
     let none = || Problem::new(StatusCode::NOT_FOUND, "this job shows no shape");
     made(&headers, move || result.finished.surface.as_ref().map(surface_bytes::part).ok_or_else(none)).await
+}
+
+async fn part_file(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde_json::Value>> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, "this job read no part");
+    let file = result.finished.part_file.clone().ok_or_else(none)?;
+    let path = file.path().display().to_string();
+    let changed = tokio::task::spawn_blocking(move || file.has_changed()).await.map_err(fault)?;
+    Ok(Json(json!({ "ok": true, "path": path, "changed": changed })))
 }
 
 const NO_STRESS: &str = "this job solved no such load case";

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::Program;
@@ -111,6 +112,32 @@ pub struct CaseValues {
     pub lines: Vec<StressLine>,
 }
 
+/// A file as it was when a run read it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReadFile {
+    path: PathBuf,
+    bytes: u64,
+    modified: Option<SystemTime>,
+}
+
+impl ReadFile {
+    /// A file as it is now; `None` where it cannot be looked at. Of a folder it is the list of its files that counts.
+    pub fn now(path: &Path) -> Option<Self> {
+        let found = std::fs::metadata(path).ok()?;
+        Some(Self { path: path.to_owned(), bytes: found.len(), modified: found.modified().ok() })
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether it has another size or time of change now, or is gone.
+    pub fn has_changed(&self) -> bool {
+        Self::now(&self.path).as_ref() != Some(self)
+    }
+}
+
 /// The result of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Finished {
@@ -128,6 +155,8 @@ pub struct Finished {
     pub damage: Option<Damage>,
     /// The part as it is placed.
     pub surface: Option<Surface>,
+    /// The file that the part was read from, before it was read.
+    pub part_file: Option<ReadFile>,
     /// Stress and displacement of the part under its loads.
     pub stress: Option<StressSurface>,
     /// The branches of its supports.

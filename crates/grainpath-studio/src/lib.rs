@@ -32,7 +32,7 @@ mod uploads;
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
 pub use engine::{
-    Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, Pictured,
+    Branch, CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, Pictured, ReadFile,
     StressLine, StressSurface, StressVolume, Surface,
 };
 pub use refusal::{Refusal, RefusalKind};

@@ -219,6 +219,12 @@ pub(crate) const SURFACE: Route = Route::get(
     "The part as it is placed, 32 bits a number: counts of vertices, triangles, faulty edges, borders and faults of the file; x, y, z of the vertices; corners of the triangles; the face of each triangle, counted from 0 as in the report, or 4294967295; both ends of each faulty edge; corners of each border between two faces; both ends of each fault of the file before it was mended.",
     Answers::Bytes,
 );
+pub(crate) const PART_FILE: Route = Route::get(
+    "/v1/jobs/{id}/part-file",
+    "partFile",
+    "The file that a shape was read from, and whether it has changed on the disk since.",
+    Answers::Json("PartFile"),
+);
 pub(crate) const STRESSED: Route = Route::get(
     "/v1/jobs/{id}/stress",
     "stressed",
@@ -390,6 +396,7 @@ fn schemas() -> Value {
         "Checked": object(json!({ "ok": { "type": "boolean" }, "error": maybe("string") })),
         "Error": object(json!({ "ok": { "const": false }, "error": text })),
         "Object": { "type": "object" },
+        "PartFile": object(json!({ "path": text, "changed": { "type": "boolean" } })),
         "Studio": object(json!({ "version": text, "work": text, "roots": list(&text), "max_upload_bytes": whole,
             "opened": { "type": ["object", "null"], "properties": { "path": text, "kind": text } } })),
         "Listing": object(json!({ "path": text, "parent": maybe("string"), "left_out": whole,

@@ -1634,6 +1634,18 @@ fn principal_lines_are_sent_with_the_stress_along_them() {
 }
 
 #[test]
+fn a_run_that_the_history_does_not_take_says_so_and_is_done() {
+    let bench = Bench::new();
+    fs::create_dir_all(bench.path("files/studio/history.jsonl")).expect("a folder in its place");
+    let state = bench.run(&json!({ "kind": "plan", "file": bench.shown("files/job.toml") }));
+    assert_eq!(state["phase"], "done");
+    let warnings = bench.get(&format!("/v1/jobs/{}/result", state["id"])).json()["warnings"].clone();
+    let told = warnings.as_array().expect("a list").last().expect("a warning").clone();
+    assert_eq!(told["id"], "history-not-written");
+    assert!(told["text"].as_str().expect("words").contains("history.jsonl: "), "{told}");
+}
+
+#[test]
 fn the_history_outlives_the_studio_and_bears_broken_lines() {
     let bench = Bench::new();
     let told = |bench: &Bench| bench.get("/v1/history").json()["runs"].as_array().expect("a list").clone();

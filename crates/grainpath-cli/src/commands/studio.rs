@@ -18,8 +18,8 @@ use grainpath_parts::presets;
 use grainpath_studio::records::{NO_VALUE, reserve_byte};
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Pictured, Refusal, RefusalKind,
-    serve,
+    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Pictured, ReadFile, Refusal,
+    RefusalKind, serve,
 };
 use grainpath_view::faces::{numbered_png, values_png};
 use grainpath_view::layer::{Ground, LayerPicture, PictureOptions, layer_png, thumbnail_png};
@@ -238,7 +238,9 @@ impl Engine for Commands {
         let (settings, shape) = looked_at(job, roots, true)?;
         let is_scan = !settings.ct.path.is_empty();
         let looked = if is_scan { studio_part::scan } else { studio_part::shape };
-        looked(&settings, &shape, diagnostics).map_err(refusal)
+        let part_file = ReadFile::now(&shape);
+        let finished = looked(&settings, &shape, diagnostics).map_err(refusal)?;
+        Ok(Finished { part_file, ..finished })
     }
 
     fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
