@@ -96,5 +96,6 @@ pub(crate) fn keep(roots: &Roots, draft: Draft) -> Result<(), Refusal> {
     let path = roots.writable(&roots.work().join(DRAFTS))?;
     let failed = |e: std::io::Error| wrong(&path, &plain(&e));
     let bytes = serde_json::to_vec(&all).map_err(|e| failed(e.into()))?;
-    write_whole(&path, &bytes).map_err(|e| Refusal::usage(format!("changes that are not saved are not kept: {}", e.message)))
+    write_whole(&path, &bytes)
+        .map_err(|e| Refusal::usage(format!("changes that are not saved are not kept: {}", e.message)))
 }

@@ -124,7 +124,11 @@ pub(crate) const EXAMPLE: Route = Route {
 };
 pub(crate) const UPLOAD: Route = Route {
     method: "post",
-    query: &[("name", "The file's name; unsafe characters are replaced, and a taken name gets a number.", Form::Text)],
+    query: &[(
+        "name",
+        "The file's name; unsafe characters are replaced, and a taken name gets a number.",
+        Form::Text,
+    )],
     body: Takes::Bytes,
     ..Route::get("/v1/uploads", "upload", "Streams the body to a file.", Answers::Json("Upload"))
 };
@@ -390,6 +394,8 @@ fn schemas() -> Value {
     let mut kept = draft.clone();
     kept["required"] = json!(["path", "kind", "text", "from"]);
     kept["additionalProperties"] = json!(false);
+    let layer = object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,
+        "printed_mm": number, "volume_mm3": number, "time_s": number, "seams": whole }));
     json!({
         "Draft": kept,
         "Drafts": object(json!({ "drafts": list(&draft) })),
@@ -433,8 +439,7 @@ fn schemas() -> Value {
             "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "flow_mm3_s": number, "more": { "type": "boolean" }, "records": whole, "pulls": list(&whole),
             "generator": maybe("string"), "time_s": number, "filament_mm": number,
             "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
-            "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,
-                "printed_mm": number, "volume_mm3": number, "time_s": number, "seams": whole }))) })),
+            "layers": list(&layer) })),
         "Profiles": object(json!({ "profiles":
             list(&object(json!({ "kind": text, "name": text, "about": text, "toml": text }))) })),
     })

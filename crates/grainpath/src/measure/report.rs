@@ -221,7 +221,11 @@ impl From<&Guide> for StressReport {
             strength_mpa: s.strength_mpa.map(digits),
             reserve: guide.reserve().map(digits),
             peak_at_mm: guide.peak_stress().map(|(_, place)| place.to_array().map(digits)),
-            peaks: if guide.results.len() > 1 { guide.results.iter().filter_map(peak).collect() } else { Vec::new() },
+            peaks: if guide.results.len() > 1 {
+                guide.results.iter().filter_map(peak).collect()
+            } else {
+                Vec::new()
+            },
             loads: resultants(&|b| &b.loads),
             reactions: resultants(&|b| &b.reactions),
             served: guide
@@ -248,7 +252,10 @@ impl StressReport {
         };
         add("peak stress", stress(self.max_von_mises_mpa, self.peak_at_mm));
         for peak in &self.peaks {
-            add(&format!("peak stress of case {}", peak.case), stress(peak.max_von_mises_mpa, Some(peak.at_mm)));
+            add(
+                &format!("peak stress of case {}", peak.case),
+                stress(peak.max_von_mises_mpa, Some(peak.at_mm)),
+            );
         }
         if let Some(strength) = self.strength_mpa {
             add(
