@@ -282,12 +282,13 @@ fn open_ends_reach_the_border_and_stay_on_the_field() {
         // The last 0.2 mm below the border are covered as far as the beads are.
         let rim_mm2 = disk.difference(&disk.offset(-0.2, Join::Round)).area_mm2();
         let open_rim = disk.difference(&disk.offset(-0.2, Join::Round)).difference(&strips).area_mm2();
-        (gap, spill, alignment(&paths, star).0, open_rim / rim_mm2)
+        (gap, spill, alignment(&paths, star).0, open_rim / rim_mm2, missed(&disk, &paths)[1])
     });
     let [joined, open] = measured;
     assert!(open.0 < 0.03 && open.1 < 0.002, "gap {} spill {}", open.0, open.1);
-    // Measured: vector_slicer lies 3.8 degrees off on this disk, joined ends 6.7.
-    assert!(open.2 < 3.8 && joined.2 > open.2 + 2.0, "{} and {} degrees", open.2, joined.2);
+    // Measured: vector_slicer lies 3.8 degrees off on this disk. With joints as wide as the beads all lie 6.7 degrees off by length, and 2 % are laid twice.
+    assert!(open.2 < 3.8 && joined.2 < 5.0, "{} and {} degrees", open.2, joined.2);
+    assert!(joined.0 < 0.01 && joined.4 < 0.012, "gap {}, twice {}", joined.0, joined.4);
     assert!(open.3 < 0.1, "{} of the rim is open", open.3);
 }
 
