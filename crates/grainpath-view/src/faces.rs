@@ -146,7 +146,7 @@ fn view(mesh: &TriMesh, is_drawn: &dyn Fn(usize) -> bool, towards: DVec3, size: 
 
 /// The faces that are large enough to be numbered, of a view with the face `shown` in each of its pixels, `size` a row. Each
 /// has the pixel that is furthest from the border of the face, along rows and columns; of several the nearest to the middle
-/// of its visible pixels. So the number of an L lies in one of its arms.
+/// of its visible pixels. So the number of an L lies on it.
 ///
 /// Method: the distance is that of one neighbour plus one pixel; it is found downwards and to the right, then back. Cost:
 /// linear in the pixels.
@@ -209,11 +209,12 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_an_l_lies_in_one_of_its_arms() {
+    fn the_number_of_an_l_lies_on_it_with_room_around() {
         // Arms of 24 and 16 pixels; the middle of all pixels lies beside them.
         let shown: Vec<Option<usize>> =
             (0..100 * 100).map(|i| (i % 100 < 24 || i / 100 >= 84).then_some(0)).collect();
         let [(0, (x, y))] = numbered(&shown, 100, 1)[..] else { panic!("one face") };
-        assert!((11..=12).contains(&x) && (12..=88).contains(&y), "{x} {y}");
+        let around = [(x - 11, y), (x + 11, y), (x, y - 11), (x, y + 11)];
+        assert!(around.iter().all(|(x, y)| shown[y * 100 + x] == Some(0)), "{x} {y}");
     }
 }
