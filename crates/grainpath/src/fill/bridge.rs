@@ -49,7 +49,7 @@ fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) 
     let hatch = Hatch::new(bridge, Lines { angle_rad, first_mm: 0.37 * step_mm, step_mm });
     let along = direction(angle_rad);
     let (mut all, mut held, mut free, mut n) = (0.0, 0.0, 0.0, 0.0);
-    for line in hatch.paths(&Joints { longest_mm: 0.0, bulge_mm: 0.0 }) {
+    for line in hatch.paths(&Joints { longest_mm: 0.0, bulge_mm: 0.0, past_mm: 0.0 }) {
         let (a, b) = (line[0], line[line.len() - 1]);
         let length = a.distance(b);
         // The end of a line lies on the border of the bridge, where rounding decides whether it is inside

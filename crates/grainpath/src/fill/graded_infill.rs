@@ -222,7 +222,7 @@ fn levels(
             let first_mm = rotated(raster(angle_rad).part.centre(), direction(-angle_rad)).y + step_mm(k);
             let lines = Lines { angle_rad, first_mm, step_mm: 2.0 * step_mm(k) };
             // Ends are not joined, because a joint would cross a line of the coarser level.
-            let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0 };
+            let joints = Joints { longest_mm: 0.0, bulge_mm: 0.0, past_mm: 0.0 };
             let paths = there.polygons.iter().flat_map(|p| Hatch::new(p, lines).paths(&joints));
             let pieces: Vec<[DVec2; 2]> =
                 paths.flat_map(|p| p.windows(2).map(|w| [w[0], w[1]]).collect::<Vec<_>>()).collect();

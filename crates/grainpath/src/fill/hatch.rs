@@ -12,6 +12,15 @@
 //!    |========|
 //! ```
 //!
+//! Where a joint turns at an acute corner, a notch stays open between its round corner, the next row and the border. The
+//! corner goes a little past the end of its row, so that the bead's round side fills the notch:
+//!
+//! ```text
+//!    ---------------------  border
+//!     .  notch  *------.     the row that ends at * bends into the notch
+//!      \         \      \
+//! ```
+//!
 //! Where the border meets the rows at a small angle, a wedge stays open beside it between each two ends that no joint links;
 //! [`Hatch::wedges`] finds these from the distance of the border to the next row inwards.
 //!
@@ -37,6 +46,10 @@ const TIP_SHARE: f64 = 0.5;
 /// A wedge gets a bead from this length on, where it is as wide as the narrowest bead, in strips. Source: chosen; the flow of
 /// a bead that is shorter than wide has hardly begun. On a round hub of a scan half a strip would add 760 beads to 6640 paths.
 const LEAST_WEDGE: f64 = 1.0;
+
+/// A row that reaches into a notch bends one row before its end, or at this share of a shorter piece. Source: derived; both
+/// ends of a piece may bend.
+const BEND_SHARE: f64 = 0.4;
 
 /// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +129,9 @@ pub(super) struct Joints {
     pub longest_mm: f64,
     /// A joint that returns to its own row may bulge this far towards the next row, mm.
     pub bulge_mm: f64,
+    /// An acute corner of a joint reaches this far times the cosine of its angle into the notch beside it, mm; 0 where
+    /// corners stay at the ends of their rows.
+    pub past_mm: f64,
 }
 
 /// Whether an edge runs nearly along the rows.
@@ -215,20 +231,21 @@ impl Hatch {
             // The first piece is followed to the right. After a joint the path enters the next piece at the
             // end that the joint reached.
             let mut enter = 2 * first;
+            let mut arrived = None;
             loop {
                 used[enter / 2] = true;
                 // Ends of a piece are numbered 2k and 2k + 1, so the other end is the one with the
                 // last bit flipped.
                 let leave = enter ^ 1;
-                path.push(self.place(&self.ends[enter]));
-                path.push(self.place(&self.ends[leave]));
-                match self.onward(leave, &used, joints, &mut path) {
-                    Some(next) => {
-                        (joined[leave], joined[next]) = (Some(next as u32), Some(leave as u32));
-                        enter = next;
-                    }
-                    None => break,
-                }
+                // The joint that led here came along the border from the side to which it leads back.
+                path.extend(self.corner(enter, arrived, joints));
+                let next = self.onward(leave, &used, joints);
+                let towards = next.as_ref().map(|(_, forwards, _)| *forwards);
+                path.extend(self.corner(leave, towards, joints).into_iter().rev());
+                let Some((next, forwards, between)) = next else { break };
+                path.extend(between);
+                (joined[leave], joined[next]) = (Some(next as u32), Some(leave as u32));
+                (enter, arrived) = (next, Some(!forwards));
             }
             // A joint of no length, where two rows meet in a corner, would repeat a point.
             path.dedup_by(|a, b| a.distance_squared(*b) < 1e-12);
@@ -334,8 +351,30 @@ impl Hatch {
         }
     }
 
-    /// Finds the next unused end along the border from the end of a piece, and adds the border's points.
-    fn onward(&self, leave: usize, used: &[bool], joints: &Joints, path: &mut Vec<DVec2>) -> Option<usize> {
+    /// The path at an end of a piece, from the border inwards, where a joint leads along the border in the stated direction
+    /// or none does. At an acute corner it reaches beyond the end, into the notch between two rows and the border.
+    fn corner(&self, of: usize, forwards: Option<bool>, joints: &Joints) -> Vec<DVec2> {
+        let (end, other) = (&self.ends[of], &self.ends[of ^ 1]);
+        let place = self.place(end);
+        let past = || {
+            let contour = &self.contours[end.contour as usize];
+            // An end on the contour's last vertex belongs to the last edge.
+            let edge = (end.at as usize).min(contour.len() - 1);
+            let (a, b) = (contour[edge], contour[(edge + 1) % contour.len()]);
+            let (behind, ahead) = if forwards? { (a, b) } else { (b, a) };
+            let way = (ahead - behind).try_normalize()?;
+            let inwards = DVec2::new((other.x - end.x).signum(), 0.0);
+            // Beyond the end of its edge the border turns away.
+            let past_mm = (joints.past_mm * way.dot(inwards)).min(place.distance(behind));
+            let bend_mm = self.lines.step_mm.min(BEND_SHARE * (other.x - end.x).abs());
+            (past_mm > 0.0).then(|| vec![place - past_mm * way, place + bend_mm * inwards])
+        };
+        past().unwrap_or_else(|| vec![place])
+    }
+
+    /// Finds the next unused end along the border from the end of a piece, whether it lies forwards, and the border's
+    /// points between both.
+    fn onward(&self, leave: usize, used: &[bool], joints: &Joints) -> Option<(usize, bool, Vec<DVec2>)> {
         let end = &self.ends[leave];
         let candidates = [1usize, 0].map(|forwards| {
             let next = end.along[forwards] as usize;
@@ -359,10 +398,9 @@ impl Hatch {
             let allowed = length <= joints.longest_mm && (other.line != end.line || bulge <= joints.bulge_mm);
             // A joint upwards is preferred, because the sweep begins at the lowest row. Of two joints in
             // the same direction the shorter one is taken.
-            allowed.then_some((other.line <= end.line, length, next, between))
+            allowed.then_some((other.line <= end.line, length, (next, forwards == 1, between)))
         });
         let best = candidates.into_iter().flatten().min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
-        path.extend(best.3);
         Some(best.2)
     }
 

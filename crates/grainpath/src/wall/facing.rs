@@ -11,6 +11,9 @@
 //!   |  wall  |  wall  |        |  wall  |   wall   |
 //! ```
 //!
+//! Where the space begins or ends at once, the bead moves inwards before it widens and narrows before it moves back: a
+//! piece whose width and place change together would leave the part at its narrow end.
+//!
 //! Method: points at most [`STEP_MM`] apart along each loop look across its inner side for the nearest side of a
 //! loop of the same depth. Lengths are in mm. Cost: a search in a grid for each point. Degenerate cases: at a tip, where the
 //! other side lies beside a point and not across, the bead stays as it is.
@@ -33,6 +36,13 @@ const ACROSS: f64 = 0.9;
 /// What a simplified loop may differ from the points that looked across, in place and in width, mm. Source: derived: the
 /// fifth part of the least difference in width that the eye sees in a print, about 0.01 mm.
 const TOLERANCE_MM: f64 = 0.002;
+
+/// Where a bead that widens steadily would reach farther outwards than this, it moves inwards first, mm. Source: derived:
+/// half of the least difference in width that the eye sees in a print, about 0.01 mm.
+const JOG_MM: f64 = 0.005;
+/// Length of each of the two pieces in which a bead moves inwards and widens, mm. Source: derived: the eighth part of
+/// [`STEP_MM`], so that the bead has the width of one of the two sides on three quarters of a piece.
+const JOG_LENGTH_MM: f64 = 0.05;
 
 /// Widens or narrows loops, each with its depth, where two sides of the same depth face each other with a space between
 /// their strips of `s_mm` that lies in `range_mm`; the space is negative where the strips overlap.
@@ -62,7 +72,8 @@ pub(super) fn share_the_space(
             let space_mm = across_mm - s;
             (space_mm > range_mm.0 && space_mm < range_mm.1).then_some(space_mm)
         };
-        let (mut points, mut widths) = (Vec::new(), Vec::new());
+        // Each point of the loop, the way inwards, and the space that it has across.
+        let mut all: Vec<(DVec2, DVec2, f64)> = Vec::new();
         let mut before = path.points.last().copied().unwrap_or_default();
         let mut any = false;
         for (a, b) in edges(&path.points) {
@@ -75,9 +86,26 @@ pub(super) fn share_the_space(
                 let normal = if k == 0 { corner } else { normal };
                 let found = across(p, normal);
                 any |= found.is_some();
-                let space_mm = found.unwrap_or_default();
-                points.push(p + 0.25 * space_mm * normal);
-                widths.push(bead_width_mm(s + 0.5 * space_mm, h));
+                all.push((p, normal, found.unwrap_or_default()));
+            }
+        }
+        let (mut points, mut widths) = (Vec::new(), Vec::new());
+        let mut lay = |p: DVec2, inwards_mm: DVec2, space_mm: f64| {
+            points.push(p + inwards_mm);
+            widths.push(bead_width_mm(s + 0.5 * space_mm, h));
+        };
+        for (i, &(p, normal, space_mm)) in all.iter().enumerate() {
+            let (next, _, next_mm) = all[(i + 1) % all.len()];
+            lay(p, 0.25 * space_mm * normal, space_mm);
+            // The mean width of a piece reaches half of the difference in place of its ends beyond the narrow one, and each
+            // side moves by a quarter of the space.
+            if 0.125 * (next_mm - space_mm).abs() > JOG_MM {
+                let normal = (next - p).normalize_or_zero().perp();
+                let half = (JOG_LENGTH_MM / p.distance(next)).min(0.25);
+                let (narrow_mm, deep_mm) = (space_mm.min(next_mm), space_mm.max(next_mm));
+                lay(p.lerp(next, 0.5 - half), 0.25 * space_mm * normal, space_mm);
+                lay(p.lerp(next, 0.5), 0.25 * deep_mm * normal, narrow_mm);
+                lay(p.lerp(next, 0.5 + half), 0.25 * next_mm * normal, next_mm);
             }
         }
         if any {
