@@ -170,17 +170,19 @@ fn numbered(shown: &[Option<usize>], size: usize, n_faces: usize) -> Vec<Numbere
         let below = near(&inwards, i, i + size < shown.len(), i + size);
         inwards[i] = inwards[i].min(right).min(below);
     }
-    let mut best: Vec<Option<(usize, Reverse<usize>, (usize, usize))>> = vec![None; n_faces];
+    // How good the best pixel of each face is, and that pixel.
+    let mut best = vec![((0, Reverse(usize::MAX)), (0, 0)); n_faces];
     for (x, y, f) in seen().filter(|&(_, _, f)| sums[f].0 >= LEAST_PIXELS) {
         let (n, sx, sy) = sums[f];
         let far = (x * n).abs_diff(sx).pow(2) / n + (y * n).abs_diff(sy).pow(2) / n;
-        let found = (inwards[y * size + x], Reverse(far), (x, y));
+        let found = (inwards[y * size + x], Reverse(far));
         // Of equal places the first one stays.
-        if best[f].is_none_or(|b| (found.0, found.1) > (b.0, b.1)) {
-            best[f] = Some(found);
+        if found > best[f].0 {
+            best[f] = (found, (x, y));
         }
     }
-    best.into_iter().enumerate().filter_map(|(f, b)| Some((f, b?.2))).collect()
+    let is_numbered = |f: &usize| sums[*f].0 >= LEAST_PIXELS;
+    (0..n_faces).filter(is_numbered).map(|f| (f, best[f].1)).collect()
 }
 
 #[cfg(test)]
