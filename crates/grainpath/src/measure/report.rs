@@ -17,7 +17,7 @@ use crate::guide::{Degenerate, Guide, ResultMesh};
 use crate::measure::laid_density::LaidDensity;
 use crate::measure::laid_fibre::FibreReport;
 use crate::measure::stacked::{self, Stacked};
-use crate::measure::strength::{ReserveReport, StrengthReport, three_digits};
+use crate::measure::strength::{ReserveReport, StrengthReport, digits, three_digits};
 use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
@@ -191,8 +191,6 @@ pub struct ServedReport {
 impl From<&Guide> for StressReport {
     fn from(guide: &Guide) -> Self {
         let s = &guide.summary;
-        // Values have five significant digits; more digits would differ between compilers.
-        let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
         let resultants = |which: &dyn Fn(&CaseBalance) -> &Vec<Resultant>| -> Vec<ResultantReport> {
             let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
             s.balance.iter().flat_map(of_case).collect()

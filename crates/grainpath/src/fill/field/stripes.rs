@@ -924,9 +924,9 @@ fn joined(
                 let at = bead.points[bead.points.len() - 1];
                 let Some((next, second)) = index.nearest(at) else { break };
                 let to = ends[next][usize::from(second)];
-                let moved = |b: &WideBead, first: bool| b.shortened_end(first, retreat_of(b, first)).1;
-                let other = beads[next].as_ref().map(|b| moved(b, !second));
-                let joint = [moved(&bead, false), other.unwrap_or(to)];
+                let Some(other) = beads[next].as_ref() else { break };
+                let [own_mm, other_mm] = [retreat_of(&bead, false), retreat_of(other, !second)];
+                let joint = [bead.shortened_end(false, own_mm).1, other.shortened_end(!second, other_mm).1];
                 // Where ends go on to a joint, their way is a part of it.
                 let way = [[at, joint[0]], joint, [joint[1], to]];
                 // The straight line between the ends and the joint half a bead inside are both tested,
@@ -948,8 +948,8 @@ fn joined(
                 let Some(other) = beads[next].take() else { break };
                 let mut other = if second { other } else { other.reversed() };
                 // The joint lies half of its width from the border, as a bead along it would.
-                bead.shorten(retreat_of(&bead, false));
-                other.shorten(retreat_of(&other, false));
+                bead.shorten(own_mm);
+                other.shorten(other_mm);
                 bead.narrow_end(joint_mm);
                 other.narrow_end(joint_mm);
                 let other = other.reversed();

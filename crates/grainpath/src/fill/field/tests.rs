@@ -286,7 +286,8 @@ fn open_ends_reach_the_border_and_stay_on_the_field() {
     });
     let [joined, open] = measured;
     assert!(open.0 < 0.03 && open.1 < 0.002, "gap {} spill {}", open.0, open.1);
-    // Measured: vector_slicer lies 3.8 degrees off on this disk. With joints as wide as the beads all lie 6.7 degrees off by length, and 2 % are laid twice.
+    // Measured: vector_slicer lies 3.8 degrees off on this disk. With joints as wide as the beads ours lie 6.7 degrees off by
+    // length, and 2 % are laid twice.
     assert!(open.2 < 3.8 && joined.2 < 5.0, "{} and {} degrees", open.2, joined.2);
     assert!(joined.0 < 0.01 && joined.4 < 0.012, "gap {}, twice {}", joined.0, joined.4);
     assert!(open.3 < 0.1, "{} of the rim is open", open.3);

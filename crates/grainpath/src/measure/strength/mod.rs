@@ -1000,7 +1000,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
     if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
 }
 
-/// Rounds to five significant digits, which is more precise than a test can be.
+/// Rounds to five significant digits, which is more precise than a test can be; more would differ between compilers.
 pub(crate) fn digits(v: f64) -> f64 {
     format!("{v:.4e}").parse().unwrap_or(v)
 }
