@@ -8,11 +8,13 @@
 //!
 //! Lengths are in mm, angles in radians. Cost: linear in the cells that ribbons cover; at most [`MAX_BRICKS`] cells.
 
+use std::collections::BTreeSet;
+
 use grainpath_core::DVec3;
 use grainpath_core::math::atan2;
 use rayon::prelude::*;
 
-use super::laminate::{BeadSheet, CellError, CellGrid, FANS, layer};
+use super::laminate::{BeadSheet, CellError, CellGrid, FANS, Repeated, layer};
 
 /// Beads of one direction in a brick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +77,8 @@ impl Bricks {
     /// # Errors
     /// As [`Bricks::from_layers`].
     pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64, floor_mm: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = CellGrid::moved_over(sheets, cell_mm, moved)?;
+        let Repeated { layers, of_layer } = Repeated::new(sheets);
+        let (grid, laid_mm3) = CellGrid::over(&layers, cell_mm, moved)?;
         let tall: f64 = sheets.iter().map(|s| s.height_mm).sum();
         let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
         heights.sort_unstable_by(f64::total_cmp);
@@ -107,9 +110,11 @@ impl Bricks {
         let mut below = vec![0f32; fine.nx * fine.ny];
         let (mut z, mut at) = (0.0, 0);
         // Layers are processed in parallel, a few at a time to bound the memory.
-        for some in sheets.chunks(32) {
-            let laid: Vec<_> = some.par_iter().map(|s| layer(&fine, FANS, s)).collect();
-            for (sheet, shares) in some.iter().zip(&laid) {
+        for (some, indices) in sheets.chunks(32).zip(of_layer.chunks(32)) {
+            let distinct: Vec<usize> = BTreeSet::from_iter(indices).into_iter().copied().collect();
+            let laid: Vec<_> = distinct.par_iter().map(|k| layer(&fine, FANS, &layers[*k])).collect();
+            for (sheet, index) in some.iter().zip(indices) {
+                let shares = &laid[distinct.partition_point(|k| k < index)];
                 let (from, to) = (z, z + sheet.height_mm);
                 z = to;
                 let mut own = vec![0f32; below.len()];

@@ -14,11 +14,13 @@
 //!
 //! Real beads overlap at turns and at walls. A cell that would hold more than the layer's height gives the rest to its
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
-//! ribbons cover.
+//! ribbons cover, once for all layers with the same beads ([`Repeated`]).
 
 use std::cell::OnceCell;
+use std::collections::{BTreeMap, HashMap};
 
 use grainpath_core::DVec2;
+use grainpath_core::hash::splitmix64;
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::segment;
 use grainpath_core::tuned::Tuned;
@@ -59,8 +61,94 @@ pub struct CellGrid {
     pub ny: usize,
 }
 
-fn is_usable(s: &BeadSheet, b: &BeadPiece) -> bool {
-    b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
+/// The layers of a part, those with the same beads once.
+///
+/// Most layers of a plate are copies of a few, whatever the order and the direction in which their paths are laid. Volumes
+/// of copies differ by the rounding of the program, so each piece has the mean of its copies.
+pub(super) struct Repeated {
+    /// The layers that differ, in the order of their first copy.
+    pub layers: Vec<DistinctLayer>,
+    /// For each layer of the part the index of the one that it is a copy of.
+    pub of_layer: Vec<usize>,
+}
+
+/// A layer that other layers are copies of.
+pub(super) struct DistinctLayer {
+    height_mm: f64,
+    /// Its paths, sorted by their ends. Open ones begin at the end with the lower coordinates.
+    paths: Vec<Vec<BeadPiece>>,
+    /// The number of layers that have these beads.
+    copies: f64,
+}
+
+impl Repeated {
+    pub(super) fn new(sheets: &[BeadSheet]) -> Self {
+        let sorted: Vec<DistinctLayer> = sheets.par_iter().map(DistinctLayer::new).collect();
+        let mut layers: Vec<DistinctLayer> = Vec::new();
+        let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
+        let of_layer = sorted.into_iter().map(|layer| {
+            let alike = seen.entry(layer.hash()).or_default();
+            if let Some(&at) = alike.iter().find(|k| layers[**k].places().eq(layer.places())) {
+                let sums = layers[at].paths.iter_mut().flatten().zip(layer.paths.iter().flatten());
+                sums.for_each(|(sum, copy)| sum.volume_mm3 += copy.volume_mm3);
+                layers[at].copies += 1.0;
+                at
+            } else {
+                alike.push(layers.len());
+                layers.push(layer);
+                layers.len() - 1
+            }
+        });
+        let of_layer = of_layer.collect();
+        for DistinctLayer { paths, copies, .. } in &mut layers {
+            paths.iter_mut().flatten().for_each(|b| b.volume_mm3 /= *copies);
+        }
+        Self { layers, of_layer }
+    }
+}
+
+impl DistinctLayer {
+    /// The paths of a layer. A piece that begins where the one before it ended continues the same path; pieces without
+    /// length or volume are left out.
+    fn new(sheet: &BeadSheet) -> Self {
+        let is_usable = |b: &&BeadPiece| {
+            b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && sheet.height_mm > 0.0
+        };
+        let beads: Vec<BeadPiece> = sheet.beads.iter().filter(is_usable).copied().collect();
+        let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
+        let mut paths: Vec<Vec<BeadPiece>> = paths.map(<[_]>::to_vec).collect();
+        let order = |p: DVec2, q: DVec2| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y));
+        for path in &mut paths {
+            if order(path[0].a, path[path.len() - 1].b).is_gt() {
+                path.reverse();
+                path.iter_mut().for_each(|piece| std::mem::swap(&mut piece.a, &mut piece.b));
+            }
+        }
+        paths.sort_by(|p, q| {
+            let [(p0, p1), (q0, q1)] = [p, q].map(|path| (path[0], path[path.len() - 1]));
+            order(p0.a, q0.a)
+                .then(order(p0.b, q0.b))
+                .then(order(p1.b, q1.b))
+                .then((p0.material, p.len()).cmp(&(q0.material, q.len())))
+        });
+        Self { height_mm: sheet.height_mm, paths, copies: 1.0 }
+    }
+
+    /// What copies have in common: the height, and the material, length and places of each path.
+    fn places(&self) -> impl Iterator<Item = [u64; 2]> {
+        fn bits(p: DVec2) -> [u64; 2] {
+            p.to_array().map(f64::to_bits)
+        }
+        fn of_path(path: &[BeadPiece]) -> impl Iterator<Item = [u64; 2]> {
+            let begin = [[path.len() as u64, u64::from(path[0].material)], bits(path[0].a)];
+            begin.into_iter().chain(path.iter().map(|b| bits(b.b)))
+        }
+        std::iter::once([self.height_mm.to_bits(), 0]).chain(self.paths.iter().flat_map(|path| of_path(path)))
+    }
+
+    fn hash(&self) -> u64 {
+        self.places().flatten().fold(0, |hash, word| splitmix64(hash ^ word))
+    }
 }
 
 /// A piece of the ribbon that a path lays.
@@ -89,11 +177,9 @@ static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
 /// is 60 degrees.
 const MAX_HALF_TURN_TANGENT: f64 = 1.732;
 
-/// The ribbons of a layer. A piece that begins where the one before it ended continues the same path.
-fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
-    let beads: Vec<&BeadPiece> = sheet.beads.iter().filter(|b| is_usable(sheet, b)).collect();
-    let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
-    paths.flat_map(|path| ribbon(&without_wiggles(path, sheet.height_mm), sheet.height_mm)).collect()
+/// The ribbons of a layer.
+fn ribbons(layer: &DistinctLayer) -> impl Iterator<Item = Ribbon> {
+    layer.paths.iter().flat_map(|path| ribbon(&without_wiggles(path, layer.height_mm), layer.height_mm))
 }
 
 fn width(b: &BeadPiece, height_mm: f64) -> f64 {
@@ -102,10 +188,10 @@ fn width(b: &BeadPiece, height_mm: f64) -> f64 {
 
 /// A path without wiggles that are finer than the bead. A piece too short for the turns at its ends is merged with that
 /// neighbour whose direction differs less.
-fn without_wiggles(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
+fn without_wiggles(path: &[BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
     let mut out: Vec<BeadPiece> = Vec::with_capacity(path.len());
     for piece in path {
-        out.push(**piece);
+        out.push(*piece);
         while let [.., before, short, after] = &out[..] {
             let [u, d, v] = [before, short, after].map(|p| (p.b - p.a).normalize());
             let (at_a, at_b) = (turn(u, d), turn(d, v));
@@ -161,33 +247,19 @@ fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
 }
 
 impl CellGrid {
-    /// A grid that covers all beads and one empty cell around them, and the volume of the beads, mm3.
-    ///
-    /// # Errors
-    /// [`CellError`] when there is no bead or there are too many cells.
-    pub fn over(sheets: &[BeadSheet], cell_mm: f64) -> Result<(Self, f64), CellError> {
-        Self::moved_over(sheets, cell_mm, 0.0)
-    }
-
-    /// The same with the grid moved by a share of a cell, 0 to 1, towards lower x and y.
-    ///
-    /// # Errors
-    /// As [`CellGrid::over`].
-    pub(crate) fn moved_over(
-        sheets: &[BeadSheet],
-        cell_mm: f64,
-        moved: f64,
-    ) -> Result<(Self, f64), CellError> {
+    /// A grid that covers all beads and one empty cell around them, and the volume of the beads, mm3. The grid is moved by a
+    /// share of a cell, 0 to 1, towards lower x and y.
+    pub(super) fn over(layers: &[DistinctLayer], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
         // Ribbons end where paths end. With a margin the cells there would be half empty.
-        let of_sheet = |sheet: &BeadSheet| {
+        let of_layer = |layer: &DistinctLayer| {
             let begin = (DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0);
-            ribbons(sheet).iter().fold(begin, |(low, high, laid_mm3), ribbon| {
+            ribbons(layer).fold(begin, |(low, high, laid_mm3), ribbon| {
                 let reach = |f: fn(DVec2, DVec2) -> DVec2, from| ribbon.corners.into_iter().fold(from, f);
-                (reach(DVec2::min, low), reach(DVec2::max, high), laid_mm3 + ribbon.volume_mm3)
+                (reach(DVec2::min, low), reach(DVec2::max, high), laid_mm3 + layer.copies * ribbon.volume_mm3)
             })
         };
-        let of_sheets: Vec<(DVec2, DVec2, f64)> = sheets.par_iter().map(of_sheet).collect();
-        let (low, high, laid_mm3) = of_sheets
+        let of_layers: Vec<(DVec2, DVec2, f64)> = layers.par_iter().map(of_layer).collect();
+        let (low, high, laid_mm3) = of_layers
             .into_iter()
             .fold((DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0), |(low, high, laid_mm3), own| {
                 (low.min(own.0), high.max(own.1), laid_mm3 + own.2)
@@ -308,34 +380,38 @@ impl Laminate {
     /// # Errors
     /// As [`Laminate::from_layers`].
     pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = CellGrid::moved_over(sheets, cell_mm, moved)?;
-        let all = sheets.iter().flat_map(|s| &s.beads);
+        let Repeated { layers, of_layer } = Repeated::new(sheets);
+        let (grid, laid_mm3) = CellGrid::over(&layers, cell_mm, moved)?;
+        let all = layers.iter().flat_map(|l| l.paths.iter().flatten());
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
-        let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();
-        let joined = (0..layers.len()).into_par_iter().map(|k| joined_mm(&grid, n_fans, sheets, &layers, k));
-        let joined: Vec<Vec<f32>> = joined.collect();
-        Ok(Self::stacked(grid, n_fans, sheets, (&layers, &joined), laid_mm3))
-    }
-
-    fn stacked(
-        grid: CellGrid,
-        n_fans: usize,
-        sheets: &[BeadSheet],
-        (layers, joined): (&[Vec<Share>], &[Vec<f32>]),
-        laid_mm3: f64,
-    ) -> Self {
+        let shares: Vec<Vec<Share>> = layers.par_iter().map(|l| layer(&grid, n_fans, l)).collect();
+        // What is joined depends on the layers beside a layer, so it is found once for each three that follow each other.
+        let mut threes: BTreeMap<[Option<usize>; 3], f32> = BTreeMap::new();
+        for (k, own) in of_layer.iter().enumerate() {
+            let below = k.checked_sub(1).map(|k| of_layer[k]);
+            *threes.entry([below, Some(*own), of_layer.get(k + 1).copied()]).or_default() += 1.0;
+        }
+        let threes: Vec<([Option<usize>; 3], f32)> = threes.into_iter().collect();
+        let joined = |(three, copies): &([Option<usize>; 3], f32)| {
+            let [below, own, above] = *three;
+            let own = own.expect("the layer itself");
+            (own, *copies, joined_mm(&grid, n_fans, &layers, &shares, own, [below, above]))
+        };
+        let joined: Vec<(usize, f32, Vec<f32>)> = threes.par_iter().map(joined).collect();
         let n = grid.nx * grid.ny;
         let mut starts = vec![0u32; n + 1];
         // Thickness, its products with cosine and sine, and the thickness that is joined.
         let mut fans = vec![[0f32; 4]; n * n_fans];
         let mut held = vec![0f32; n];
-        for (share, joined) in layers.iter().flatten().zip(joined.iter().flatten()) {
-            let fan = &mut fans[share.slot as usize];
-            (0..3).for_each(|k| fan[k] += share.sum[k]);
-            fan[3] += joined;
-            held[share.slot as usize / n_fans] += share.sum[0];
+        for (own, copies, joined) in &joined {
+            for (share, joined) in shares[*own].iter().zip(joined) {
+                let fan = &mut fans[share.slot as usize];
+                (0..3).for_each(|k| fan[k] += copies * share.sum[k]);
+                fan[3] += copies * joined;
+                held[share.slot as usize / n_fans] += copies * share.sum[0];
+            }
         }
-        let width_mm = mean_width_mm(sheets);
+        let width_mm = mean_width_mm(&layers);
         let mut plies = Vec::new();
         let mut volume = 0.0;
         let height_mm: f64 = sheets.iter().map(|s| s.height_mm).sum();
@@ -349,19 +425,21 @@ impl Laminate {
                     let angle_rad = 0.5 * atan2(s, c);
                     let coherence = ((c * c + s * s).sqrt() / t).min(1.0);
                     let material = (k / FANS) as u8;
-                    // How much the cells beside the beads hold, over this one: nothing where no layer fills them.
-                    let beside = sides_mm(&grid, cell, direction(angle_rad), width_mm)
-                        .map(|at| held_at(&grid, &held, at) / f64::from(held[cell]))
-                        .fold(1.0, f64::min);
                     let joined = joined / t;
-                    let joined = (joined + (1.0 - joined) * (1.0 - beside)).clamp(LEAST_JOINED, 1.0);
+                    // How much the cells beside the beads hold, over this one: nothing where no layer fills them.
+                    let beside = || {
+                        let sides = sides_mm(&grid, cell, direction(angle_rad), width_mm);
+                        sides.map(|at| held_at(&grid, &held, at) / f64::from(held[cell])).fold(1.0, f64::min)
+                    };
+                    let more = if joined < 1.0 { (1.0 - joined) * (1.0 - beside()) } else { 0.0 };
+                    let joined = (joined + more).clamp(LEAST_JOINED, 1.0);
                     plies.push(Ply { thickness_mm: t * fits, angle_rad, coherence, material, joined });
                 }
             }
             starts[cell + 1] = plies.len() as u32;
         }
         let volume_mm3 = volume * grid.cell_mm * grid.cell_mm;
-        Self { grid, starts, plies, height_mm, volume_mm3, laid_mm3 }
+        Ok(Self { grid, starts, plies, height_mm, volume_mm3, laid_mm3 })
     }
 
     /// The plies of a cell.
@@ -386,12 +464,11 @@ pub(super) struct Share {
     pub sum: [f32; 3],
 }
 
-pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share> {
-    let height_mm = sheet.height_mm;
+pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Vec<Share> {
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
     let mut fans = vec![[0f32; 3]; n * n_fans];
-    for bead in ribbons(sheet) {
+    for bead in ribbons(layer) {
         let along = bead.along;
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
         let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
@@ -409,17 +486,17 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Sh
             f[2] += (t * double.y) as f32;
         });
     }
-    spread(grid, n_fans, height_mm as f32, &mut held, &mut fans);
+    spread(grid, n_fans, layer.height_mm as f32, &mut held, &mut fans);
     let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
     shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
 }
 
 /// The mean width of the beads of some layers, mm.
-fn mean_width_mm(sheets: &[BeadSheet]) -> f64 {
-    let usable = sheets.iter().flat_map(|s| s.beads.iter().filter(|b| is_usable(s, b)).map(move |b| (s, b)));
-    let (area, length) = usable.fold((0.0, 0.0), |(area, length), (s, b)| {
-        let long = b.a.distance(b.b);
-        (area + long * width(b, s.height_mm), length + long)
+fn mean_width_mm(layers: &[DistinctLayer]) -> f64 {
+    let beads = layers.iter().flat_map(|l| l.paths.iter().flatten().map(move |b| (l, b)));
+    let (area, length) = beads.fold((0.0, 0.0), |(area, length), (l, b)| {
+        let long = l.copies * b.a.distance(b.b);
+        (area + long * width(b, l.height_mm), length + long)
     });
     if length > 0.0 { area / length } else { 0.0 }
 }
@@ -454,23 +531,24 @@ const BESIDE_WIDTHS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 const GAP_FILL: f64 = 0.25;
 
 /// The thickness of each share of a layer that has material on both sides of its beads, in its own layer or in one beside
-/// it that rests on them, mm.
+/// it that rests on them, mm. `beside` are the layers below and above.
 fn joined_mm(
     grid: &CellGrid,
     n_fans: usize,
-    sheets: &[BeadSheet],
-    layers: &[Vec<Share>],
+    layers: &[DistinctLayer],
+    shares: &[Vec<Share>],
     at: usize,
+    beside: [Option<usize>; 2],
 ) -> Vec<f32> {
     // How full each cell of a layer is, 0 to 1.
     let filled = |k: usize| {
         let mut filled = vec![0f32; grid.nx * grid.ny];
-        let height_mm = sheets[k].height_mm as f32;
-        layers[k].iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
+        let height_mm = layers[k].height_mm as f32;
+        shares[k].iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
         filled
     };
     let own = filled(at);
-    let width_mm = mean_width_mm(std::slice::from_ref(&sheets[at]));
+    let width_mm = mean_width_mm(std::slice::from_ref(&layers[at]));
     // Where no place beside a bead can lie in a gap, none is looked at: nearly everywhere in dense layers.
     let reach = (width_mm / grid.cell_mm).ceil() as usize;
     let is_dense = |cell: usize| {
@@ -495,7 +573,6 @@ fn joined_mm(
         }
         least
     };
-    let beside = [at.checked_sub(1), Some(at + 1).filter(|k| *k < layers.len())];
     let beside: Vec<(usize, OnceCell<Vec<f32>>)> =
         beside.into_iter().flatten().map(|k| (k, OnceCell::new())).collect();
     let most = |share: &Share| {
@@ -514,7 +591,7 @@ fn joined_mm(
         most
     };
     let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0) as f32;
-    layers[at].iter().map(joined).collect()
+    shares[at].iter().map(joined).collect()
 }
 
 /// Passes in which overfull cells give to their neighbours. Measured: row `fea.strength.laminate.PASSES` of `cargo xtask
@@ -583,19 +660,24 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
             owned.extend(own.filter(|(_, fan)| **fan != [0.0; 3]).map(|(k, fan)| (k, *fan)));
             givers.push((owned.len(), held[cell]));
         }
-        for (i, other, gift) in gifts {
+        for of_giver in gifts.chunk_by(|a, b| a.0 == b.0) {
+            let i = of_giver[0].0;
             let (cell, (end, before)) = (over[i], givers[i]);
-            let (begin, part) = (if i > 0 { givers[i - 1].0 } else { 0 }, gift / before);
-            for (k, own) in &owned[begin..end] {
-                let given = own.map(|own| own * part);
-                let to = &mut fans[other * n_fans + k];
-                to.iter_mut().zip(given).for_each(|(to, given)| *to += given);
-                let from = &mut fans[cell * n_fans + k];
-                from.iter_mut().zip(given).for_each(|(from, given)| *from -= given);
+            let owned = &owned[if i > 0 { givers[i - 1].0 } else { 0 }..end];
+            for &(_, other, gift) in of_giver {
+                for (k, own) in owned {
+                    let to = &mut fans[other * n_fans + k];
+                    to.iter_mut().zip(own).for_each(|(to, own)| *to += own * (gift / before));
+                }
+                held[other] += gift;
+                asked[other] = 0.0;
             }
-            held[other] += gift;
-            held[cell] -= gift;
-            asked[other] = 0.0;
+            let given: f32 = of_giver.iter().map(|(.., gift)| gift).sum();
+            for (k, own) in owned {
+                let from = &mut fans[cell * n_fans + k];
+                from.iter_mut().zip(own).for_each(|(from, own)| *from -= own * (given / before));
+            }
+            held[cell] -= given;
         }
     }
 }
@@ -750,7 +832,7 @@ mod tests {
     /// How often each cell is covered, before anything flows.
     fn covered(sheet: &BeadSheet, grid: &CellGrid) -> Vec<f64> {
         let mut all = vec![0.0; grid.nx * grid.ny];
-        for r in ribbons(sheet) {
+        for r in ribbons(&DistinctLayer::new(sheet)) {
             let corners = r.corners.map(|p| (p - grid.low) / grid.cell_mm);
             covered_cells(&corners, grid, &mut |cell, area| all[cell] += area);
         }
@@ -834,11 +916,52 @@ mod tests {
         }
         let sheet = path(&places, 0.08);
         let laid: f64 = sheet.beads.iter().map(|b| b.volume_mm3).sum();
-        let ribbons: f64 = ribbons(&sheet).iter().map(|r| r.volume_mm3).sum();
+        let ribbons: f64 = ribbons(&DistinctLayer::new(&sheet)).map(|r| r.volume_mm3).sum();
         assert!((ribbons / laid - 1.0).abs() < 1e-12);
         for cell in [0.1, 0.4] {
             let laminate = Laminate::from_layers(std::slice::from_ref(&sheet), cell).expect("beads");
             assert!(laminate.volume_error() < 1e-4, "{cell}: {}", laminate.volume_error());
+        }
+    }
+
+    /// Copies may be laid in another order and direction, and their volumes are rounded; a layer of another height is none.
+    #[test]
+    fn layers_with_the_same_beads_are_made_into_cells_once() {
+        let zigzag = |k: i32| {
+            let at = |i: i32| {
+                DVec2::new(if i % 4 < 2 { 0.0 } else { 6.0 }, f64::from(8 * k) + 0.4 * f64::from(i / 2))
+            };
+            path(&(0..20).map(at).collect::<Vec<_>>(), 0.08).beads
+        };
+        let backwards = |beads: Vec<BeadPiece>| -> Vec<BeadPiece> {
+            beads.into_iter().rev().map(|b| BeadPiece { a: b.b, b: b.a, ..b }).collect()
+        };
+        let first = BeadSheet { height_mm: 0.2, beads: [zigzag(0), zigzag(1)].concat() };
+        let mut other = BeadSheet { height_mm: 0.2, beads: [backwards(zigzag(1)), zigzag(0)].concat() };
+        other.beads.iter_mut().for_each(|b| b.volume_mm3 *= 1.0001);
+        let thick = BeadSheet { height_mm: 0.3, ..first.clone() };
+        let all = [thick, first.clone(), other.clone(), first, other];
+        let repeated = Repeated::new(&all);
+        assert_eq!(repeated.of_layer, [0, 1, 1, 1, 1]);
+        assert_eq!(repeated.layers.iter().map(|l| l.copies).collect::<Vec<_>>(), [1.0, 4.0]);
+        let laid: f64 = all.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
+        let laminate = Laminate::from_layers(&all, 0.4).expect("beads");
+        assert!((laminate.laid_mm3 / laid - 1.0).abs() < 1e-12 && laminate.volume_error() < 1e-5);
+        // Moved by less than the cells show, layers are no copies; what they hold together stays the same.
+        let moved = |k: usize, sheet: &BeadSheet| {
+            let by = DVec2::splat(1e-9 * k as f64);
+            let piece = |b: &BeadPiece| BeadPiece { a: b.a + by, b: b.b + by, ..*b };
+            BeadSheet { height_mm: sheet.height_mm, beads: sheet.beads.iter().map(piece).collect() }
+        };
+        let apart: Vec<BeadSheet> = all.iter().enumerate().map(|(k, s)| moved(k, s)).collect();
+        assert_eq!(Repeated::new(&apart).layers.len(), all.len());
+        let one_by_one = Laminate::from_layers(&apart, 0.4).expect("beads");
+        assert_eq!(laminate.starts, one_by_one.starts);
+        for (a, b) in laminate.plies.iter().zip(&one_by_one.plies) {
+            let joined = a.thickness_mm * (a.joined - b.joined);
+            let off = [a.thickness_mm - b.thickness_mm, a.angle_rad - b.angle_rad, joined];
+            // A cell keeps what is within `OVERFULL` of its volume.
+            assert!(off.iter().all(|off| off.abs() < 5e-4), "{a:?} and {b:?}");
         }
     }
 
