@@ -7,10 +7,15 @@
 //! smooth image into large ones. A few voxels of absurd values (hot pixels, 3e38 for "no data") would decide the ratio alone,
 //! so values are clipped near the range that is left when every voxel is the median of itself and its neighbours in the
 //! row. The values with their bytes exchanged then show which order is right.
+//!
+//! With little noise a volume is smooth in either order. Samples of 4 bytes often hold small numbers, and those have their
+//! empty bytes at the wrong end: integers are all multiples of 2^16, numbers all below the least normal one, 1.2e-38. Such a
+//! volume is in the wrong order unless the stored one is the smoother of both, as of 16 bits that were shifted to the top.
 //! Cost: one pass over the sampled slices.
 //!
 //! # Limits
-//! Only integers and floats of 2 and 4 bytes can be exchanged. An integer of 4 bytes has lost its last byte in `f32`, which is 0
+//! Only integers and floats of 2 and 4 bytes can be exchanged. With little noise, 8 bits in samples of 2 bytes pass in either
+//! order: shifted to the top they are usual. An integer of 4 bytes has lost its last byte in `f32`, which is 0
 //! anyway in exchanged values below 2^24; of negative ones it makes steps at 0 that a scan can have.
 
 use grainpath_core::slices::SampleType;
@@ -100,6 +105,10 @@ pub struct Plausibility {
     exchanged: Roughness,
     /// Whether all values so far could be exchanged.
     exchangeable: bool,
+    /// Whether all values so far have nothing in the bytes that hold small numbers.
+    small_bytes_empty: bool,
+    /// Whether any value so far is not 0.
+    any: bool,
 }
 
 impl Plausibility {
@@ -109,7 +118,8 @@ impl Plausibility {
             SampleType::U16 | SampleType::I16 | SampleType::U32 | SampleType::I32 | SampleType::F32 => true,
             SampleType::U8 | SampleType::I8 | SampleType::F64 => false,
         };
-        Self { sample, stored: Roughness::default(), exchanged: Roughness::default(), exchangeable }
+        let (stored, exchanged) = (Roughness::default(), Roughness::default());
+        Self { sample, stored, exchanged, exchangeable, small_bytes_empty: true, any: false }
     }
 
     /// Looks at a slice of rows of `nx`. NaN stands for no value and is passed over.
@@ -123,6 +133,16 @@ impl Plausibility {
         let stored: Vec<Vec<f64>> =
             rows.iter().map(|row| row.iter().map(|v| f64::from(*v)).collect()).collect();
         self.stored.add(&stored);
+        for v in stored.iter().flatten() {
+            self.any |= *v != 0.0;
+            self.small_bytes_empty &= match self.sample {
+                SampleType::U32 => v % 65_536.0 == 0.0,
+                // The high bytes of negative numbers are full.
+                SampleType::I32 => [0.0, 65_535.0].contains(&v.rem_euclid(65_536.0)),
+                SampleType::F32 => v.abs() < f64::from(f32::MIN_POSITIVE),
+                _ => false,
+            };
+        }
         if self.exchangeable {
             // A rescaled value is not the stored one and cannot be exchanged.
             let of_row = |row: &Vec<f32>| row.iter().map(|v| exchanged(self.sample, *v)).collect();
@@ -136,7 +156,11 @@ impl Plausibility {
     /// The fault, if there is one.
     pub fn verdict(&self) -> Option<Implausible> {
         let roughness = self.stored.ratio();
-        if self.exchangeable && roughness > SUSPICIOUS && self.exchanged.ratio() < SMOOTHER * roughness {
+        let exchanged = self.exchanged.ratio();
+        let is_smooth_exchanged = roughness > SUSPICIOUS && exchanged < SMOOTHER * roughness;
+        // Volumes of two grey values are equally smooth in both orders, up to rounding.
+        let is_small_exchanged = self.any && self.small_bytes_empty && exchanged <= roughness * (1.0 + 1e-9);
+        if self.exchangeable && (is_smooth_exchanged || is_small_exchanged) {
             return Some(Implausible::ByteOrder);
         }
         (roughness > NOISE).then_some(Implausible::Noise)
@@ -210,6 +234,31 @@ mod tests {
         assert!(verdict(SampleType::F32, float, 1.0).is_some());
         // Noise as strong as half the step still leaves a part.
         assert_eq!(verdict(SampleType::U16, |v| v, 15.0), None);
+    }
+
+    #[test]
+    fn small_numbers_in_wide_samples_show_the_byte_order_without_noise() {
+        for noise in [0.0, 0.004, 0.1] {
+            let unsigned = |v: f32| (v as u32).swap_bytes() as f32;
+            let signed = |v: f32| (v as i32 - 10000).swap_bytes() as f32;
+            let float = |v: f32| f32::from_bits((v / 10.0).round().to_bits().swap_bytes());
+            let changed = [
+                verdict(SampleType::U32, unsigned, noise),
+                verdict(SampleType::U32, |v| unsigned(v / 100.0), noise),
+                verdict(SampleType::I32, signed, noise),
+                verdict(SampleType::F32, float, noise),
+            ];
+            assert_eq!(changed, [Some(Implausible::ByteOrder); 4], "{noise}");
+            let right = [
+                verdict(SampleType::U32, |v| v, noise),
+                verdict(SampleType::I32, |v| v - 10000.0, noise),
+                verdict(SampleType::F32, |v| (v / 10.0).round(), noise),
+            ];
+            assert_eq!(right, [None; 3], "{noise}");
+        }
+        // 16 bits shifted to the top of 32: smoother as they are.
+        assert_eq!(verdict(SampleType::U32, |v| v * 65_536.0, 0.1), None);
+        assert_eq!(verdict(SampleType::F32, |_| 0.0, 0.0), None);
     }
 
     /// 3e38 is a usual value for "no data"; one such voxel decided the ratio alone.
