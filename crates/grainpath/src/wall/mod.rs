@@ -67,7 +67,7 @@ pub struct Walls {
 }
 
 /// Corners of offsets stay sharp. A tip farther from its corner than this many times the offset is cut off.
-const MITER: Join = Join::Miter(3.0);
+pub(crate) const MITER: Join = Join::Miter(3.0);
 /// Share of their spacing by which the two sides of a wall may come closer before one bead replaces
 /// the loop.
 const MAX_SQUEEZE: f64 = 0.15;
@@ -115,7 +115,7 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
 /// Whether a polygon keeps its shape when shrunk by `d_mm` to `inset`: no hole, neck or tail was
 /// swallowed. Then the area lost follows from perimeter and corners alone (Steiner's formula for
 /// sharp corners).
-fn shrinks_smoothly(polygon: &Polygon, inset: &Region, d_mm: f64) -> bool {
+pub(crate) fn shrinks_smoothly(polygon: &Polygon, inset: &Region, d_mm: f64) -> bool {
     let [only] = inset.polygons.as_slice() else { return false };
     // A hole that vanished or merged with the outline shows in the number of contours; a neck that
     // closed shows in the area.
