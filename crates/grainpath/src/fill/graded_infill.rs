@@ -75,8 +75,8 @@ const ROUNDS: usize = 8;
 /// Number of cells of [`fit_layers`] across a window, where the part has at most [`MOST_CELLS`] of them. Odd, so that windows
 /// have a cell in their middle. Source: derived: cells of 1 mm are narrower than the shortest distance at which levels change.
 const CELLS_ACROSS: usize = 5;
-/// Largest number of cells of [`fit_layers`]; they are larger in larger parts. Source: derived: a dozen numbers of four bytes
-/// for each of them, of which six are held at a time, are 50 MB.
+/// Largest number of cells of [`fit_layers`]; they are larger in larger parts. Source: derived: the six numbers of four bytes
+/// that are held for each of them are 48 MB.
 const MOST_CELLS: f64 = 2e6;
 /// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
 /// lines of sparse infill have no support between their ends.
