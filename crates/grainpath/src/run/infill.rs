@@ -17,9 +17,10 @@ use grainpath_core::{
 };
 use grainpath_job::choices::{BeadWidths, Pattern};
 
-use super::steps::Steps;
+use super::steps::{IslandPaths, Steps};
 use crate::fibre::{FibrePlace, FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
+use crate::fill::graded_infill::{FittedLayer, fit_layers};
 use crate::fill::{
     Concentric, FillContext, Infill, SeedLines, SideBySide, Solid, Stripes, band, bridge_angle_rad,
     graded_infill, infill, join_rings,
@@ -93,11 +94,58 @@ impl Steps<'_> {
 
     /// The area of each layer that sparse infill fills outside regions, up to the strips of the walls.
     pub(super) fn sparse_areas(&self, skins: &[SkinSplit]) -> Vec<Region> {
-        let of_layer = |(layer, split): (&Layer, &SkinSplit)| {
-            let polygons = split.sparse.iter().map(|p| p.1.clone()).collect();
-            Region { polygons }.offset(self.border_mm(layer), Join::Miter(2.0))
+        self.stack.layers().iter().zip(skins).map(|(layer, split)| self.sparse_area(layer, split)).collect()
+    }
+
+    fn sparse_area(&self, layer: &Layer, split: &SkinSplit) -> Region {
+        let polygons = split.sparse.iter().map(|p| p.1.clone()).collect();
+        Region { polygons }.offset(self.border_mm(layer), Join::Miter(2.0))
+    }
+
+    /// Whether beads of a graded density lean and are fitted over the layers of the whole part, here or in a region.
+    pub(super) fn leans(&self) -> bool {
+        let own =
+            |steps: &Self| steps.graded.is_some() && graded_infill::leans(steps.settings.infill.pattern);
+        own(self) || self.regions.iter().any(own)
+    }
+
+    /// The areas of a layer whose beads are fitted by [`Self::fit_leaning`]: that outside all regions first, then those of the
+    /// regions. Empty where no beads lean.
+    pub(super) fn leaning_areas(&self, i: usize, split: &SkinSplit) -> Vec<Region> {
+        let all = std::iter::once((self, split)).chain(self.regions(split));
+        let area = |(steps, split): (&Self, &SkinSplit)| {
+            let leans = steps.graded.is_some() && graded_infill::leans(steps.settings.infill.pattern);
+            if leans { steps.sparse_area(&self.stack.layers()[i], split) } else { Region::default() }
         };
-        self.stack.layers().iter().zip(skins).map(of_layer).collect()
+        if self.leans() { all.map(area).collect() } else { Vec::new() }
+    }
+
+    /// Sets the widths of beads of a graded density that lean, in layers from the bed upwards, each with its index and its
+    /// [`Self::leaning_areas`].
+    pub(super) fn fit_leaning(&self, density: Density, layers: &mut [(usize, &[Region], &mut IslandPaths)]) {
+        let regions = self.regions.iter().map(|r| (r, self.density_in(r, density)));
+        for (k, (steps, density)) in std::iter::once((self, density)).chain(regions).enumerate() {
+            let Some(graded) = steps.graded else { continue };
+            let mut fitted = Vec::new();
+            for (i, areas, paths) in layers.iter_mut() {
+                let Some(area) = areas.get(k).filter(|area| !area.is_empty()) else { continue };
+                // Beads of the job and of its regions lie in areas of their own.
+                let own = (areas.len() > 1).then(|| LineClipper::new(area));
+                let is_own = |path: &Toolpath| {
+                    path.role == Role::SparseFill
+                        && own.as_ref().is_none_or(|own| own.contains(path.points[path.points.len() / 2]))
+                };
+                fitted.push(FittedLayer {
+                    z_mid_mm: self.z_mid_mm(*i),
+                    height_mm: self.stack.layers()[*i].height_mm(),
+                    area: area.clone(),
+                    paths: paths.iter_mut().map(|(_, path)| path).filter(|path| is_own(path)).collect(),
+                });
+            }
+            let walls = &steps.settings.walls;
+            let map = graded.of_mean(density.fraction());
+            fit_layers(&mut fitted, &map, walls.bead_width_mm, walls.min_bead_width_mm);
+        }
     }
 
     /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the

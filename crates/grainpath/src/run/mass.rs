@@ -12,10 +12,10 @@
 //! until its mean gives the mass. A mass that the pattern cannot give is refused, with the range
 //! that it can give.
 
-use grainpath_core::{Density, Diagnostics, Role, Toolpath, Warning, WarningId};
+use grainpath_core::{Density, Diagnostics, Region, Role, Toolpath, Warning, WarningId};
 use rayon::prelude::*;
 
-use super::steps::{LayerWalls, Steps};
+use super::steps::{IslandPaths, LayerWalls, Steps};
 use crate::error::Error;
 use crate::guide::graded_density::GradedDensity;
 use crate::wall::skin::SkinSplit;
@@ -25,7 +25,7 @@ use crate::wall::skin::SkinSplit;
 const TOLERANCE: f64 = 5e-3;
 /// One layer of so many stands for its neighbours while the density of graded infill is corrected. Source: derived. Lines
 /// lean by 0.7 mm a mm of height, so eight layers of 0.2 mm move them by about two beads: enough for the sampled layers of a
-/// part to lie at different phases, at an eighth of the time.
+/// part to lie at different phases, at an eighth of the time. Those of lines that lean are fitted together, too.
 const SAMPLED: usize = 8;
 
 impl Steps<'_> {
@@ -93,17 +93,42 @@ impl Steps<'_> {
             });
             mass
         };
-        let mass = |density: f64| fixed + sum(&masses(&|i| of_sparse(density, i)));
+        // Beads that lean have their widths only when those of all layers, or of all sampled ones, are laid.
+        let of_fitted = |density: f64, layers: &[usize]| -> Vec<f64> {
+            let lay = |&i: &usize| {
+                let mut paths = Vec::new();
+                let mut add = |island, path| paths.push((island, path));
+                self.sparse_fill(i, &skins[i], Density::new(density), &[], &mut add);
+                (self.leaning_areas(i, &skins[i]), paths)
+            };
+            let mut laid: Vec<(Vec<Region>, IslandPaths)> = layers.par_iter().map(lay).collect();
+            let own = laid.iter_mut().zip(layers);
+            let mut all: Vec<_> = own.map(|((areas, paths), &i)| (i, areas.as_slice(), paths)).collect();
+            self.fit_leaning(Density::new(density), &mut all);
+            let grams = |(i, _, paths): &(usize, &[Region], &mut IslandPaths)| {
+                paths.iter().map(|(_, path)| grams(path, height(*i))).sum()
+            };
+            all.iter().map(grams).collect()
+        };
+        let every: Vec<usize> = (0..copies.len()).collect();
+        let of_all = |density: f64| {
+            if self.leans() { of_fitted(density, &every) } else { masses(&|i| of_sparse(density, i)) }
+        };
+        let mass = |density: f64| fixed + sum(&of_all(density));
         let sampled: Vec<usize> = (0..copies.len()).filter(|i| copies[*i] == *i).step_by(SAMPLED).collect();
         let of_sampled = |density: f64| -> f64 {
-            let masses: Vec<f64> = sampled.par_iter().map(|i| of_sparse(density, *i)).collect();
+            let masses: Vec<f64> = if self.leans() {
+                of_fitted(density, &sampled)
+            } else {
+                sampled.par_iter().map(|i| of_sparse(density, *i)).collect()
+            };
             masses.iter().sum()
         };
         // Mass is nearly proportional to density, so each step scales the density by required over found infill mass.
         let mut density = self.graded.map_or(0.3, |g| g.mean);
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
-            let laid = masses(&|i| of_sparse(density, i));
+            let laid = of_all(density);
             let found = fixed + sum(&laid);
             let off = (found - asked_g).abs();
             if off < nearest.0 {
@@ -119,7 +144,12 @@ impl Steps<'_> {
             // the infill becomes dense.
             if self.graded.is_some() {
                 // The sampled layers have to change as all layers should. These steps together cost half a step over all.
-                let wanted = sampled.iter().map(|i| laid[*i]).sum::<f64>() * change;
+                let before = if self.leans() {
+                    of_sampled(from)
+                } else {
+                    sampled.iter().map(|i| laid[*i]).sum::<f64>()
+                };
+                let wanted = before * change;
                 for _ in 0..SAMPLED / 2 {
                     let ratio = of_sampled(density.clamp(least, most)) / wanted;
                     // Without infill in the sampled layers the ratio is no number.

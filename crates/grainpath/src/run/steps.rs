@@ -64,7 +64,7 @@ const OVERHANG_SHARE: f64 = 0.25;
 const GROWTH: usize = 4;
 
 /// Infill of one layer, each path with the number of its island.
-type IslandPaths = Vec<(usize, Toolpath)>;
+pub(super) type IslandPaths = Vec<(usize, Toolpath)>;
 
 /// The walls of one layer, and the area for its infill.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -771,7 +771,7 @@ impl<'a> Steps<'a> {
 
     /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are
     /// those of the window. The infill regions of a layer are freed as soon as it is filled, so that they do not lie
-    /// beside the paths of the whole window.
+    /// beside the paths of the whole window. Widths of a graded density whose lines lean are fitted over the window.
     ///
     /// ```
     /// # use grainpath::run::{Steps, config};
@@ -827,6 +827,8 @@ impl<'a> Steps<'a> {
         self.fit_lines(density)?;
         let first = window.start;
         let goes_on = self.goes_on(density);
+        let leaning: Vec<Vec<Region>> =
+            skins.par_iter().enumerate().map(|(k, split)| self.leaning_areas(first + k, split)).collect();
         let lay = |(k, split): (usize, SkinSplit)| {
             diagnostics.check()?;
             let mut paths = Vec::new();
@@ -876,6 +878,14 @@ impl<'a> Steps<'a> {
             let sparse = paths.iter().filter(|(_, path)| path.role == Role::SparseFill);
             below.insert(turn, places_on(sparse.map(|(_, path)| path.points.as_slice())));
             diagnostics.advance(1);
+        }
+        if self.leans() {
+            diagnostics.check()?;
+            let own = laid.iter_mut().zip(&leaning).enumerate();
+            self.fit_leaning(
+                density,
+                &mut own.map(|(k, (paths, areas))| (first + k, areas.as_slice(), paths)).collect::<Vec<_>>(),
+            );
         }
         // The index of a duplicate refers to a layer that was laid, never to another copy.
         let mut fibre = Tally::default();
@@ -948,8 +958,8 @@ impl<'a> Steps<'a> {
         let mut state = OrderState::new(order);
         let mut fibre = Tally::default();
         let end = self.stack.layers().len();
-        // Lines that go on from layer to layer, and copies of such layers, are found for the whole part.
-        let n_layers = if self.goes_on(density) { end } else { n_layers }.max(1);
+        // Lines that go on from layer to layer, copies of such layers and widths of beads that lean are found for the whole part.
+        let n_layers = if self.goes_on(density) || self.leans() { end } else { n_layers }.max(1);
         for first in (0..end).step_by(n_layers) {
             let window = first..(first + n_layers).min(end);
             let mut walls = self.walls(window.clone(), diagnostics)?;
