@@ -4,7 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use grainpath::run::{Inputs, Steps, config, mesh_and_layers, plan_job};
 use grainpath_core::diagnostics::{EarlyLayers, Progress, Stage};
-use grainpath_core::{Density, Diagnostics, LayerPlan, LayerStack, Plan};
+use grainpath_core::polyline::resampled;
+use grainpath_core::segment::distance_squared_mm2;
+use grainpath_core::{DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Plan, Region, Role};
 use grainpath_gcode::{Limits, Program, simulate, write_gcode};
 use grainpath_io::parse_mesh;
 use grainpath_job::{Settings, parse_job};
@@ -27,7 +29,7 @@ fn planned(settings: &Settings, stack: &LayerStack, n_layers: usize) -> Vec<Laye
     let step_settings = config::steps(settings);
     let steps = Steps::new(&step_settings, stack);
     let mut layers = Vec::new();
-    let (density, order) = (Density::new(0.3), config::order(settings));
+    let (density, order) = (settings.fill.density.even().expect("a number"), config::order(settings));
     let diagnostics = Diagnostics::default();
     steps
         .in_windows(n_layers, density, &order, &diagnostics, |layer| layers.push(layer))
@@ -45,6 +47,7 @@ fn windows_of_any_size_give_the_same_layers() {
         "process.layer_height_mm=0.25",
         "process.first_layer_height_mm=0.25",
         "process.skirt_layers=3",
+        "fill.density=0.3",
     ];
     for more in [
         &["fill.pattern=gyroid", "process.seam=random"][..],
@@ -74,6 +77,58 @@ fn windows_of_any_size_give_the_same_layers() {
             assert_eq!(layers.len(), n);
         }
     }
+}
+
+/// Length of the longest stretch of dense fill whose middle is further from every bead of the layer below than 0.75 of its width.
+fn longest_over_air_mm(layers: &[LayerPlan]) -> f64 {
+    let mut longest = 0.0f64;
+    for pair in layers.windows(2) {
+        let below = pair[0].paths.iter().map(|p| &p.path);
+        let below: Vec<(DVec2, DVec2)> =
+            below.flat_map(|p| (0..p.n_segments()).map(|i| (p.segment(i).0, p.segment(i).1))).collect();
+        for path in pair[1].paths.iter().map(|p| &p.path) {
+            if !matches!(path.role, Role::SolidFill | Role::TopSkin) {
+                continue;
+            }
+            let reach_mm = 0.75 * path.width_at(0);
+            let (step_mm, mut run_mm) = (0.15, 0.0);
+            for p in resampled(&path.points, path.closed, step_mm) {
+                let held = |(a, b): &(DVec2, DVec2)| distance_squared_mm2(p, *a, *b) < reach_mm * reach_mm;
+                run_mm = if below.iter().any(held) { 0.0 } else { run_mm + step_mm };
+                longest = longest.max(run_mm);
+            }
+        }
+    }
+    longest
+}
+
+#[test]
+fn skins_over_sparse_infill_reach_beads_that_hold_them() {
+    // Below the floor of a narrow slot, a skin lies across the cells of the grid.
+    let stack = |slot_mm: f64| {
+        let section = |i: usize| {
+            let whole = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 40.0));
+            let slot = Region::rectangle(DVec2::new(slot_mm, 5.0), DVec2::new(slot_mm + 2.2, 35.0));
+            if i < 20 { whole } else { whole.difference(&slot) }
+        };
+        let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section(i)).expect("a sound layer");
+        LayerStack::new((0..30).map(layer).collect()).expect("sound layers")
+    };
+    let grid = ["fill.pattern=grid", "fill.density=0.15"];
+    let long = settings(&[grid[0], grid[1], "support.max_unsupported_mm=100"]);
+    let grid = settings(&grid);
+    let mut as_they_were = 0.0f64;
+    for slot_mm in [18.2, 19.2, 20.2, 21.2] {
+        let stack = stack(slot_mm);
+        let whole = planned(&grid, &stack, 30);
+        let longest_mm = longest_over_air_mm(&whole);
+        assert!(longest_mm > 3.0 && longest_mm <= 10.0, "slot at {slot_mm} mm: {longest_mm} mm");
+        // What lies below the first layer of a window counts as well.
+        assert!(planned(&grid, &stack, 4) == whole, "slot at {slot_mm} mm in windows");
+        as_they_were = as_they_were.max(longest_over_air_mm(&planned(&long, &stack, 30)));
+    }
+    // A printer that bridges further leaves skins as they are.
+    assert!(as_they_were > 10.0, "{as_they_were} mm");
 }
 
 /// Keeps the programs of the first layers.

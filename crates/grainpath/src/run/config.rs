@@ -594,6 +594,7 @@ fn infill(s: &Settings) -> InfillSettings {
         },
         field_axis_rad: s.guide.angle_deg.to_radians(),
         bridge_flow: s.process.bridge_flow,
+        max_unsupported_mm: s.support.max_unsupported_mm,
         chain: s.process.chain,
         matrix_pattern: s.fibre.matrix_pattern,
         matrix_density: s.fibre.matrix_density,

@@ -12,6 +12,7 @@ pub mod config;
 mod mass;
 mod placing;
 mod short_fill;
+mod skin_holds;
 mod infill;
 mod steps;
 

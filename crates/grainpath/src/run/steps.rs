@@ -137,6 +137,8 @@ pub struct InfillSettings {
     pub field_axis_rad: f64,
     /// Factor on the extrusion of bridges.
     pub bridge_flow: f64,
+    /// The longest span that the printer bridges, mm.
+    pub max_unsupported_mm: f64,
     /// Whether fibre begins at the point where it ended in the layer below.
     pub chain: bool,
     /// Pattern of infill without fibre, in layers and places with fibre.
@@ -910,6 +912,10 @@ impl<'a> Steps<'a> {
         for original in needed.range(window.clone()) {
             let own = (laid[original - first].clone(), tallies[original - first]);
             copies.laid.insert(*original, own);
+        }
+        if !goes_on {
+            let islands: Vec<&[Island]> = walls.iter().map(|walls| walls.islands.as_slice()).collect();
+            self.hold_skins(first, &islands, &mut laid, density, diagnostics)?;
         }
         let adhesion = self.adhesion(&window);
         let mut supports: Vec<Vec<Island>> = window.into_par_iter().map(|i| self.supports(i)).collect();

@@ -12,6 +12,7 @@
 use grainpath_core::buckets::{PointGrid2, PointGrid3};
 use grainpath_core::math::sin;
 use grainpath_core::poly::{Join, edges};
+use grainpath_core::polyline::length_mm;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, TriMesh};
 use rayon::prelude::*;
@@ -108,9 +109,12 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
                 if stretches(&points, true, &free, longest_mm).is_empty() {
                     continue;
                 }
-                for (free, p) in free.iter_mut().zip(&points).filter(|(free, _)| **free) {
-                    *free = !part.has_bead_near(k - 1, *p, step_mm);
-                }
+                let beside: Vec<bool> = free
+                    .iter()
+                    .zip(&points)
+                    .map(|(free, p)| *free && part.has_bead_near(k - 1, *p, step_mm))
+                    .collect();
+                drop_grazes(&mut free, &beside, &points, w);
                 let stretches = stretches(&points, true, &free, longest_mm);
                 found.extend(stretches.into_iter().map(|(points, closed)| Free {
                     layer: k,
@@ -227,9 +231,30 @@ fn points_along(contour: &[DVec2]) -> Vec<DVec2> {
     edges(contour).flat_map(points).collect()
 }
 
+/// Marks the points beside a bead of the layer below as held, unless they only graze it: where such a run is shorter than
+/// `least_mm` and over air at both ends, a corner of the bead comes near, and the printed bead cuts corners off.
+fn drop_grazes(free: &mut [bool], beside: &[bool], points: &[DVec2], least_mm: f64) {
+    let n = free.len();
+    let Some(first) = (0..n).find(|&i| !beside[i]) else {
+        free.fill(false);
+        return;
+    };
+    let order: Vec<usize> = (0..n).map(|i| (i + first) % n).collect();
+    let mut end = 0;
+    for run in order.chunk_by(|&i, &j| beside[i] == beside[j]) {
+        end += run.len();
+        let (before, after) = (order[(end + n - run.len() - 1) % n], order[end % n]);
+        let line: Vec<DVec2> = run.iter().map(|&i| points[i]).collect();
+        let grazes = length_mm(&line, false) < least_mm && free[before] && free[after];
+        if beside[run[0]] && !grazes {
+            run.iter().for_each(|&i| free[i] = false);
+        }
+    }
+}
+
 /// The stretches of `free` points that are longer than `longest_mm`, each with a flag that marks the whole of a closed line.
 fn stretches(points: &[DVec2], closed: bool, free: &[bool], longest_mm: f64) -> Vec<(Vec<DVec2>, bool)> {
-    let length_mm = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+    let length_mm = |line: &[DVec2]| length_mm(line, false);
     if !free.contains(&false) {
         return if length_mm(points) > longest_mm { vec![(points.to_vec(), closed)] } else { Vec::new() };
     }
@@ -260,4 +285,30 @@ fn divided(line: &[DVec2], closed: bool, piece_mm: f64) -> Vec<(DVec2, DVec2)> {
         behind_mm += length_mm;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use grainpath_core::DVec2;
+
+    use super::{STEP_MM, drop_grazes};
+
+    /// Points of a closed wall: `-` over air, `b` over air beside a bead of the layer below, `#` held otherwise.
+    fn held(wall: &str) -> String {
+        let mut free: Vec<bool> = wall.chars().map(|c| c != '#').collect();
+        let beside: Vec<bool> = wall.chars().map(|c| c == 'b').collect();
+        let points: Vec<DVec2> = (0..wall.len()).map(|i| STEP_MM * i as f64 * DVec2::X).collect();
+        drop_grazes(&mut free, &beside, &points, 0.45);
+        free.iter().map(|free| if *free { '-' } else { '#' }).collect()
+    }
+
+    #[test]
+    fn a_wall_that_grazes_a_corner_of_a_bead_below_is_not_held_there() {
+        assert_eq!(held("---bb---#--"), "--------#--");
+        // A bead that crosses below holds it, and a bead that goes on from another.
+        assert_eq!(held("---bbbb---#b-"), "---####---##-");
+        assert_eq!(held("b----#-----"), "-----#-----");
+        assert_eq!(held("b----#----#"), "#----#----#");
+        assert_eq!(held("bbb"), "###");
+    }
 }
