@@ -179,8 +179,7 @@ impl WallThrough {
         let higher = |factor: f64| {
             move |a: BendingSample, b: BendingSample| if b.face > factor * a.face { b } else { a }
         };
-        let sample = bars.fold(leaning.into_iter().fold(leaning[0], higher(1.0)), higher(BAR));
-        Some(sample)
+        Some(bars.fold(leaning.into_iter().fold(leaning[0], higher(1.0)), higher(BAR)))
     }
 }
 
