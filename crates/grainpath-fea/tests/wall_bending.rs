@@ -222,7 +222,7 @@ fn walls(thickness_mm: f64, cell_mm: f64, off: f64) -> Vec<(String, Wall, Fibre)
         ("upright, along".to_owned(), wall(x, z, y, 0.0), along()),
         ("upright, upwards".to_owned(), wall(z, x, y, 0.0), fibre(e3, card.zt_mpa, 1e9, 2)),
     ];
-    for deg in [20.0, 45.0f64] {
+    for deg in [20.0, 37.0, 45.0f64] {
         let (s, c) = sin_cos(deg.to_radians());
         let d: DVec2 = direction(deg.to_radians());
         let turned = wall(d.extend(0.0), z, DVec3::new(-s, c, 0.0), deg.to_radians());
@@ -253,7 +253,7 @@ fn thin_walls_bend_as_beam_theory_says_on_four_cells() {
                 // wall of one bead, 12 % for one of two.
                 let most = if off > 0.0 && thickness_mm < 1.0 { 0.15 } else { 0.1 };
                 assert!((bent.peak_moment / want - 1.0).abs() < most, "{thickness_mm} {off} {name}");
-                assert!(bent.unresolved < 0.35, "{thickness_mm} {off} {name}: {}", bent.unresolved);
+                assert!(bent.unresolved < 0.3, "{thickness_mm} {off} {name}: {}", bent.unresolved);
             }
         }
     }
@@ -262,14 +262,21 @@ fn thin_walls_bend_as_beam_theory_says_on_four_cells() {
 #[test]
 fn coarse_cells_are_told_from_fine_ones() {
     // An odd number of cells puts the middle plane between two planes of the grid.
-    for (across, off, is_coarse) in
-        [(1.0, 0.0, true), (1.0, 0.5, true), (2.0, 0.0, true), (4.0, 0.0, false), (5.0, 0.0, false)]
-    {
-        let straight = walls(1.0, 1.0 / across, off).into_iter().filter(|w| !w.0.contains("turned"));
-        for (name, wall, _) in straight {
+    for (across, off, is_coarse) in [
+        (1.0, 0.0, true),
+        (1.0, 0.5, true),
+        (2.0, 0.0, true),
+        (3.0, 0.0, true),
+        (4.0, 0.0, false),
+        (5.0, 0.0, false),
+    ] {
+        // Five cells across take half a minute for each wall that leans, and four say the same.
+        let quick =
+            walls(1.0, 1.0 / across, off).into_iter().filter(|w| across < 5.0 || !w.0.contains("turned"));
+        for (name, wall, _) in quick {
             let bent = bend(&wall);
             println!("{across} cells across, {name}: {:.2} at {:.2} mm", bent.unresolved, bent.wall_mm);
-            assert_eq!(bent.unresolved > 0.35, is_coarse, "{across} {name}: {}", bent.unresolved);
+            assert_eq!(bent.unresolved > 0.3, is_coarse, "{across} {name}: {}", bent.unresolved);
         }
     }
 }

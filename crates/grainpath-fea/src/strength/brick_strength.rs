@@ -41,7 +41,7 @@ use super::load_stepping::{
 };
 
 use super::wall_bending::{
-    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, unresolved_bending,
+    BendingSample, MIN_CELLS_ACROSS, Run, UnresolvedBending, WallThrough, is_outside, unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Orthotropic, Stiffness, rotated_about_z, strain_along};
@@ -168,25 +168,26 @@ impl SolidTest<'_> {
         Ok((solid, states))
     }
 
-    /// Full cells across the part through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
-    fn cells_across(&self, cell: usize, axis: usize) -> f64 {
+    fn run_through(&self, cell: usize, axis: usize) -> Run {
         let bricks = self.bricks;
         let stride = [1, bricks.n[0], bricks.n[0] * bricks.n[1]][axis];
         let place = cell / stride % bricks.n[axis];
-        let sum = |cells: &mut dyn Iterator<Item = usize>| {
-            let filled = cells.take_while(|c| self.active[*c]).map(|c| f64::from(bricks.filled[c]));
-            filled.take(CELLS_ACROSS as usize).sum::<f64>()
-        };
-        let above = sum(&mut (place + 1..bricks.n[axis]).map(|k| cell + (k - place) * stride));
-        let below = sum(&mut (0..place).rev().map(|k| cell - (place - k) * stride));
-        f64::from(bricks.filled[cell]) + above + below
+        let above = (place + 1..bricks.n[axis]).map(|k| cell + (k - place) * stride);
+        let below = (0..place).rev().map(|k| cell - (place - k) * stride);
+        let filled = |c: usize| self.active[c].then_some(f64::from(bricks.filled[c]));
+        Run::new(f64::from(bricks.filled[cell]), above.map_while(filled), below.map_while(filled))
+    }
+
+    fn wall_through(&self, cell: usize) -> WallThrough {
+        let runs = std::array::from_fn(|axis| self.run_through(cell, axis));
+        WallThrough { runs, cell_mm: self.bricks.cell_mm }
     }
 
     /// Whether any breakable cell lies in a wall that has few cells across.
     fn has_thin_walls(&self) -> bool {
         let cells =
             (0..self.active.len()).into_par_iter().filter(|c| self.active[*c] && !self.unbreakable[*c]);
-        cells.any(|c| (0..3).any(|axis| self.cells_across(c, axis) < MIN_CELLS_ACROSS))
+        cells.any(|c| self.wall_through(c).is_thin())
     }
 
     fn run_with(&self, control: &StepControl, later_tolerance: f64) -> Result<Outcome, TestError> {
@@ -396,15 +397,31 @@ impl LoadedSolid<'_> {
                 return BendingSample::default();
             }
             let cell = self.cells[element] as usize;
+            let test = self.test;
+            let filled = |c: usize| f64::from(test.bricks.filled[c]);
+            let beside = test.bricks.around(cell).filter(|(_, c)| test.active[*c]);
+            if is_outside(filled(cell), beside.map(|(_, c)| filled(c))) {
+                return BendingSample::default();
+            }
             let displacement = self.system.displacement();
             let middle = self.system.strain(displacement, cell).unwrap_or_default();
             let index = |strain: [f64; 6]| {
                 highest_index(self.indices_of_strain(self.test.card, element, strain, states))
             };
+            let wall = test.wall_through(cell);
+            let around = || {
+                let cells = std::iter::once((DVec3::ZERO, cell)).chain(test.bricks.around(cell));
+                let strained =
+                    cells.filter_map(|(off, c)| Some((off, c, self.system.strain(displacement, c)?)));
+                strained.map(|(off, c, strain)| (off, filled(c), strain)).collect()
+            };
+            if let Some(sample) = wall.leaning_sample(around, index) {
+                return sample;
+            }
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..3 {
-                let across = self.test.cells_across(cell, axis);
+                let across = wall.runs[axis].cells;
                 if across >= MIN_CELLS_ACROSS {
                     continue;
                 }
@@ -414,7 +431,7 @@ impl LoadedSolid<'_> {
                 let face = faces[0].max(faces[1]);
                 if face > sample.face {
                     sample.face = face;
-                    sample.wall_mm = across * self.test.bricks.cell_mm[axis];
+                    sample.wall_mm = across * wall.cell_mm[axis];
                 }
             }
             sample

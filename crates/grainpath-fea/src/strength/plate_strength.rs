@@ -35,7 +35,7 @@ use super::load_stepping::{
 use super::plate_system::PlateSystem;
 use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::wall_bending::{
-    BendingSample, CELLS_ACROSS, MIN_CELLS_ACROSS, UnresolvedBending, unresolved_bending,
+    BendingSample, MIN_CELLS_ACROSS, Run, UnresolvedBending, WallThrough, is_outside, unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Unstable, plane_strain_along, rotated_plane};
@@ -176,26 +176,30 @@ impl PlateTest<'_> {
         Ok((plate, states))
     }
 
-    /// Full cells across the plate through a cell along an axis; at most [`CELLS_ACROSS`] count on each side.
-    fn cells_across(&self, cell: usize, axis: usize) -> f64 {
-        let laminate = self.laminate;
-        let grid = &laminate.grid;
+    /// Share of the plate's thickness that a cell fills.
+    fn filled(&self, cell: usize) -> f64 {
+        (self.laminate.thickness_mm(cell) / self.laminate.height_mm).min(1.0)
+    }
+
+    fn run_through(&self, cell: usize, axis: usize) -> Run {
+        let grid = &self.laminate.grid;
         let (stride, n) = [(1, grid.nx), (grid.nx, grid.ny)][axis];
         let place = cell / stride % n;
-        let filled = |c: usize| (laminate.thickness_mm(c) / laminate.height_mm).min(1.0);
-        let sum = |cells: &mut dyn Iterator<Item = usize>| {
-            let filled = cells.map(filled).take_while(|f| *f > MIN_FILL);
-            filled.take(CELLS_ACROSS as usize).sum::<f64>()
-        };
-        let above = sum(&mut (place + 1..n).map(|k| cell + (k - place) * stride));
-        let below = sum(&mut (0..place).rev().map(|k| cell - (place - k) * stride));
-        filled(cell) + above + below
+        let above = (place + 1..n).map(|k| cell + (k - place) * stride);
+        let below = (0..place).rev().map(|k| cell - (place - k) * stride);
+        let filled = |c: usize| Some(self.filled(c)).filter(|f| *f > MIN_FILL);
+        Run::new(self.filled(cell), above.map_while(filled), below.map_while(filled))
+    }
+
+    fn wall_through(&self, cell: usize) -> WallThrough {
+        let runs = [self.run_through(cell, 0), self.run_through(cell, 1), Run::ENDLESS];
+        WallThrough { runs, cell_mm: DVec3::splat(self.laminate.grid.cell_mm) }
     }
 
     /// Whether an element lies in a wall that is thin for the size of the cells.
     fn has_thin_walls(&self) -> bool {
         let cells = (self.elements.cells.par_iter().zip(self.unbreakable)).filter(|(_, u)| !**u);
-        cells.any(|(c, _)| (0..2).any(|axis| self.cells_across(*c as usize, axis) < MIN_CELLS_ACROSS))
+        cells.any(|(c, _)| self.wall_through(*c as usize).is_thin())
     }
 
     fn loaded(&self) -> Result<LoadedPlate<'_>, TestError> {
@@ -314,13 +318,32 @@ impl LoadedPlate<'_> {
                 return BendingSample::default();
             }
             let cell = self.test.elements.cells[element] as usize;
+            let test = self.test;
+            let beside = test.elements.grid.around(cell).filter(|(_, c)| self.element_of[*c].is_some());
+            if is_outside(test.filled(cell), beside.map(|(_, c)| test.filled(c))) {
+                return BendingSample::default();
+            }
             let u = self.corners(element);
             let middle = middle_strain(&u, self.cell_mm());
             let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, strain, states));
+            let wall = test.wall_through(cell);
+            let around = || {
+                let beside = test.elements.grid.around(cell);
+                let cells = std::iter::once((DVec2::ZERO, cell)).chain(beside);
+                let elements = cells.filter_map(|(off, c)| Some((off, c, self.element_of[c]? as usize)));
+                let strained = elements.map(|(off, c, e)| {
+                    let strain = middle_strain(&self.corners(e), self.cell_mm());
+                    ((off * self.cell_mm()).extend(0.0), test.filled(c), strain)
+                });
+                strained.collect()
+            };
+            if let Some(sample) = wall.leaning_sample(around, index) {
+                return sample;
+            }
             let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
             sample.face = sample.middle;
             for axis in 0..2 {
-                let across = self.test.cells_across(cell, axis);
+                let across = wall.runs[axis].cells;
                 if across >= MIN_CELLS_ACROSS {
                     continue;
                 }

@@ -574,9 +574,10 @@ fn cell_sizes_mm(
     }
 }
 
-/// If thin walls bend, cells miss a share of the failure index. No warning is given up to this share. Measured: walls four
-/// cells thick miss up to a third; their peak is within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
-const RESOLVED: f64 = 0.35;
+/// If thin walls bend, cells miss a share of the failure index. No warning is given up to this share. Measured: walls three
+/// cells thick miss a third to a half and carry up to a fifth too much, walls four cells thick miss nothing; their peak is
+/// within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
+const RESOLVED: f64 = 0.3;
 /// A test is refused if the cells miss more than this share. Source: derived. Two cells across a wall, or one cell on the
 /// border of two, miss as much bending as they represent, which is a share of 1.
 const MAX_UNRESOLVED: f64 = 0.9;
