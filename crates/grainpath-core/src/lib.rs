@@ -29,6 +29,7 @@ pub mod segments;
 pub mod selection;
 pub mod slices;
 pub mod spelling;
+pub mod stacked;
 pub mod streamlines;
 pub mod tensor;
 pub mod toolpath;

@@ -4,6 +4,7 @@
 //! MPa; tensors in the component order xx, yy, zz, xy, yz, zx (plane: xx, yy, xy), shear strains
 //! doubled (engineering).
 
+pub mod degenerate;
 mod dense_elimination;
 pub mod load_case;
 pub mod material;

@@ -1,9 +1,9 @@
 //! Ends of beads do not stand on each other from layer to layer.
 
 use grainpath::guide::given_field::{FieldGuide, FieldSettings};
-use grainpath::measure::stacked::{Stacked, count};
 use grainpath::run::{Steps, config};
 use grainpath_core::math::direction;
+use grainpath_core::stacked::{Stacked, count};
 use grainpath_core::{DVec2, DVec3, Density, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Region};
 use grainpath_io::directions::{DirectionOptions, parse_directions};
 use grainpath_job::choices::FieldFrame;

@@ -41,7 +41,8 @@ use super::load_stepping::{
 };
 
 use super::wall_bending::{
-    BendingSample, MIN_CELLS_ACROSS, Run, UnresolvedBending, WallThrough, is_outside, unresolved_bending,
+    BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
+    unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Orthotropic, Stiffness, rotated_about_z, strain_along};
@@ -168,14 +169,14 @@ impl SolidTest<'_> {
         Ok((solid, states))
     }
 
-    fn run_through(&self, cell: usize, axis: usize) -> Run {
+    fn run_through(&self, cell: usize, axis: usize) -> CellsAlong {
         let bricks = self.bricks;
         let stride = [1, bricks.n[0], bricks.n[0] * bricks.n[1]][axis];
         let place = cell / stride % bricks.n[axis];
         let above = (place + 1..bricks.n[axis]).map(|k| cell + (k - place) * stride);
         let below = (0..place).rev().map(|k| cell - (place - k) * stride);
         let filled = |c: usize| self.active[c].then_some(f64::from(bricks.filled[c]));
-        Run::new(f64::from(bricks.filled[cell]), above.map_while(filled), below.map_while(filled))
+        CellsAlong::new(f64::from(bricks.filled[cell]), above.map_while(filled), below.map_while(filled))
     }
 
     fn wall_through(&self, cell: usize) -> WallThrough {

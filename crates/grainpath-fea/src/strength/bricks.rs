@@ -111,6 +111,7 @@ impl Bricks {
         let (mut z, mut at) = (0.0, 0);
         // Layers are processed in parallel, a few at a time to bound the memory.
         for (some, indices) in sheets.chunks(32).zip(of_layer.chunks(32)) {
+            // Copies within these few layers are made into cells once.
             let distinct: Vec<usize> = BTreeSet::from_iter(indices).into_iter().copied().collect();
             let laid: Vec<_> = distinct.par_iter().map(|k| layer(&fine, FANS, &layers[*k])).collect();
             for (sheet, index) in some.iter().zip(indices) {

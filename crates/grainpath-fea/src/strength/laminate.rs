@@ -83,10 +83,12 @@ pub(super) struct DistinctLayer {
 
 impl Repeated {
     pub(super) fn new(sheets: &[BeadSheet]) -> Self {
+        // Sorting each layer by itself is most of the work, and it makes copies in another order equal.
         let sorted: Vec<DistinctLayer> = sheets.par_iter().map(DistinctLayer::new).collect();
         let mut layers: Vec<DistinctLayer> = Vec::new();
         let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
         let of_layer = sorted.into_iter().map(|layer| {
+            // Equal hashes are no proof, so the places are compared too.
             let alike = seen.entry(layer.hash()).or_default();
             if let Some(&at) = alike.iter().find(|k| layers[**k].places().eq(layer.places())) {
                 let sums = layers[at].paths.iter_mut().flatten().zip(layer.paths.iter().flatten());
@@ -100,6 +102,7 @@ impl Repeated {
             }
         });
         let of_layer = of_layer.collect();
+        // Sums become means.
         for DistinctLayer { paths, copies, .. } in &mut layers {
             paths.iter_mut().flatten().for_each(|b| b.volume_mm3 /= *copies);
         }
@@ -672,6 +675,7 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
                 held[other] += gift;
                 asked[other] = 0.0;
             }
+            // The giver loses at once what all its gifts took from what it held before.
             let given: f32 = of_giver.iter().map(|(.., gift)| gift).sum();
             for (k, own) in owned {
                 let from = &mut fans[cell * n_fans + k];

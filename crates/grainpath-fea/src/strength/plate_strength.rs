@@ -35,7 +35,8 @@ use super::load_stepping::{
 use super::plate_system::PlateSystem;
 use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::wall_bending::{
-    BendingSample, MIN_CELLS_ACROSS, Run, UnresolvedBending, WallThrough, is_outside, unresolved_bending,
+    BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
+    unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Unstable, plane_strain_along, rotated_plane};
@@ -181,18 +182,18 @@ impl PlateTest<'_> {
         (self.laminate.thickness_mm(cell) / self.laminate.height_mm).min(1.0)
     }
 
-    fn run_through(&self, cell: usize, axis: usize) -> Run {
+    fn run_through(&self, cell: usize, axis: usize) -> CellsAlong {
         let grid = &self.laminate.grid;
         let (stride, n) = [(1, grid.nx), (grid.nx, grid.ny)][axis];
         let place = cell / stride % n;
         let above = (place + 1..n).map(|k| cell + (k - place) * stride);
         let below = (0..place).rev().map(|k| cell - (place - k) * stride);
         let filled = |c: usize| Some(self.filled(c)).filter(|f| *f > MIN_FILL);
-        Run::new(self.filled(cell), above.map_while(filled), below.map_while(filled))
+        CellsAlong::new(self.filled(cell), above.map_while(filled), below.map_while(filled))
     }
 
     fn wall_through(&self, cell: usize) -> WallThrough {
-        let runs = [self.run_through(cell, 0), self.run_through(cell, 1), Run::ENDLESS];
+        let runs = [self.run_through(cell, 0), self.run_through(cell, 1), CellsAlong::ENDLESS];
         WallThrough { runs, cell_mm: DVec3::splat(self.laminate.grid.cell_mm) }
     }
 

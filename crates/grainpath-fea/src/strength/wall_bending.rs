@@ -78,14 +78,14 @@ pub(super) fn is_outside(filled: f64, beside: impl Iterator<Item = f64>) -> bool
 
 /// Cells through a cell along an axis, in full cells.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Run {
+pub(super) struct CellsAlong {
     /// Their number; infinite where the material goes on for more than [`RUN_CELLS`] on one side.
     pub(super) cells: f64,
     /// From the cell to the middle of the run.
     middle: f64,
 }
 
-impl Run {
+impl CellsAlong {
     /// A run without ends.
     pub(super) const ENDLESS: Self = Self { cells: f64::INFINITY, middle: 0.0 };
 
@@ -109,7 +109,7 @@ fn full_cells(filled: impl Iterator<Item = f64>) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WallThrough {
     /// What lies along each axis through the cell.
-    pub runs: [Run; 3],
+    pub runs: [CellsAlong; 3],
     /// The edges of a cell, mm.
     pub cell_mm: DVec3,
 }

@@ -24,10 +24,10 @@ use std::sync::Arc;
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::poly::edges;
 use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Region};
+use grainpath_fea::degenerate::{Degenerates, of_section};
 use grainpath_fea::principal::{along, plane_principal};
 
 use super::CaseStress;
-use super::degenerate::{Degenerates, of_section};
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 pub use grainpath_job::choices::Follow;
 

@@ -7,7 +7,6 @@
 //! MPa.
 
 mod deck_loads;
-mod degenerate;
 pub mod graded_density;
 mod direction;
 pub mod given_field;
@@ -41,8 +40,8 @@ use grainpath_fea::strength::ply_mix::MOST_SLOTS;
 use grainpath_io::fe::{DeckConditions, Element, StressField};
 use rayon::prelude::*;
 
-pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField, StressedSection};
+pub use grainpath_fea::degenerate::{Degenerate, Degenerates, degenerate_points};
 use grainpath_job::choices::{Analysis, Elasticity, LoadFrame};
 use grainpath_job::loads::{self, Place, Push};
 pub use plane::NotPlate;

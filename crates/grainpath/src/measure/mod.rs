@@ -8,7 +8,6 @@ pub mod plan_json;
 mod planned;
 pub mod report;
 pub mod separate_lines;
-pub mod stacked;
 pub mod strength;
 
 pub use grainpath_gcode::dimensions;

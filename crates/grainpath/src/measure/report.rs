@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::spelling::counted;
+use grainpath_core::stacked::{self, Stacked};
 use grainpath_core::{DVec2, Region, Role, Warning, WarningId};
 use grainpath_fea::resultant::{CaseBalance, Resultant};
 use grainpath_gcode::{Program, Quality, Written, quality};
@@ -16,7 +17,6 @@ use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide, ResultMesh};
 use crate::measure::laid_density::LaidDensity;
 use crate::measure::laid_fibre::FibreReport;
-use crate::measure::stacked::{self, Stacked};
 use crate::measure::strength::{ReserveReport, StrengthReport, digits, three_digits};
 use crate::measure::{DirectionError, Planned};
 use crate::support::Support;

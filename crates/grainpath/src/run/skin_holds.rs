@@ -46,7 +46,7 @@ const INTO_WALLS: f64 = 0.12;
 const ROUNDS: usize = 6;
 
 /// A bead that runs too far over air: its island, its role, and points along the run.
-struct Run {
+struct FreeRun {
     island: usize,
     role: Role,
     points: Vec<DVec2>,
@@ -124,7 +124,7 @@ impl Steps<'_> {
     }
 
     /// The runs of dense fill over the infill below that are too long.
-    fn runs(&self, k: usize, below: &[&Toolpath], laid: &IslandPaths) -> Vec<Run> {
+    fn runs(&self, k: usize, below: &[&Toolpath], laid: &IslandPaths) -> Vec<FreeRun> {
         let longest_mm = self.longest_mm();
         let long = |path: &&(usize, Toolpath)| {
             matches!(path.1.role, Role::SolidFill | Role::TopSkin) && path.1.length_mm() > longest_mm
@@ -158,7 +158,7 @@ impl Steps<'_> {
                 end += stretch.len();
                 if stretch[0] && stretch.len() as f64 * STEP_MM > longest_mm {
                     let points = places[end - stretch.len()..end].to_vec();
-                    out.push(Run { island: *island, role: path.role, points });
+                    out.push(FreeRun { island: *island, role: path.role, points });
                 }
             }
         }
@@ -170,12 +170,13 @@ impl Steps<'_> {
         &self,
         k: usize,
         below: &[&Toolpath],
-        mut runs: Vec<Run>,
+        mut runs: Vec<FreeRun>,
         density: Density,
     ) -> Result<Option<IslandPaths>, Interrupted> {
         let quiet = Diagnostics::default();
         let mut skins = self.skins(k..k + 1, &mut self.walls(k..k + 1, &quiet)?, &quiet)?;
         let Some(mut split) = skins.pop() else { return Ok(None) };
+        // A layer whose runs stay too long after all rounds keeps the last filling, which holds more of them than the first.
         let mut filled = None;
         for _ in 0..ROUNDS {
             if !self.grow_skins(below, &runs, &mut split) {
@@ -193,7 +194,7 @@ impl Steps<'_> {
     }
 
     /// Grows skins over the cells below these runs; whether any grew.
-    fn grow_skins(&self, below: &[&Toolpath], runs: &[Run], split: &mut SkinSplit) -> bool {
+    fn grow_skins(&self, below: &[&Toolpath], runs: &[FreeRun], split: &mut SkinSplit) -> bool {
         let mut grew = false;
         for run in runs {
             let own = |polygons: &[IslandPolygon]| {
@@ -218,6 +219,7 @@ impl Steps<'_> {
                 polygons.retain(|(island, _)| *island != run.island);
                 polygons.splice(at..at, by.polygons.into_iter().map(|polygon| (run.island, polygon)));
             };
+            // What the skin covers now is no sparse infill any more, so nothing is laid twice.
             let rest = sparse.difference(&cells);
             replace(&mut split.sparse, rest);
             replace(if run.role == Role::TopSkin { &mut split.top } else { &mut split.solid }, grown);
@@ -226,7 +228,7 @@ impl Steps<'_> {
     }
 
     /// The cells between beads of the layer below that a run lies in, grown onto these beads; `None` where they reach too far.
-    fn cells_below(&self, below: &[&Toolpath], run: &Run, filled: &[&Region]) -> Option<Region> {
+    fn cells_below(&self, below: &[&Toolpath], run: &FreeRun, filled: &[&Region]) -> Option<Region> {
         let w = self.settings.walls.bead_width_mm;
         let span_mm = self.settings.infill.max_unsupported_mm;
         let bounds = Bounds2::around_points(run.points.iter().copied())?;
@@ -266,6 +268,7 @@ impl Steps<'_> {
                 *p + DVec2::new(-half, half),
             ]);
         }
+        // From the run the cell is flooded up to the beads around it.
         cells = cells.and(&open);
         // A cell is as far away as the mask is wide at most.
         let [nx, ny] = grid.size();

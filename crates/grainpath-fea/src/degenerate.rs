@@ -13,13 +13,13 @@
 //! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Tests check linear
 //! fields, Kirsch's hole (four points on its edge) and a ring. Cost: linear in the elements.
 
+use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};
 use grainpath_core::{DVec2, Region};
-use grainpath_fea::plane::PlaneStress;
-use grainpath_fea::principal::{PlaneTensor, von_mises_plane};
 
-use grainpath_core::field_mesh::FieldMesh;
+use crate::plane::PlaneStress;
+use crate::principal::{PlaneTensor, von_mises_plane};
 
 /// Kinds of degenerate points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,7 +113,7 @@ const BORDER_NOISE: f64 = 0.02;
 
 /// The degenerate points of a section of a solid: inside the section from the in-plane stress at the nodes
 /// of a grid, and along its free border from the stress that `at` gives.
-pub(super) fn of_section(
+pub fn of_section(
     grid: &FieldMesh,
     nodal_mpa: &[PlaneTensor],
     region: &Region,

@@ -13,16 +13,17 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::poly::edges;
-use grainpath_core::segments::Segments;
-use grainpath_core::{DVec2, LayerPlan, LayerStack, Role, Toolpath};
 use serde::Serialize;
+
+use crate::poly::edges;
+use crate::segments::Segments;
+use crate::{DVec2, LayerPlan, LayerStack, Role, Toolpath};
 
 /// Side of a column, mm. Source: derived; about two beads of the usual width, so that neighbouring ends
 /// count as one place.
-pub(crate) const COLUMN_MM: f64 = 1.0;
+const COLUMN_MM: f64 = 1.0;
 /// So many layers in a row may have a place in the same column. Source: as [`COLUMN_MM`].
-pub(crate) const LONGEST_RUN: usize = 3;
+const LONGEST_RUN: usize = 3;
 /// A path turns back where its direction changes by 150 degrees or more: the cosine of that. Source: derived; the joint
 /// of two parallel beads turns by 180 degrees, and a corner of a contour by 120 at most but for splinters.
 const BACK_COS: f64 = -0.866;
@@ -173,7 +174,7 @@ fn places(path: &Toolpath) -> Vec<(DVec2, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::{Layer, PlannedPath, Region, Travel};
+    use crate::{Layer, PlannedPath, Region, Travel};
 
     /// Layers of a square of 20 mm, each with these lines.
     fn plan(lines: &dyn Fn(usize) -> Vec<Vec<[f64; 2]>>) -> (Vec<LayerPlan>, LayerStack) {
