@@ -407,7 +407,8 @@ impl Mask {
         let mut out = Vec::new();
         for y in 0..self.grid.ny {
             for i in 0..self.grid.words {
-                let here = self.bits[y * self.grid.words + i];
+                // Bits beyond the last column are no cells, and a walk around them would not come back.
+                let here = self.bits[y * self.grid.words + i] & MaskGrid::stretch(i, 0, self.grid.nx - 1);
                 let below = if y > 0 { self.bits[(y - 1) * self.grid.words + i] } else { 0 };
                 // A contour is found at the lower edges of cells with none below. Lower edges that were
                 // walked already are marked in `seen`.
@@ -480,6 +481,20 @@ mod tests {
     }
 
     /// Where even-odd counting leaves the overlap of two squares out, winding keeps it; a hole wound the other way stays.
+    /// Growth fills the whole last word of a row, also where the grid ends within it.
+    #[test]
+    fn a_mask_that_is_filled_up_to_its_sides_has_a_border() {
+        for wide in [3.0, 10.0, 20.0] {
+            let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(wide, 4.0) };
+            let grid = MaskGrid::over(bounds, 0.1);
+            let all = Mask::empty(grid).inverted().grown(3);
+            let [nx, ny] = grid.size();
+            let [border] = &all.contours()[..] else { panic!("one border") };
+            let area = crate::poly::signed_area_mm2(border);
+            assert!((area - 0.01 * (nx * ny) as f64).abs() < 1e-6, "{wide}: {area} mm2");
+        }
+    }
+
     #[test]
     fn winding_keeps_overlaps_and_holes() {
         let (a, b) = (square(5.0, 15.0), square(10.0, 20.0));

@@ -41,6 +41,9 @@ const MOST_LAID: f64 = 1.02;
 /// 0.95, 0.51 and 0.32 % stay open with 0, 1.3, 1.5 and 1.7, at an overlap of 1.37, 0.75, 0.10 and -0.29 %; of `bone_lattice`
 /// 1.11, 1.13, 1.11 and 1.09 %, of `pinion` 0.45, 0.45, 0.48 and 0.48 %.
 const NARROW: f64 = 1.7;
+/// Length of the shortest place that gets a bead of its own, in steps. Source: derived. Lines across a shorter one have two
+/// turns at most.
+const SHORTEST: f64 = 2.0;
 
 /// Parallel lines at the distance the density asks for.
 pub struct Rectilinear;
@@ -141,15 +144,24 @@ fn without_narrow_places(
     if !context.fills_wedges || context.is_one_width() {
         return None;
     }
-    let (half_mm, border_mm) = (0.5 * NARROW * context.spacing_mm(), context.border_mm);
-    let inset_mm = half_mm - border_mm;
-    let core = Region::from(infill_region.clone()).offset(-inset_mm, MITER);
+    let (spacing_mm, border_mm) = (context.spacing_mm(), context.border_mm);
+    let inset_mm = 0.5 * NARROW * spacing_mm - border_mm;
+    let region = Region::from(infill_region.clone());
+    let core = region.offset(-inset_mm, MITER);
     if shrinks_smoothly(infill_region, &core, inset_mm) {
         return None;
     }
     let wide = core.offset(inset_mm, MITER);
-    let whole = Region::from(infill_region.clone()).offset(border_mm, MITER);
-    let narrow = whole.difference(&wide.offset(border_mm, MITER));
+    // A narrow place has two sides. Most regions have none, and this tells so before anything is cut.
+    let perimeter_mm = |region: &Region| region.polygons.iter().map(Polygon::perimeter_mm).sum::<f64>();
+    if perimeter_mm(&region) - perimeter_mm(&wide) < 2.0 * SHORTEST * spacing_mm {
+        return None;
+    }
+    let mut narrow = region.offset(border_mm, MITER).difference(&wide.offset(border_mm, MITER));
+    narrow.polygons.retain(|place| place.area_mm2() > SHORTEST * spacing_mm * spacing_mm);
+    if narrow.is_empty() {
+        return None;
+    }
     single_beads(
         &narrow,
         context.bead_width_mm,
@@ -158,7 +170,7 @@ fn without_narrow_places(
         Role::GapFill,
         out,
     );
-    Some(wide)
+    Some(region.difference(&narrow.offset(border_mm, MITER)))
 }
 
 /// Parallel lines over a whole region, and single beads in the wedges beside them.
