@@ -490,7 +490,7 @@ mod tests {
             let all = Mask::empty(grid).inverted().grown(3);
             let [nx, ny] = grid.size();
             let [border] = &all.contours()[..] else { panic!("one border") };
-            let area = crate::poly::signed_area_mm2(border);
+            let area = signed_area_mm2(border);
             assert!((area - 0.01 * (nx * ny) as f64).abs() < 1e-6, "{wide}: {area} mm2");
         }
     }
