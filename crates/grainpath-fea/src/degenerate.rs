@@ -10,7 +10,7 @@
 //! of rotation gives the index. Pairs of a wedge and a trisector within a few cells of each other come and
 //! go with the noise of the solution, so they are removed.
 //!
-//! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Tests check linear
+//! Units: MPa, mm. Limits: stresses below `NOISE` of the greatest count as zero. Tests check linear
 //! fields, Kirsch's hole (four points on its edge) and a ring. Cost: linear in the elements.
 
 use grainpath_core::field_mesh::FieldMesh;

@@ -14,7 +14,7 @@
 //!
 //! Real beads overlap at turns and at walls. A cell that would hold more than the layer's height gives the rest to its
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
-//! ribbons cover, once for all layers with the same beads ([`Repeated`]).
+//! ribbons cover, once for all layers with the same beads (`Repeated`).
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};

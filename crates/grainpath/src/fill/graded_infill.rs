@@ -28,7 +28,7 @@
 //! last the widths are fitted: windows with a side of `WINDOW_MM` lie all over the area, and each bead gets the mean of what
 //! the windows around it ask for over what they hold, within the widths that a nozzle can lay. A single window around the bead
 //! itself would hold one line always where lines are farther apart than half its side, and lay up to twice too much.
-//! Windows of patterns that lean are cubes, and the beads of all layers are fitted together ([`fit_layers`]): a window in one
+//! Windows of patterns that lean are cubes, and the beads of all layers are fitted together (`fit_layers`): a window in one
 //! layer may hold no line at all where the layers above and below hold their share.
 //!
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area; for crossing lines also the pieces of a
@@ -86,7 +86,7 @@ const SHORTEST: f64 = 4.0;
 /// longer ones hold their neighbours.
 const SHORTEST_PIECE: f64 = 0.5 * SHORTEST;
 
-/// Fills a region at the densities of a map. Beads that lean ([`leans`]) keep the width of a usual bead until [`fit_layers`] fits
+/// Fills a region at the densities of a map. Beads that lean (`leans`) keep the width of a usual bead until `fit_layers` fits
 /// those of all layers.
 pub fn fill(
     pattern: Pattern,
