@@ -389,18 +389,17 @@ impl Laminate {
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
         let shares: Vec<Vec<Share>> = layers.par_iter().map(|l| layer(&grid, n_fans, l)).collect();
         // What is joined depends on the layers beside a layer, so it is found once for each three that follow each other.
-        let mut threes: BTreeMap<[Option<usize>; 3], f32> = BTreeMap::new();
+        let mut threes: BTreeMap<(Option<usize>, usize, Option<usize>), f32> = BTreeMap::new();
         for (k, own) in of_layer.iter().enumerate() {
             let below = k.checked_sub(1).map(|k| of_layer[k]);
-            *threes.entry([below, Some(*own), of_layer.get(k + 1).copied()]).or_default() += 1.0;
+            *threes.entry((below, *own, of_layer.get(k + 1).copied())).or_default() += 1.0;
         }
-        let threes: Vec<([Option<usize>; 3], f32)> = threes.into_iter().collect();
-        let joined = |(three, copies): &([Option<usize>; 3], f32)| {
-            let [below, own, above] = *three;
-            let own = own.expect("the layer itself");
-            (own, *copies, joined_mm(&grid, n_fans, &layers, &shares, own, [below, above]))
-        };
-        let joined: Vec<(usize, f32, Vec<f32>)> = threes.par_iter().map(joined).collect();
+        let joined: Vec<(usize, f32, Vec<f32>)> = threes
+            .into_par_iter()
+            .map(|((below, own, above), copies)| {
+                (own, copies, joined_mm(&grid, n_fans, &layers, &shares, own, [below, above]))
+            })
+            .collect();
         let n = grid.nx * grid.ny;
         let mut starts = vec![0u32; n + 1];
         // Thickness, its products with cosine and sine, and the thickness that is joined.

@@ -104,9 +104,11 @@ impl Steps<'_> {
 
     /// Whether beads of a graded density lean and are fitted over the layers of the whole part, here or in a region.
     pub(super) fn leans(&self) -> bool {
-        let own =
-            |steps: &Self| steps.graded.is_some() && graded_infill::leans(steps.settings.infill.pattern);
-        own(self) || self.regions.iter().any(own)
+        self.own_leans() || self.regions.iter().any(Self::own_leans)
+    }
+
+    fn own_leans(&self) -> bool {
+        self.graded.is_some() && graded_infill::leans(self.settings.infill.pattern)
     }
 
     /// The areas of a layer whose beads are fitted by [`Self::fit_leaning`]: that outside all regions first, then those of the
@@ -114,8 +116,11 @@ impl Steps<'_> {
     pub(super) fn leaning_areas(&self, i: usize, split: &SkinSplit) -> Vec<Region> {
         let all = std::iter::once((self, split)).chain(self.regions(split));
         let area = |(steps, split): (&Self, &SkinSplit)| {
-            let leans = steps.graded.is_some() && graded_infill::leans(steps.settings.infill.pattern);
-            if leans { steps.sparse_area(&self.stack.layers()[i], split) } else { Region::default() }
+            if steps.own_leans() {
+                steps.sparse_area(&self.stack.layers()[i], split)
+            } else {
+                Region::default()
+            }
         };
         if self.leans() { all.map(area).collect() } else { Vec::new() }
     }

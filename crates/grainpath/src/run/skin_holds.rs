@@ -3,7 +3,7 @@
 //! Skins follow the surface, not the infill, so the border of a skin crosses the cells of the sparse infill below it. Lines
 //! that turn there, beside the beads below, run on to the next turn over air, and a zigzag may hang in a cell for several
 //! times the width of the cell. Skins are therefore laid first and then followed. Where a bead runs over air for more than
-//! [`LONGEST_SHARE`] of the longest span that the printer bridges, its skin grows until it covers the cells that the bead
+//! `LONGEST_SHARE` of the longest span that the printer bridges, its skin grows until it covers the cells that the bead
 //! lies in, onto the beads around them, and the layer is filled anew. Lines then end on beads at both ends, and those that
 //! turn do it on a bead.
 //!
@@ -23,16 +23,12 @@ use rayon::prelude::*;
 
 use super::steps::{IslandPaths, Steps};
 use crate::order::Island;
+use crate::support::walls::{LONGEST_SHARE, STEP_MM};
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
-/// The longest run of a bead over air that stays, as a share of the span. Source: as for walls over air (`support/walls.rs`).
-const LONGEST_SHARE: f64 = 0.9;
 /// A bead is held where the middle of a bead below is at most this many of its widths away in plan. Source: the criterion by
 /// which beads of the part over air are measured (`support/interface.rs`), less what points 0.15 mm apart miss.
 const HELD_BEADS: f64 = 0.72;
-/// Distance of the points at which beads are judged, mm. Source: derived; less than half a bead, so that no bead across a line
-/// falls between two points.
-const STEP_MM: f64 = 0.2;
 /// Points in a run of the longest length that are looked at first. Source: derived; a run then holds at least two of them.
 const COARSE: f64 = 3.0;
 /// Cells of a mask in the width of a bead. Source: derived; a skin that grows by one cell ends at three tenths of a bead

@@ -16,7 +16,7 @@ pub mod poisson;
 pub mod closed_surface;
 mod spread;
 pub mod tree;
-mod walls;
+pub(crate) mod walls;
 
 use grainpath_core::buckets::PointGrid3;
 use grainpath_core::diagnostics::{Interrupted, Stage};

@@ -24,15 +24,15 @@ use super::held::Part;
 use super::interface::{self, FREE_STEP_BEADS, SPACING_SHARE};
 use super::overhang::Overhangs;
 
-/// The longest stretch of a wall that is left over air, as a share of L. Source: derived. Both ends of a stretch are known
+/// The longest stretch of a wall or a line of a skin that is left over air, as a share of L. Source: derived. Both ends of a stretch are known
 /// to [`STEP_MM`] and move by half a bead with the beads below; at L = 10 mm that is 0.85 mm.
-const LONGEST_SHARE: f64 = 0.9;
+pub(crate) const LONGEST_SHARE: f64 = 0.9;
 /// A wall is held by a contact that lies beside it by at most this many bead widths. Source: derived. The line across two walls
 /// from a contact below the outer one reaches as far.
 const BESIDE_BEADS: f64 = 2.0;
-/// Distance of the points at which walls are judged, mm. Source: derived. Less than half a bead, so that no bead across a
-/// wall falls between two points.
-const STEP_MM: f64 = 0.2;
+/// Distance of the points at which beads over air are judged, mm. Source: derived. Less than half a bead, so that no bead across
+/// one falls between two points.
+pub(crate) const STEP_MM: f64 = 0.2;
 /// Distance of the points of an interface line, mm. Source: derived. At a reach of 0.3 mm the error of a distance is then
 /// 0.004 mm (Pythagoras with half a step).
 const LINE_STEP_MM: f64 = 0.1;
