@@ -50,7 +50,7 @@ use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
-use grainpath_job::choices::{BeadEnds, BeadWidths};
+use grainpath_job::choices::BeadWidths;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
 /// mm lays widths within a factor of about 2 of the nominal width. The range from 0.6 to 1.6 stays within that
@@ -128,8 +128,10 @@ const RETREAT: f64 = 0.125;
 /// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
 /// after three rounds.
 const FIT_ROUNDS: usize = 3;
-/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. To close the outer side
-/// of a bend by an angle a, the share has to be tan(a / 2). So 0.5 closes bends up to 53 degrees.
+/// A segment's area reaches beyond its ends by at most this share of half its width: at the ends of a bead, and in sharp bends.
+/// To close the outer side of a bend by an angle a, the share has to be tan(a / 2), so 0.5 closes bends up to 53 degrees.
+/// Source: derived. With this share at every bend the corners of short segments hid voids beside curved beads: in the flow past
+/// a hole, one of 2.0 squares of a bead got no bead.
 const STRIP_LONGER: f64 = 0.5;
 /// A bead narrows to its joint over this share of the width that it loses. Source: measured on the radial disk (`cargo xtask bench
 /// jobs fields`): with 0.15, 0.28, 0.4 and 0.5, 0.47, 0.56, 0.69 and 0.86 % stay open, 0.57, 0.90, 1.17 and 1.32 % are laid twice and
@@ -708,13 +710,27 @@ pub(crate) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
 
 /// The strip of every segment of a bead: four corners, counter-clockwise.
 fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> + '_ {
+    let n = bead.n_segments();
     let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
-    (0..bead.n_segments()).map(move |i| {
+    let along = move |i: usize| {
+        let (a, b, _) = bead.segment(i % n);
+        (b - a).normalize_or(DVec2::X)
+    };
+    // How much longer than a segment its strip is at vertex `v`, so that a bend leaves no wedge open, mm.
+    let longer = move |v: usize| {
+        let share = if bead.closed || (1..n).contains(&v) {
+            let (before, after) = (along(v + n - 1), along(v));
+            cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE)
+        } else {
+            f64::INFINITY
+        };
+        half(v) * share.min(STRIP_LONGER)
+    };
+    (0..n).map(move |i| {
         let (a, b, _) = bead.segment(i);
-        let along = (b - a).normalize_or(DVec2::X);
+        let along = along(i);
         let across = DVec2::new(-along.y, along.x);
-        // The strip is a little longer than the segment, so that bends leave no wedge open.
-        let (a, b) = (a - STRIP_LONGER * half(i) * along, b + STRIP_LONGER * half(i + 1) * along);
+        let (a, b) = (a - longer(i) * along, b + longer(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
         vec![a - p, b - q, b + q, a + p]
     })
@@ -801,12 +817,11 @@ pub(super) fn ended(
     context: &FillContext<'_>,
     least_sine: f64,
 ) -> Vec<WideBead> {
-    let (mut beads, joints) = match context.ends {
-        BeadEnds::Joined => joined(beads, neighbours, border, context),
-        BeadEnds::Open => (beads, Vec::new()),
-    };
+    let are_open = context.has_open_ends();
+    let (mut beads, joints) =
+        if are_open { (beads, Vec::new()) } else { joined(beads, neighbours, border, context) };
     let Some(bounds) = border.bounds() else { return beads };
-    if context.ends == BeadEnds::Joined && (context.is_one_width() || !context.density.is_dense()) {
+    if !are_open && (context.is_one_width() || !context.density.is_dense()) {
         return beads;
     }
     let inside = LineClipper::new(infill_region);
