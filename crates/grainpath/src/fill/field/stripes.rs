@@ -128,11 +128,13 @@ const RETREAT: f64 = 0.125;
 /// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
 /// after three rounds.
 const FIT_ROUNDS: usize = 3;
-/// A segment's area reaches beyond its ends by at most this share of half its width: at the ends of a bead, and in sharp bends.
-/// To close the outer side of a bend by an angle a, the share has to be tan(a / 2), so 0.5 closes bends up to 53 degrees.
-/// Source: derived. With this share at every bend the corners of short segments hid voids beside curved beads: in the flow past
-/// a hole, one of 2.0 squares of a bead got no bead.
+/// The strip of a bead reaches beyond its two ends by this share of half its width. Source: derived; the strip then holds about
+/// what a round end does.
 const STRIP_LONGER: f64 = 0.5;
+/// In a bend by an angle a the strips of both segments reach beyond it by the share tan(a / 2), at which their outer corners
+/// meet, and by this at most. Source: derived; it closes a right angle. With the share 0.5 at every bend the corners of short
+/// segments hid voids beside curved beads: in the flow past a hole, one of 2.0 squares of a bead got no bead.
+const BEND_LONGER: f64 = 1.0;
 /// A bead narrows to its joint over this share of the width that it loses. Source: measured on the radial disk (`cargo xtask bench
 /// jobs fields`): with 0.15, 0.28, 0.4 and 0.5, 0.47, 0.56, 0.69 and 0.86 % stay open, 0.57, 0.90, 1.17 and 1.32 % are laid twice and
 /// 0.81, 0.42, 0.14 and 0.04 % lie beyond the border. With 0.15 two charges, which have most, have 1.47 % laid twice, with 0.28 1.63 %.
@@ -718,13 +720,12 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
     };
     // How much longer than a segment its strip is at vertex `v`, so that a bend leaves no wedge open, mm.
     let longer = move |v: usize| {
-        let share = if bead.closed || (1..n).contains(&v) {
-            let (before, after) = (along(v + n - 1), along(v));
-            cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE)
-        } else {
-            f64::INFINITY
-        };
-        half(v) * share.min(STRIP_LONGER)
+        if !bead.closed && !(1..n).contains(&v) {
+            return STRIP_LONGER * half(v);
+        }
+        let (before, after) = (along(v + n - 1), along(v));
+        let tangent = cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE);
+        half(v) * tangent.min(BEND_LONGER)
     };
     (0..n).map(move |i| {
         let (a, b, _) = bead.segment(i);
