@@ -407,7 +407,7 @@ export class LoadsPanel {
     let text = this.text;
     for (const [k, item] of this.items.entries()) {
       const isPlaced = !("on" in item.keys) || item.face >= 0;
-      const isTurned = !item.isFixture || ["xyz", "normal"].includes(String(item.keys.fix));
+      const isTurned = !item.isFixture || ["xyz", "normal"].includes(String(item.keys.fix)) || back.equals(new Matrix4());
       if (!item.block) return { refused: `${item.name} is ${CHANGED_THERE} Turn the part there too, by shape.rotate_deg.` };
       if (!isPlaced || !isTurned) return { refused: `${item.name} is told in the frame of the plate (${item.place}) and does not turn with the part: choose its place as a face, or set guide.frame = "part" and give its numbers in the coordinates of the file.` };
       for (const key of vectors) {

@@ -106,6 +106,48 @@ pub enum Held {
     },
 }
 
+/// Axes are taken as parallel or at a right angle within this sine. Source: derived; sine and cosine of a right angle in radians
+/// are off by 1e-16, products of three rotations by a few of it.
+const ALIGNED: f64 = 1e-12;
+
+impl Held {
+    /// Along some of the axes of a part that is turned by `rotation`: those of x, y and z whose entry is true.
+    #[must_use]
+    pub fn turned(rotation: DMat3, fixed: [bool; 3]) -> Self {
+        if fixed == [true; 3] {
+            return Self::Axes(fixed);
+        }
+        let mut held = [false; 3];
+        for axis in (0..3).filter(|&a| fixed[a]) {
+            let turned = rotation.col(axis).abs();
+            let Some(onto) = (0..3).find(|&k| turned[k] > 1.0 - ALIGNED) else {
+                return Self::Turned { axes: rotation, fixed };
+            };
+            held[onto] = true;
+        }
+        Self::Axes(held)
+    }
+
+    /// The directions in the plane of a plate along which it holds everywhere: none for [`Held::Normal`].
+    pub fn in_plane(&self) -> impl Iterator<Item = DVec2> {
+        let (axes, fixed) = match *self {
+            Self::Axes(fixed) => (DMat3::IDENTITY, fixed),
+            Self::Turned { axes, fixed } => (axes, fixed),
+            Self::Normal => (DMat3::IDENTITY, [false; 3]),
+        };
+        (0..3)
+            .filter(move |&a| fixed[a] && axes.col(a).z.abs() < ALIGNED)
+            .map(move |a| axes.col(a).truncate())
+    }
+
+    /// Whether a plate can hold so: along directions in its plane or across it, but along none aslant of it.
+    fn suits_plates(&self) -> bool {
+        let Self::Turned { axes, fixed } = *self else { return true };
+        let is_aslant = |z: f64| (ALIGNED..1.0 - ALIGNED).contains(&z.abs());
+        !(0..3).any(|a| fixed[a] && is_aslant(axes.col(a).z))
+    }
+}
+
 /// Tractions on a piece of the part's surface, given on another mesh of the part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchTraction {
@@ -333,11 +375,10 @@ impl BoundaryConditions {
         self.fixtures.iter().map(|f| (f.name.as_str(), &f.on)).chain(loads)
     }
 
-    /// Whether a fixture holds in a way that plates do not support: along turned axes, or at places given by another mesh.
+    /// Whether a fixture holds in a way that plates do not support: aslant of their plane, or at places given by another mesh.
     pub fn are_held_in_space(&self) -> bool {
         let is = |f: &Fixture| {
-            let is_turned = matches!(f.held, Held::Turned { .. });
-            is_turned || matches!(f.on, Selection::Patch(_) | Selection::Points(_))
+            !f.held.suits_plates() || matches!(f.on, Selection::Patch(_) | Selection::Points(_))
         };
         self.fixtures.iter().any(is)
     }

@@ -259,6 +259,7 @@ choices! {
     }
     /// What happens to beads along a guide where they meet the border (`fill.ends`).
     enum BeadEnds {
+        Auto = "auto", "`open` for dense beads with `widths = \"constant\"` that are no fibre, else `joined`.";
         Joined = "joined", "ends that lie close together are joined along the border: few paths, with turns that lie off the guide.";
         Open = "open", "every bead runs up to the border and ends there: all of it lies along the guide, in more paths.";
     }

@@ -336,7 +336,7 @@ sections! {
         lines: usize = 1, "", Range(1.0, 8.0), "Number of beads that lie side by side in each line of sparse infill. Lines are that many times as far apart, and their distance and place are fitted to the density.";
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part, without skirt, brim and supports. The infill density is chosen so that the mass is right to within 0.5 %; a warning says if no density gives it. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; with fibre, `continuous` always has constant width.";
-        ends: BeadEnds = BeadEnds::Joined, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
+        ends: BeadEnds = BeadEnds::Auto, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
         layer_shift: LayerShift = LayerShift::None, "", Any, "Which ends of the beads of dense `stripes` and `continuous` lie in different places from layer to layer.";
         spiral: bool = false, "", Any, "Join closed rings of infill that lie inside one another, so that they are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width. The width is that of two beads.";

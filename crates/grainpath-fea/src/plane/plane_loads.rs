@@ -86,14 +86,10 @@ impl<'a> Plate<'a> {
                         Hold { node, along, displacement_mm }
                     }));
                 }
-                // Parts with such fixtures are solved as solids.
-                Held::Turned { .. } => {}
-                Held::Axes(fixed) => {
-                    for (axis, along) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
-                        if fixed[axis] {
-                            let displacement_mm = fixture.displacement_mm[axis];
-                            holds.extend(chosen.iter().map(|&node| Hold { node, along, displacement_mm }));
-                        }
+                held @ (Held::Axes(_) | Held::Turned { .. }) => {
+                    for along in held.in_plane() {
+                        let displacement_mm = fixture.displacement_mm.truncate().dot(along);
+                        holds.extend(chosen.iter().map(|&node| Hold { node, along, displacement_mm }));
                     }
                 }
             }

@@ -104,6 +104,16 @@ impl PlaneStress {
     pub fn locate(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
         let cells = &self.buckets.cells;
         let own = cells.cell_of(p);
+        let corners = |t: u32| {
+            let e = self.mesh.elements[t as usize];
+            [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize])
+        };
+        // Most points lie in an element of their own cell, which is found without the distances to the others.
+        for &t in self.buckets.members(cells.index(own)) {
+            if let Some(l) = shares_inside(corners(t), p) {
+                return Some((t as usize, l));
+            }
+        }
         let mut best: Option<(f64, usize, [f64; 3])> = None;
         for ring in 0..cells.nx.max(cells.ny) {
             // Every element in this ring or beyond is at least this far away.
@@ -114,9 +124,7 @@ impl PlaneStress {
             let away = |at: &[usize; 2]| at[0].abs_diff(own[0]).max(at[1].abs_diff(own[1])) == ring;
             for at in cells.neighbourhood(own, ring).filter(away) {
                 for &t in self.buckets.members(cells.index(at)) {
-                    let e = self.mesh.elements[t as usize];
-                    let c = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
-                    let (off, l) = nearest_in(c, p);
+                    let (off, l) = nearest_in(corners(t), p);
                     if best.is_none_or(|b| off < b.0) {
                         best = Some((off, t as usize, l));
                     }
@@ -130,15 +138,20 @@ impl PlaneStress {
     }
 }
 
-/// The point of a triangle nearest to `p`: its squared distance (0 inside) and its area
-/// coordinates.
-fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
+/// The area coordinates of a point in a triangle; `None` outside.
+fn shares_inside(c: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
     let double = cross(c[1] - c[0], c[2] - c[0]);
     let l = [cross(c[1] - p, c[2] - p) / double, cross(c[2] - p, c[0] - p) / double];
     let l = [l[0], l[1], 1.0 - l[0] - l[1]];
     // The limit of -1e-12 allows for rounding, so that points on a shared side belong to both elements.
-    if l.iter().all(|v| *v >= -1e-12) {
-        return (0.0, l.map(|v| v.max(0.0)));
+    l.iter().all(|v| *v >= -1e-12).then(|| l.map(|v| v.max(0.0)))
+}
+
+/// The point of a triangle nearest to `p`: its squared distance (0 inside) and its area
+/// coordinates.
+fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
+    if let Some(l) = shares_inside(c, p) {
+        return (0.0, l);
     }
     let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for k in 0..3 {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use grainpath_core::bvh::Bvh;
 use grainpath_core::selection::{Facets, Selection, SurfacePatch};
-use grainpath_core::{DMat3, DVec3, TriMesh};
+use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::load_case::{Action, Fixture, Held, Load, LoadCase, PatchTraction};
 use grainpath_io::fe::{DeckConditions, DeckLoad, DeckPlace};
 
@@ -70,10 +70,7 @@ pub(super) fn conditions(
             DeckPlace::Faces(triangles) => Selection::Patch(part.patch(triangles)),
             DeckPlace::Points(points) => part.points(points.iter().copied(), &name)?,
         };
-        let held = match standing.rotation == DMat3::IDENTITY || support.held == [true; 3] {
-            true => Held::Axes(support.held),
-            false => Held::Turned { axes: standing.rotation, fixed: support.held },
-        };
+        let held = Held::turned(standing.rotation, support.held);
         fixtures.push(Fixture { name, on, held, displacement_mm: part.vector(support.displacement_mm) });
     }
     // A step of the deck contains all loads that act in it, including those that remain from earlier steps.

@@ -103,10 +103,6 @@ pub enum GuideError {
         "{what}: torque_nmm needs a place with an axis: a cylinder, or a plane, cylindrical or conical face; this is a {shape}"
     )]
     NoAxis { what: String, shape: &'static str },
-    #[error(
-        "{what} holds some of x, y and z, which do not fall on axes of the turned part (guide.frame = \"part\"); use fix = \"xyz\" or \"normal\""
-    )]
-    FixtureAslant { what: String },
     #[error("material: {0}")]
     Material(#[from] Unstable),
     #[error("the section cannot be meshed: {0}")]
@@ -142,7 +138,6 @@ impl GuideError {
                 )
                 | Self::NoFacet { .. }
                 | Self::Face { .. }
-                | Self::FixtureAslant { .. }
                 | Self::NoAxis { .. }
                 | Self::ImportTurned
                 | Self::DeckElsewhere { .. }
@@ -379,12 +374,7 @@ pub fn boundary_conditions(
     let mut fixtures = Vec::with_capacity(typed.fixtures.len());
     for (k, fixture) in typed.fixtures.iter().enumerate() {
         let name = format!("fixture {}", k + 1);
-        let held = if fixture.normal {
-            Held::Normal
-        } else {
-            let aslant = || GuideError::FixtureAslant { what: name.clone() };
-            Held::Axes(places.axes(fixture.fixed).ok_or_else(aslant)?)
-        };
+        let held = if fixture.normal { Held::Normal } else { places.held(fixture.fixed) };
         let on = places.resolved(&fixture.on, &name)?;
         fixtures.push(Fixture { name, on, held, displacement_mm: places.vector(fixture.displacement_mm) });
     }
@@ -544,18 +534,12 @@ impl Places<'_> {
         if self.standing.rotation == DMat3::IDENTITY { DVec3::ZERO } else { self.standing.shift() }
     }
 
-    /// The held axes of the placed part; `None` if a held axis of the job's frame is not parallel to one of them.
-    fn axes(&self, fixed: [bool; 3]) -> Option<[bool; 3]> {
-        if self.frame == LoadFrame::Placed || fixed == [true; 3] {
-            return Some(fixed);
+    /// How a fixture holds that prevents motions along these axes of the job's frame.
+    fn held(&self, fixed: [bool; 3]) -> Held {
+        match self.frame {
+            LoadFrame::Placed => Held::Axes(fixed),
+            LoadFrame::Part => Held::turned(self.standing.rotation, fixed),
         }
-        let mut held = [false; 3];
-        for (axis, _) in DVec3::AXES.into_iter().zip(fixed).filter(|a| a.1) {
-            let turned = (self.standing.rotation * axis).abs();
-            // Source: derived: sine and cosine of a right angle in radians are off by 1e-16.
-            held[(0..3).find(|&k| turned[k] > 1.0 - 1e-12)?] = true;
-        }
-        Some(held)
     }
 }
 

@@ -50,7 +50,7 @@ use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
-use grainpath_job::choices::{BeadEnds, BeadWidths};
+use grainpath_job::choices::BeadWidths;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
 /// mm lays widths within a factor of about 2 of the nominal width. The range from 0.6 to 1.6 stays within that
@@ -128,9 +128,13 @@ const RETREAT: f64 = 0.125;
 /// distributes what they lack over the others. With a tenth of the beads at a bound, a thousandth of the error is left
 /// after three rounds.
 const FIT_ROUNDS: usize = 3;
-/// A segment's area reaches beyond its ends by this share of half its width. Source: derived. To close the outer side
-/// of a bend by an angle a, the share has to be tan(a / 2). So 0.5 closes bends up to 53 degrees.
+/// The strip of a bead reaches beyond its two ends by this share of half its width. Source: derived; the strip then holds about
+/// what a round end does.
 const STRIP_LONGER: f64 = 0.5;
+/// In a bend by an angle a the strips of both segments reach beyond it by the share tan(a / 2), at which their outer corners
+/// meet, and by this at most. Source: derived; it closes a right angle. With the share 0.5 at every bend the corners of short
+/// segments hid voids beside curved beads: in the flow past a hole, one of 2.0 squares of a bead got no bead.
+const BEND_LONGER: f64 = 1.0;
 /// A bead narrows to its joint over this share of the width that it loses. Source: measured on the radial disk (`cargo xtask bench
 /// jobs fields`): with 0.15, 0.28, 0.4 and 0.5, 0.47, 0.56, 0.69 and 0.86 % stay open, 0.57, 0.90, 1.17 and 1.32 % are laid twice and
 /// 0.81, 0.42, 0.14 and 0.04 % lie beyond the border. With 0.15 two charges, which have most, have 1.47 % laid twice, with 0.28 1.63 %.
@@ -147,9 +151,10 @@ const ONE_WIDTH_STRIP: f64 = 3.0;
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
 
-/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Source: chosen;
-/// a void as large as half of one is what such a bead costs a start for.
-const LEAST_VOID: f64 = 0.5;
+/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Measured on ten
+/// fields (`cargo xtask bench jobs fields`): with 0.25 and 0.5 the largest void of the bar with a hole is 0.59 and 0.99 squares, for
+/// one start more; the others are the same.
+const LEAST_VOID: f64 = 0.25;
 
 /// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
 /// between two lines is a quarter of a bead, which is too narrow for the narrowest bead.
@@ -708,13 +713,26 @@ pub(crate) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
 
 /// The strip of every segment of a bead: four corners, counter-clockwise.
 fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> + '_ {
+    let n = bead.n_segments();
     let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
-    (0..bead.n_segments()).map(move |i| {
+    let along = move |i: usize| {
+        let (a, b, _) = bead.segment(i % n);
+        (b - a).normalize_or(DVec2::X)
+    };
+    // How much longer than a segment its strip is at vertex `v`, so that a bend leaves no wedge open, mm.
+    let longer = move |v: usize| {
+        if !bead.closed && !(1..n).contains(&v) {
+            return STRIP_LONGER * half(v);
+        }
+        let (before, after) = (along(v + n - 1), along(v));
+        let tangent = cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE);
+        half(v) * tangent.min(BEND_LONGER)
+    };
+    (0..n).map(move |i| {
         let (a, b, _) = bead.segment(i);
-        let along = (b - a).normalize_or(DVec2::X);
+        let along = along(i);
         let across = DVec2::new(-along.y, along.x);
-        // The strip is a little longer than the segment, so that bends leave no wedge open.
-        let (a, b) = (a - STRIP_LONGER * half(i) * along, b + STRIP_LONGER * half(i + 1) * along);
+        let (a, b) = (a - longer(i) * along, b + longer(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
         vec![a - p, b - q, b + q, a + p]
     })
@@ -801,12 +819,11 @@ pub(super) fn ended(
     context: &FillContext<'_>,
     least_sine: f64,
 ) -> Vec<WideBead> {
-    let (mut beads, joints) = match context.ends {
-        BeadEnds::Joined => joined(beads, neighbours, border, context),
-        BeadEnds::Open => (beads, Vec::new()),
-    };
+    let are_open = context.has_open_ends();
+    let (mut beads, joints) =
+        if are_open { (beads, Vec::new()) } else { joined(beads, neighbours, border, context) };
     let Some(bounds) = border.bounds() else { return beads };
-    if context.ends == BeadEnds::Joined && (context.is_one_width() || !context.density.is_dense()) {
+    if !are_open && (context.is_one_width() || !context.density.is_dense()) {
         return beads;
     }
     let inside = LineClipper::new(infill_region);

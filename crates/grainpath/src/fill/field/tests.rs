@@ -205,7 +205,7 @@ fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
     let (strips, area) = (covered(paths, HEIGHT), part.area_mm2());
     let laid: f64 = paths.iter().map(|p| p.volume_mm3(HEIGHT)).sum::<f64>() / HEIGHT;
     let gap = part.difference(&strips).area_mm2();
-    // `covered` draws strips a quarter of their width beyond both ends.
+    // `covered` draws strips a quarter of their width beyond both ends, and none beyond the bends of a taper.
     let spill = strips.difference(&part.offset(0.1, Join::Round)).area_mm2();
     [gap, (laid - strips.area_mm2()).max(0.0), spill].map(|mm2| mm2 / area)
 }
@@ -289,7 +289,7 @@ fn open_ends_reach_the_border_and_stay_on_the_field() {
     // Measured: vector_slicer lies 3.8 degrees off on this disk. With joints as wide as the beads ours lie 6.7 degrees off by
     // length, and 2 % are laid twice.
     assert!(open.2 < 3.8 && joined.2 < 5.0, "{} and {} degrees", open.2, joined.2);
-    assert!(joined.0 < 0.01 && joined.4 < 0.012, "gap {}, twice {}", joined.0, joined.4);
+    assert!(joined.0 < 0.01 && joined.4 < 0.0125, "gap {}, twice {}", joined.0, joined.4);
     assert!(open.3 < 0.1, "{} of the rim is open", open.3);
 }
 
@@ -596,9 +596,46 @@ fn beads_of_one_width_pack_a_disk_of_rays() {
     let rim = |k: usize| direction(k as f64 / 144.0 * TAU) * 11.25;
     let disk = Region::from(Polygon { outer: (0..144).map(rim).collect(), holes: Vec::new() });
     let star = |p: DVec2| atan2(p.y, p.x);
-    let [gap, overlap, mean_deg] = of_one_width(&disk, star, 0.0, BeadEnds::Open);
+    let [gap, overlap, mean_deg] = of_one_width(&disk, star, 0.0, BeadEnds::Auto);
     println!("gap {gap:.4} overlap {overlap:.4} angle {mean_deg:.2}");
     assert!(gap < 0.051 && overlap < 0.086 && mean_deg < 3.8, "{gap} {overlap} {mean_deg}");
+}
+
+/// Beads that may be narrowed, and fibre, whose ends are cuts, are joined where the job does not say.
+#[test]
+fn ends_are_joined_where_that_costs_little_or_a_cut() {
+    let [(_, plate), _] = parts();
+    let context = context_along(&plate, &Angle(past_a_hole), 1.0);
+    let n = |ends: BeadEnds, widths: BeadWidths, min_bead_width_mm: f64| {
+        let context = FillContext { ends, widths, min_bead_width_mm, ..context };
+        filled_in(&context, &Stripes, &plate).len()
+    };
+    for (widths, least_mm, like) in [
+        (BeadWidths::Variable, 0.2, BeadEnds::Joined),
+        (BeadWidths::Constant, WIDTH, BeadEnds::Joined),
+        (BeadWidths::Constant, 0.2, BeadEnds::Open),
+    ] {
+        let auto = n(BeadEnds::Auto, widths, least_mm);
+        let [joined, open] = [BeadEnds::Joined, BeadEnds::Open].map(|ends| n(ends, widths, least_mm));
+        assert!(joined < open, "{widths:?}, {least_mm}: {joined} and {open} paths");
+        assert_eq!(auto, if like == BeadEnds::Open { open } else { joined }, "{widths:?}, {least_mm}");
+    }
+}
+
+/// Where the flow parts before a hole, three beads leave a corner open.
+#[test]
+fn a_void_between_three_beads_gets_a_bead() {
+    let [(_, plate), _] = parts();
+    let spacing = bead_spacing_mm(WIDTH, HEIGHT);
+    for by_deg in [0.0, 15.0, 37.0, 45.0, 80.0] {
+        let (part, field) = turned(&plate, past_a_hole, by_deg);
+        let paths = filled_along(&Stripes, &part, &field, 1.0, BeadEnds::Open, BeadWidths::Variable);
+        let voids = part.difference(&covered(&paths, HEIGHT)).polygons;
+        let largest = voids.iter().map(Polygon::area_mm2).fold(0.0, f64::max) / (spacing * spacing);
+        println!("turned by {by_deg}: {largest:.2} squares of a bead");
+        // Measured: 0.25 to 0.74. With strips that reach beyond every bend, 1.3 and 1.6 stayed open at two of these turns.
+        assert!(largest < 0.8, "turned by {by_deg}: {largest} squares of a bead are open");
+    }
 }
 
 #[test]

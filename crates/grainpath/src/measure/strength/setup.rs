@@ -442,13 +442,8 @@ impl TestSetup {
                 Selection::Cylinder { point, .. } => p - point.truncate(),
                 _ => DVec2::ZERO,
             };
-            let own = match f.held {
-                Held::Normal => [normal.try_normalize(), None],
-                Held::Axes([x, y, _]) => [x.then_some(DVec2::X), y.then_some(DVec2::Y)],
-                // Parts that are held along turned axes are tested as solids.
-                Held::Turned { .. } => [None; 2],
-            };
-            for along in own.into_iter().flatten() {
+            let own = if f.held == Held::Normal { normal.try_normalize() } else { None };
+            for along in own.into_iter().chain(f.held.in_plane()) {
                 if n < all.len() && !all.contains(&Some(along)) {
                     all[n] = Some(along);
                     n += 1;
