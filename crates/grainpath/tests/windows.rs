@@ -2,18 +2,30 @@
 
 use std::sync::{Arc, Mutex};
 
+use grainpath::guide::given_field::FieldSettings;
+use grainpath::guide::graded_density::{DensitySettings, GradedDensity};
+use grainpath::region::{RegionAreas, RegionPart};
 use grainpath::run::{Inputs, Steps, config, mesh_and_layers, plan_job};
+use grainpath::shape::Standing;
 use grainpath_core::diagnostics::{EarlyLayers, Progress, Stage};
 use grainpath_core::polyline::resampled;
 use grainpath_core::segment::distance_squared_mm2;
-use grainpath_core::{DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Plan, Region, Role};
+use grainpath_core::{
+    DVec2, DVec3, Density, Diagnostics, Layer, LayerPlan, LayerStack, Plan, Region, Role, TriMesh,
+};
 use grainpath_gcode::{Limits, Program, simulate, write_gcode};
+use grainpath_io::directions::parse_densities;
 use grainpath_io::parse_mesh;
+use grainpath_job::choices::{DensityBy, FieldFrame};
 use grainpath_job::{Settings, parse_job};
 
 fn settings(sets: &[&str]) -> Settings {
+    settings_of("", sets)
+}
+
+fn settings_of(job: &str, sets: &[&str]) -> Settings {
     let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
-    parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job")
+    parse_job(job, "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job")
 }
 
 /// The mounting plate of the preset at a third of its size: it has holes, a slot, a thin rib, and a step
@@ -25,12 +37,41 @@ fn plate(settings: &Settings) -> LayerStack {
     mesh_and_layers(&config::placing(settings), file, &Diagnostics::default()).expect("a sound mesh").stack
 }
 
+/// A job with a graded density gets densities that rise along x.
 fn planned(settings: &Settings, stack: &LayerStack, n_layers: usize) -> Vec<LayerPlan> {
-    let step_settings = config::steps(settings);
-    let steps = Steps::new(&step_settings, stack);
-    let mut layers = Vec::new();
-    let (density, order) = (settings.fill.density.even().expect("a number"), config::order(settings));
+    let (step_settings, order) = (config::steps(settings), config::order(settings));
     let diagnostics = Diagnostics::default();
+    let table = "x_mm,y_mm,density\n0,0,0.12\n40,0,0.18\n0,40,0.12\n40,40,0.18\n";
+    let graded = settings.fill.density.graded().map(|asked| {
+        let place = FieldSettings {
+            frame: FieldFrame::Part,
+            cell_mm: None,
+            origin_mm: None,
+            scale: 1.0,
+            rotate_rad: [0.0; 3],
+            lowered_mm: 0.0,
+            plate_from_part_mm: DVec3::ZERO,
+        };
+        let range = [asked.min, asked.max];
+        let wanted = DensitySettings { range, by: DensityBy::File, spacing_mm: 0.4, card: None, place };
+        let samples = parse_densities(table.as_bytes(), "densities.csv", None).expect("a sound table");
+        GradedDensity::new(&wanted, stack, None, Some(samples), &diagnostics).expect("densities")
+    });
+    let part = RegionPart {
+        stack,
+        mesh: &TriMesh::default(),
+        standing: Standing::new(1.0, [0.0; 3], 0.0),
+        unit_mm: 1.0,
+        unit_of_file: true,
+        slicing: config::placing(settings).slicing,
+    };
+    let areas = (!step_settings.regions.is_empty()).then(|| {
+        RegionAreas::new(settings, &Default::default(), &part, &diagnostics).expect("regions in the part")
+    });
+    let steps = Steps::new(&step_settings, stack).with_density(graded.as_ref()).with_regions(areas.as_ref());
+    let mut layers = Vec::new();
+    let density = graded.as_ref().map(|graded| Density::new(graded.mean));
+    let density = density.or(settings.fill.density.even()).expect("a density");
     steps
         .in_windows(n_layers, density, &order, &diagnostics, |layer| layers.push(layer))
         .expect("not stopped");
@@ -114,21 +155,45 @@ fn skins_over_sparse_infill_reach_beads_that_hold_them() {
         let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section(i)).expect("a sound layer");
         LayerStack::new((0..30).map(layer).collect()).expect("sound layers")
     };
-    let grid = ["fill.pattern=grid", "fill.density=0.15"];
-    let long = settings(&[grid[0], grid[1], "support.max_unsupported_mm=100"]);
-    let grid = settings(&grid);
-    let mut as_they_were = 0.0f64;
-    for slot_mm in [18.2, 19.2, 20.2, 21.2] {
-        let stack = stack(slot_mm);
-        let whole = planned(&grid, &stack, 30);
-        let longest_mm = longest_over_air_mm(&whole);
-        assert!(longest_mm > 3.0 && longest_mm <= 10.0, "slot at {slot_mm} mm: {longest_mm} mm");
-        // What lies below the first layer of a window counts as well.
-        assert!(planned(&grid, &stack, 4) == whole, "slot at {slot_mm} mm in windows");
-        as_they_were = as_they_were.max(longest_over_air_mm(&planned(&long, &stack, 30)));
+    let even = "fill = { pattern = \"grid\", density = 0.15 }\n";
+    let region = |x: &str, density: f64| {
+        format!(
+            "{even}[[region]]\non = {{ box_mm = [[{x}, -1, 0], [50, 50, 9]] }}\nfill = {{ density = {density} }}\n"
+        )
+    };
+    let graded = |pattern: &str| {
+        format!(
+            "fill = {{ pattern = \"{pattern}\", density = {{ min = 0.1, max = 0.2, by = \"file\", file = \"d.csv\" }} }}\n"
+        )
+    };
+    for (job, most_mm) in [
+        (even.to_owned(), 10.0),
+        (region("-1", 0.12), 10.0),
+        (region("10", 0.15).replacen("0.15", "0.3", 1), 10.0),
+        // Where the border of the region crosses cells below the skin, lines that turn there still do so over air.
+        (region("20.3", 0.17), 10.0),
+        (region("20.3", 0.12), 11.0),
+        (graded("grid"), 10.0),
+        (graded("triangles"), 10.0),
+    ] {
+        let long = settings_of(&job, &["support.max_unsupported_mm=100"]);
+        let held = settings_of(&job, &[]);
+        let mut as_they_were = 0.0f64;
+        for slot_mm in [18.2, 19.2, 20.2, 21.2] {
+            let stack = stack(slot_mm);
+            let whole = planned(&held, &stack, 30);
+            let longest_mm = longest_over_air_mm(&whole);
+            assert!(
+                longest_mm > 3.0 && longest_mm <= most_mm,
+                "slot at {slot_mm} mm: {longest_mm} mm in {job}"
+            );
+            // What lies below the first layer of a window counts as well.
+            assert!(planned(&held, &stack, 4) == whole, "slot at {slot_mm} mm in windows, {job}");
+            as_they_were = as_they_were.max(longest_over_air_mm(&planned(&long, &stack, 30)));
+        }
+        // A printer that bridges further leaves skins as they are.
+        assert!(as_they_were > 10.0, "{as_they_were} mm in {job}");
     }
-    // A printer that bridges further leaves skins as they are.
-    assert!(as_they_were > 10.0, "{as_they_were} mm");
 }
 
 /// Keeps the programs of the first layers.

@@ -8,7 +8,7 @@
 //! the area and in the beads.
 
 use grainpath_core::mask::{Mask, MaskGrid};
-use grainpath_core::poly::Join;
+use grainpath_core::poly::LineClipper;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, Region, Role, Warning, WarningId};
 use grainpath_job::choices::{Choice, DensityBy};
@@ -119,8 +119,9 @@ impl LaidDensity {
                 sum[1] += volume * asked.map.given_at(p.extend(z));
                 sum[2] += volume * asked.map.at(p.extend(z));
             }
-            // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own.
-            let near = Mask::from_region(grid, &area.offset(SQUARE_MM, Join::Miter(2.0)));
+            // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own. Its beads begin
+            // half a strip beyond the border, so squares are too coarse to tell them apart.
+            let inside = LineClipper::new(area);
             let paths = layers[i].islands.iter().flat_map(|island| &island.fills);
             for path in paths.filter(|p| p.role == Role::SparseFill) {
                 for (a, b, width) in (0..path.n_segments()).map(|s| path.segment(s)) {
@@ -128,7 +129,7 @@ impl LaidDensity {
                     let each = bead_spacing_mm(width, h) * h * a.distance(b) / pieces;
                     for s in 0..pieces as usize {
                         let p = a.lerp(b, (s as f64 + 0.5) / pieces);
-                        if near.contains(p) {
+                        if inside.contains(p) {
                             sums[cell_of(p, k)][3] += each;
                         }
                     }
@@ -274,6 +275,29 @@ mod tests {
         assert!((found.worst_error - 0.25).abs() < 0.002 && found.worst_at_mm[0] > 10.0, "{found:?}");
         assert!((found.laid - 0.125).abs() < 0.002);
         assert_eq!(found.warning().map(|w| w.id), Some(WarningId::DensityOff));
+    }
+
+    #[test]
+    fn beads_of_a_region_beside_the_graded_infill_do_not_count() {
+        let section = || Region::rectangle(DVec2::ZERO, DVec2::new(10.0, 5.0));
+        let layer = Layer::new(0.2, 0.2, section()).expect("a layer");
+        let stack = LayerStack::new(vec![layer]).expect("a stack");
+        let map = DensityMap::new(DVec3::ZERO, DVec3::new(10.0, 5.0, 0.2), 1.0, true, |_| 0.25);
+        // Graded lines 1 mm apart up to a border that cuts a cell, and lines four times as dense beyond it.
+        let border_mm = 8.1;
+        let width = grainpath_core::units::bead_width_mm(0.25, 0.2);
+        let line = |y: f64, from: f64, to: f64| {
+            Toolpath::new(vec![DVec2::new(from, y), DVec2::new(to, y)], width, Role::SparseFill, false)
+        };
+        let mut fills: Vec<Toolpath> = (0..5).map(|k| line(f64::from(k) + 0.5, 0.0, border_mm)).collect();
+        fills.extend((0..20).map(|k| line(0.25 * f64::from(k) + 0.125, border_mm + 0.05, 10.0)));
+        let layers =
+            [LayerPaths { islands: vec![Island { walls: Vec::new(), fills }], ..LayerPaths::default() }];
+        let areas = [Region::rectangle(DVec2::ZERO, DVec2::new(border_mm, 5.0))];
+        let asked =
+            AskedDensity { map: &map, range: [0.1, 0.5], by: DensityBy::Stress, fall_mm: 0.0, areas: &areas };
+        let found = LaidDensity::measure(&asked, &stack, &layers);
+        assert!(found.cells == 2 && found.worst_error < 0.02, "{found:?}");
     }
 
     #[test]

@@ -296,12 +296,26 @@ pub fn support(
         block: boxes(&u.block_mm),
         enforce_facets: facets(&u.enforce_facets),
         block_facets: facets(&u.block_facets),
-        part_walls: s.process.walls.least(),
+        walls: walls(s),
         beads: support_beads(s),
         first_layer_mm: s.process.first_layer_height_mm,
         painted,
         bed,
     })
+}
+
+/// Settings for walls, at the height of most layers.
+fn walls(s: &Settings) -> WallSettings {
+    let p = &s.process;
+    WallSettings {
+        n_walls: p.walls.least(),
+        bead_width_mm: p.bead_width_mm,
+        height_mm: p.layer_height_mm,
+        thin_walls: p.thin_walls,
+        gap_fill: p.gap_fill,
+        min_bead_width_mm: p.min_bead_width_mm,
+        fill_overlap: s.fill.overlap,
+    }
 }
 
 /// Settings for the beads of supports.
@@ -497,15 +511,7 @@ pub fn steps(s: &Settings) -> StepSettings {
     // This height is a placeholder: each layer uses its own height.
     let height_mm = p.layer_height_mm;
     StepSettings {
-        walls: WallSettings {
-            n_walls: p.walls.least(),
-            bead_width_mm: p.bead_width_mm,
-            height_mm,
-            thin_walls: p.thin_walls,
-            gap_fill: p.gap_fill,
-            min_bead_width_mm: p.min_bead_width_mm,
-            fill_overlap: f.overlap,
-        },
+        walls: walls(s),
         most_walls: p.walls.most(),
         stagger_walls: p.stagger_walls,
         skins: SkinSettings {

@@ -55,7 +55,23 @@ struct RegionFill<'a> {
     angle_rad: Option<f64>,
 }
 
+/// Tells the region of a job at each place of a layer.
+pub(super) struct Owners(Vec<LineClipper>);
+
+impl Owners {
+    /// The number of the region at a point, counted from 1; 0 outside all of them.
+    pub(super) fn at(&self, p: DVec2) -> usize {
+        self.0.iter().position(|area| area.contains(p)).map_or(0, |region| region + 1)
+    }
+}
+
 impl Steps<'_> {
+    /// The regions of a layer; `None` where there are none.
+    pub(super) fn owners(&self, layer_idx: usize) -> Option<Owners> {
+        let areas = self.areas.and_then(|areas| areas.of_layer(layer_idx))?;
+        Some(Owners(areas.iter().map(LineClipper::new).collect()))
+    }
+
     /// Distance between the region of centrelines and the border of the area to be filled, mm. The
     /// area reaches to the strips of the walls and slightly beyond: the round edge of the outer wall leaves
     /// some area unfilled, and the infill makes up for it, so that the layer has the part's volume.
@@ -97,7 +113,7 @@ impl Steps<'_> {
         self.stack.layers().iter().zip(skins).map(|(layer, split)| self.sparse_area(layer, split)).collect()
     }
 
-    fn sparse_area(&self, layer: &Layer, split: &SkinSplit) -> Region {
+    pub(super) fn sparse_area(&self, layer: &Layer, split: &SkinSplit) -> Region {
         let polygons = split.sparse.iter().map(|p| p.1.clone()).collect();
         Region { polygons }.offset(self.border_mm(layer), Join::Miter(2.0))
     }
@@ -232,12 +248,9 @@ impl Steps<'_> {
         split: &'s SkinSplit,
         paths: &mut Vec<(usize, Toolpath)>,
     ) -> Cow<'s, SkinSplit> {
-        let Some(areas) = self.areas.and_then(|areas| areas.of_layer(i)) else { return Cow::Borrowed(split) };
+        let Some(owners) = self.owners(i) else { return Cow::Borrowed(split) };
         let layer = &self.stack.layers()[i];
-        let (section, areas) =
-            (LineClipper::new(layer.region()), areas.iter().map(LineClipper::new).collect::<Vec<_>>());
-        // The number of the region at a point, 0 outside all of them.
-        let owner = |p: DVec2| areas.iter().position(|area| area.contains(p)).map_or(0, |region| region + 1);
+        let section = LineClipper::new(layer.region());
         let open = |(own, steps): (&SkinSplit, &Self)| {
             let polygons = own.sparse.iter().chain(&own.bridge).map(|p| p.1.clone()).collect();
             LineClipper::new(&Region { polygons }.offset(steps.inset_mm(layer), Join::Miter(2.0)))
@@ -247,8 +260,9 @@ impl Steps<'_> {
             std::iter::once(split).chain(&split.regions).zip(steps()).map(open).collect();
         let mut lined = split.clone();
         for (k, steps) in steps().enumerate() {
-            let meets =
-                |p: DVec2| section.contains(p) && owner(p) != k && !open.iter().any(|area| area.contains(p));
+            let meets = |p: DVec2| {
+                section.contains(p) && owners.at(p) != k && !open.iter().any(|area| area.contains(p))
+            };
             let own = match k.checked_sub(1) {
                 None => &mut lined,
                 Some(region) => &mut lined.regions[region],

@@ -645,7 +645,8 @@ fn plan_stack(
             } else {
                 steps.infill(all, walls, skins, density, diagnostics)?
             };
-            laid = graded.as_ref().zip(sparse_areas).map(|(graded, areas)| {
+            laid = graded.as_ref().zip(sparse_areas).map(|(graded, mut areas)| {
+                filled.sparse_areas.iter().for_each(|(i, area)| areas[*i] = area.clone());
                 let asked = AskedDensity {
                     map: &graded.of_mean(density.fraction()),
                     range: graded.range(),

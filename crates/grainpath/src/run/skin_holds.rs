@@ -11,7 +11,17 @@
 //! below, from the bead on as far as it goes. Lengths are mm. Cost: a search for every quarter of a span along dense fill; a
 //! mask and a second filling in the few layers with such a bead. Limits: a cell that reaches further than a span around the bead
 //! is left alone, since lines across it would hang as well. Beads over the outside of the layer below are
-//! left to the supports. Jobs with regions, fibre or a graded density are left alone.
+//! left to the supports. The lines of a pattern that go on from layer to layer along a field are left alone: they begin where those
+//! below lie, so every layer above would have to be laid anew.
+//!
+//! Regions: each skin grows in its own region. Sparse lines of two regions do not meet at the border between them, so cells end
+//! there, and lines of a skin that turn at such a border still do so over air. Sparse infill of a graded density is laid anew
+//! beside the skin that grew, and its widths are fitted after that.
+//!
+//! Jobs with fibre are left alone. A skin over sparse infill has no fibre, and grown over a cell it would cut the fibre there.
+//! Fibre has a least length: what is cut shorter carries none at all, which costs more strength than lines that sag in a cell.
+
+use std::collections::BTreeMap;
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::{Mask, MaskGrid};
@@ -48,9 +58,12 @@ struct FreeRun {
     points: Vec<DVec2>,
 }
 
+/// The skins of a layer and its infill.
+type Filled = (SkinSplit, IslandPaths);
+
 impl Steps<'_> {
     /// Fills layers anew in which beads of skins run too far over sparse infill. `islands` holds the walls of each layer of
-    /// the window, `laid` its infill.
+    /// the window, `laid` its infill. Returns the skins that grew, by the number of their layer in the window.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -61,16 +74,20 @@ impl Steps<'_> {
         laid: &mut [IslandPaths],
         density: Density,
         diagnostics: &Diagnostics,
-    ) -> Result<(), Interrupted> {
-        if density.is_dense() || self.areas.is_some() || self.fibre.is_some() || self.graded.is_some() {
-            return Ok(());
+    ) -> Result<BTreeMap<usize, SkinSplit>, Interrupted> {
+        let mut all = std::iter::once((self, density))
+            .chain(self.regions.iter().map(|region| (region, self.density_in(region, density))));
+        // A graded density is filled as sparse infill, however high it is.
+        let is_dense = all.all(|(steps, density)| density.is_dense() && steps.graded.is_none());
+        if is_dense || self.fibre.is_some() {
+            return Ok(BTreeMap::new());
         }
         // The layer below the window is laid once more: windows of any size then give the same layers.
         let before = match first.checked_sub(1) {
             Some(k) => Some(self.laid_alone(k, density)?),
             None => None,
         };
-        let mended = |k: usize| -> Result<Option<IslandPaths>, Interrupted> {
+        let mended = |k: usize| -> Result<Option<Filled>, Interrupted> {
             diagnostics.check()?;
             let (walls, fills) = match (k.checked_sub(1), &before) {
                 (Some(below), _) => (islands[below], &laid[below]),
@@ -86,14 +103,16 @@ impl Steps<'_> {
             let runs = self.runs(first + k, &below, &laid[k]);
             if runs.is_empty() { Ok(None) } else { self.filled_anew(first + k, &below, runs, density) }
         };
-        let all: Vec<Result<Option<IslandPaths>, Interrupted>> =
+        let all: Vec<Result<Option<Filled>, Interrupted>> =
             (0..laid.len()).into_par_iter().map(mended).collect();
-        for (own, mended) in laid.iter_mut().zip(all) {
-            if let Some(paths) = mended? {
-                *own = paths;
+        let mut grown = BTreeMap::new();
+        for (k, mended) in all.into_iter().enumerate() {
+            if let Some((split, paths)) = mended? {
+                laid[k] = paths;
+                grown.insert(k, split);
             }
         }
-        Ok(())
+        Ok(grown)
     }
 
     /// The walls and the infill of a layer by itself.
@@ -108,9 +127,10 @@ impl Steps<'_> {
 
     fn filled(&self, k: usize, split: &SkinSplit, density: Density) -> IslandPaths {
         let mut paths = Vec::new();
+        let split = self.line_seams(k, split, &mut paths);
         let mut add = |island, path| paths.push((island, path));
-        self.dense_fill(k, split, &mut add);
-        self.sparse_fill(k, split, density, &[], &mut add);
+        self.dense_fill(k, &split, &mut add);
+        self.sparse_fill(k, &split, density, &[], &mut add);
         paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
         paths
     }
@@ -161,21 +181,21 @@ impl Steps<'_> {
         out
     }
 
-    /// The infill of a layer whose skins cover the cells below these runs; `None` where that changes nothing.
+    /// Skins that cover the cells below these runs, and the infill of their layer; `None` where that changes nothing.
     fn filled_anew(
         &self,
         k: usize,
         below: &[&Toolpath],
         mut runs: Vec<FreeRun>,
         density: Density,
-    ) -> Result<Option<IslandPaths>, Interrupted> {
+    ) -> Result<Option<Filled>, Interrupted> {
         let quiet = Diagnostics::default();
         let mut skins = self.skins(k..k + 1, &mut self.walls(k..k + 1, &quiet)?, &quiet)?;
         let Some(mut split) = skins.pop() else { return Ok(None) };
         // A layer whose runs stay too long after all rounds keeps the last filling, which holds more of them than the first.
         let mut filled = None;
         for _ in 0..ROUNDS {
-            if !self.grow_skins(below, &runs, &mut split) {
+            if !self.grow_skins(k, below, &runs, &mut split) {
                 break;
             }
             // A skin of another shape has its turns in other places, and other beads of it may run too far.
@@ -186,16 +206,22 @@ impl Steps<'_> {
                 break;
             }
         }
-        Ok(filled)
+        Ok(filled.map(|paths| (split, paths)))
     }
 
     /// Grows skins over the cells below these runs; whether any grew.
-    fn grow_skins(&self, below: &[&Toolpath], runs: &[FreeRun], split: &mut SkinSplit) -> bool {
+    fn grow_skins(&self, k: usize, below: &[&Toolpath], runs: &[FreeRun], split: &mut SkinSplit) -> bool {
         let mut grew = false;
+        let owners = self.owners(k);
         for run in runs {
             let own = |polygons: &[IslandPolygon]| {
                 let own = polygons.iter().filter(|(island, _)| *island == run.island);
                 Region { polygons: own.map(|(_, polygon)| polygon.clone()).collect() }
+            };
+            let mine = owners.as_ref().map_or(0, |owners| owners.at(run.points[run.points.len() / 2]));
+            let split = match mine.checked_sub(1).and_then(|region| split.regions.get_mut(region)) {
+                Some(region) => region,
+                None => &mut *split,
             };
             let sparse = own(&split.sparse);
             let dense = [&split.solid, &split.top].map(|polygons| own(polygons));

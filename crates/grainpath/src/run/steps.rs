@@ -261,6 +261,9 @@ pub struct FilledLayers {
     pub layers: Vec<LayerPaths>,
     /// Outcome for the paths that were to carry fibre.
     pub fibre: Tally,
+    /// Area of the sparse infill outside regions in layers in which skins grew over some of it, by the index of the layer; known
+    /// for a graded density.
+    pub sparse_areas: BTreeMap<usize, Region>,
 }
 
 /// Layers whose infill is a copy of that of an earlier layer, and the infill that later windows copy.
@@ -829,7 +832,7 @@ impl<'a> Steps<'a> {
         self.fit_lines(density)?;
         let first = window.start;
         let goes_on = self.goes_on(density);
-        let leaning: Vec<Vec<Region>> =
+        let mut leaning: Vec<Vec<Region>> =
             skins.par_iter().enumerate().map(|(k, split)| self.leaning_areas(first + k, split)).collect();
         let lay = |(k, split): (usize, SkinSplit)| {
             diagnostics.check()?;
@@ -881,8 +884,15 @@ impl<'a> Steps<'a> {
             below.insert(turn, places_on(sparse.map(|(_, path)| path.points.as_slice())));
             diagnostics.advance(1);
         }
+        let islands: Vec<&[Island]> = walls.iter().map(|walls| walls.islands.as_slice()).collect();
+        let mut grown = BTreeMap::new();
         if self.leans() {
             diagnostics.check()?;
+            // Widths are fitted to the sparse infill that skins leave.
+            if !goes_on {
+                grown = self.hold_skins(first, &islands, &mut laid, density, diagnostics)?;
+            }
+            grown.iter().for_each(|(k, split)| leaning[*k] = self.leaning_areas(first + k, split));
             let own = laid.iter_mut().zip(&leaning).enumerate();
             self.fit_leaning(
                 density,
@@ -913,10 +923,14 @@ impl<'a> Steps<'a> {
             let own = (laid[original - first].clone(), tallies[original - first]);
             copies.laid.insert(*original, own);
         }
-        if !goes_on {
-            let islands: Vec<&[Island]> = walls.iter().map(|walls| walls.islands.as_slice()).collect();
-            self.hold_skins(first, &islands, &mut laid, density, diagnostics)?;
+        // Of copies, each lies on a layer of its own.
+        if !goes_on && !self.leans() {
+            grown = self.hold_skins(first, &islands, &mut laid, density, diagnostics)?;
         }
+        let grown = grown.into_iter().filter(|_| self.graded.is_some());
+        let sparse_areas = grown
+            .map(|(k, split)| (first + k, self.sparse_area(&self.stack.layers()[first + k], &split)))
+            .collect();
         let adhesion = self.adhesion(&window);
         let mut supports: Vec<Vec<Island>> = window.into_par_iter().map(|i| self.supports(i)).collect();
         let whole = |(k, (walls, paths)): (usize, (LayerWalls, IslandPaths))| {
@@ -929,7 +943,7 @@ impl<'a> Steps<'a> {
             LayerPaths { adhesion, supports: std::mem::take(&mut supports[k]), islands }
         };
         let layers = walls.into_iter().zip(laid).enumerate().map(whole).collect();
-        Ok(FilledLayers { layers, fibre })
+        Ok(FilledLayers { layers, fibre, sparse_areas })
     }
 
     /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and passes each

@@ -14,18 +14,20 @@
 //! together with all that stood on it. All that remains is held; [`on_air`] counts independently to confirm it.
 //!
 //! Lengths are mm. Cost: one search in a grid of points for every `STEP_MM` of bead and pass; about a second for
-//! 100 m of support. Limits: the beads of the part are not known yet, so the part is taken to hold a bead wherever it
-//! will have walls or area inside its walls. Sparse fill inside branches (`support.density` above 0) bridges from wall
-//! to wall and is not checked.
+//! 100 m of support; the walls of the part are laid once more for it. Limits: the infill of the part is not known yet, so the
+//! part is taken to hold a bead wherever it will have area inside its outermost wall. Where it is too thin for a wall, the
+//! single beads hold that will be laid there, and nothing does where there are none. Sparse fill inside branches
+//! (`support.density` above 0) bridges from wall to wall and is not checked.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::{direction, tan};
-use grainpath_core::poly::{FillRule, Join, LineClipper, simplify_contour, simplify_line};
+use grainpath_core::poly::{FillRule, LineClipper, simplify_contour, simplify_line};
 use grainpath_core::segment;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::{Bounds2, DVec2, Density, LayerStack, Region, Role, Toolpath};
+use grainpath_core::{Bounds2, DVec2, Density, Layer, LayerStack, Region, Role, Toolpath};
 use rayon::prelude::*;
 
 use super::SupportSettings;
@@ -35,6 +37,7 @@ use super::interface::{self, END_MM, WALK};
 use super::overhang::Overhangs;
 use super::tree::{Forest, Kind};
 use crate::order::Island;
+use crate::wall::{WallSettings, lay_walls};
 
 /// A point of a bead is held if the centreline of a bead below is at most this many bead widths away in plan. A seventh
 /// of the upper bead then lies on the lower one, and the rest leans on the beads beside it.
@@ -90,14 +93,14 @@ const CHECKED: f64 = 0.95;
 ///
 /// Source: derived. The fifth in the middle is then more than half of [`STEP_MM`] in the shortest bead, so that it holds.
 const END_SHARE: f64 = 0.4;
-/// The centrelines of walls are grown by this many half widths of a bead to find what is too thin for walls.
-///
-/// Source: derived. Half a bead gives back the section; a fortieth of a bead more, 0.01 mm, covers the rounding of corners.
-const GROWN: f64 = 1.05;
 /// No removal gap spans more than this number of layers, so sections further below are not needed again.
 ///
 /// Source: chosen; it changes speed alone, because a section that is forgotten is made again.
 const KEPT_LAYERS: usize = 8;
+/// Number of layers that one thread counts one after the other.
+///
+/// Source: chosen; it changes speed alone, because each chunk lays walls of the part below its own layers.
+const CHUNK: usize = 16;
 
 /// Lays the beads of all layers, adds beads that hold them, and leaves out those that nothing can hold.
 pub fn stand(
@@ -109,19 +112,20 @@ pub fn stand(
 ) {
     let contacts = &overhangs.contacts;
     let heights = &Heights::new(stack);
+    let walls = &PartWalls::new(stack, settings);
     let lay = |k: usize, layer: &SupportLayer| lay(layer, k, stack, &settings.beads);
     let islands: Vec<Vec<Island>> =
         out.layers.par_iter().enumerate().map(|(k, layer)| lay(k, layer)).collect();
     for (layer, islands) in out.layers.iter_mut().zip(islands) {
         layer.islands = Some(islands);
     }
-    let mut part = Part::new(stack, heights, settings);
+    let mut part = Part::new(stack, heights, settings, walls);
     let interface = interface::lay(&overhangs.lines, heights, out.layers.len(), settings);
     for (k, beads) in interface.into_iter().enumerate().rev().filter(|(_, beads)| !beads.is_empty()) {
         add_interface(&mut out.layers[k], k, beads, &mut part);
         part.forget_above(k);
     }
-    let mut part = Part::new(stack, heights, settings);
+    let mut part = Part::new(stack, heights, settings, walls);
     let mut arches = BTreeSet::new();
     // Beads of a layer are indexed once, before any are added: the deeper layer of one step is the lower one of the next.
     let mut before = out.layers.iter().rev().nth(1).and_then(|layer| Beads::new(layer.islands()));
@@ -142,7 +146,7 @@ pub fn stand(
         before = deeper;
         part.forget_above(k);
     }
-    let mut part = Part::new(stack, heights, settings);
+    let mut part = Part::new(stack, heights, settings, walls);
     let mut left_out_mm = 0.0;
     for k in 1..out.layers.len() {
         let (low, high) = out.layers.split_at_mut(k);
@@ -168,7 +172,7 @@ pub fn stand(
     lost.sort_unstable();
     lost.dedup();
     out.lost = lost;
-    (out.floating, out.floating_mm) = on_air(&out.layers, stack, settings);
+    (out.floating, out.floating_mm) = count_on_air(&out.layers, stack, settings, walls);
 }
 
 /// The beads of a layer without sparse fill.
@@ -200,20 +204,37 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
 /// The number of support beads that lie partly or wholly on air, and the length that does, mm, counted independently from
 /// the finished beads.
 pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> (usize, f64) {
+    count_on_air(layers, stack, settings, &PartWalls::new(stack, settings))
+}
+
+fn count_on_air(
+    layers: &[SupportLayer],
+    stack: &LayerStack,
+    settings: &SupportSettings,
+    walls: &PartWalls,
+) -> (usize, f64) {
     let heights = Heights::new(stack);
-    let of_layer = |k: usize| -> (usize, f64) {
-        let mut part = Part::new(stack, &heights, settings);
+    let of_layer = |part: &mut Part<'_>, k: usize| -> (usize, f64) {
         let below = Beads::new(layers[k - 1].islands());
         let air_mm = paths(layers[k].islands()).map(|path| {
             let samples = samples(path);
-            let free =
-                samples.iter().filter(|s| !held(s, below.as_ref(), &mut part, k, LEAVE + 1e-6)).count();
+            let free = samples.iter().filter(|s| !held(s, below.as_ref(), part, k, LEAVE + 1e-6)).count();
             free as f64 / samples.len().max(1) as f64 * path.length_mm()
         });
         air_mm.filter(|&mm| mm > 0.0).fold((0, 0.0), |(n, sum), mm| (n + 1, sum + mm))
     };
-    let all: Vec<(usize, f64)> = (1..layers.len()).into_par_iter().map(of_layer).collect();
-    all.into_iter().fold((0, 0.0), |(n, sum), (m, mm)| (n + m, sum + mm))
+    let all: Vec<usize> = (1..layers.len()).collect();
+    // Neighbouring layers stand on the same layers of the part.
+    let of_chunk = |chunk: &[usize]| -> Vec<(usize, f64)> {
+        let mut part = Part::new(stack, &heights, settings, walls);
+        let of_layer = |&k: &usize| {
+            part.forget_below(k);
+            of_layer(&mut part, k)
+        };
+        chunk.iter().map(of_layer).collect()
+    };
+    let all: Vec<Vec<(usize, f64)>> = all.par_chunks(CHUNK).map(of_chunk).collect();
+    all.into_iter().flatten().fold((0, 0.0), |(n, sum), (m, mm)| (n + m, sum + mm))
 }
 
 /// Whether a bead of the layer lies within a distance of a point.
@@ -295,20 +316,74 @@ pub(super) struct Part<'a> {
     stack: &'a LayerStack,
     heights: &'a Heights,
     gap_mm: f64,
-    bead_width_mm: f64,
+    walls: &'a PartWalls,
     clippers: BTreeMap<usize, LineClipper>,
-    /// For each layer, the area within the centrelines of the walls, and the area too thin for walls.
-    beads: BTreeMap<usize, [LineClipper; 2]>,
+    beads: BTreeMap<usize, PartBeads>,
+}
+
+/// The outermost walls of the part, layer by layer, each laid when it is first asked for.
+pub(super) struct PartWalls {
+    settings: WallSettings,
+    layers: Vec<OnceLock<OuterWalls>>,
+}
+
+/// The outermost walls of a layer.
+struct OuterWalls {
+    /// The area within their centrelines.
+    inside: Region,
+    /// The single beads where the part is too thin for a wall.
+    thin: Island,
+}
+
+impl PartWalls {
+    pub(super) fn new(stack: &LayerStack, settings: &SupportSettings) -> Self {
+        let layers = stack.layers().iter().map(|_| OnceLock::new()).collect();
+        Self { settings: settings.walls, layers }
+    }
+
+    fn of_layer(&self, layer_idx: usize, layer: &Layer) -> &OuterWalls {
+        self.layers[layer_idx].get_or_init(|| {
+            let settings = WallSettings { height_mm: layer.height_mm(), ..self.settings };
+            let (mut rims, mut thin) = (Vec::new(), Island::default());
+            for polygon in &layer.region().polygons {
+                let walls = lay_walls(polygon, &settings);
+                // A part without walls ends with its infill.
+                if settings.n_walls == 0 {
+                    rims.extend(walls.fill.contours().cloned());
+                }
+                let outer = walls.loops.into_iter().filter(|wall| wall.depth == 0);
+                rims.extend(outer.map(|wall| wall.path.points));
+                thin.fills.extend(walls.singles.into_iter().filter(|path| path.role == Role::ThinWall));
+            }
+            OuterWalls { inside: Region::from_contours(&rims, FillRule::EvenOdd), thin }
+        })
+    }
+}
+
+/// What holds in a layer of the part, indexed by position: the area of its [`OuterWalls`] and the single beads.
+struct PartBeads {
+    inside: LineClipper,
+    thin: Option<Beads>,
+}
+
+impl PartBeads {
+    fn new(walls: &OuterWalls) -> Self {
+        Self { inside: LineClipper::new(&walls.inside), thin: Beads::new(std::slice::from_ref(&walls.thin)) }
+    }
 }
 
 impl<'a> Part<'a> {
-    pub(super) fn new(stack: &'a LayerStack, heights: &'a Heights, settings: &SupportSettings) -> Self {
+    pub(super) fn new(
+        stack: &'a LayerStack,
+        heights: &'a Heights,
+        settings: &SupportSettings,
+        walls: &'a PartWalls,
+    ) -> Self {
         Self {
             stack,
             heights,
             gap_mm: settings.z_gap_mm,
-            // Walls of the part are as wide as beads of the support.
-            bead_width_mm: settings.beads.bead_width_mm,
+            walls,
             clippers: BTreeMap::new(),
             beads: BTreeMap::new(),
         }
@@ -350,20 +425,16 @@ impl<'a> Part<'a> {
         below.into_iter().any(|j| self.has_bead_near(j, p, reach_mm))
     }
 
-    /// Whether a bead of the part lies within a distance of a point. Centrelines of walls lie half a bead inside the
-    /// section. Where the section is thinner than a bead, one bead of the same width runs along its middle.
+    /// Whether a centreline of the part's beads lies within a distance of a point, or the point inside its walls.
     pub(super) fn has_bead_near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
-        let half_mm = 0.5 * self.bead_width_mm;
         if !self.near(layer, p, reach_mm) {
             return false;
         }
-        let (region, half) = (self.stack.layers()[layer].region(), half_mm);
-        let [middles, thin] = self.beads.entry(layer).or_insert_with(|| {
-            let middles = region.offset(-half, Join::Miter(2.0));
-            let thin = region.difference(&middles.offset(GROWN * half, Join::Miter(2.0)));
-            [&middles, &thin].map(LineClipper::new)
-        });
-        is_near(middles, p, reach_mm) || (reach_mm >= half && is_near(thin, p, reach_mm - half))
+        let section = &self.stack.layers()[layer];
+        let beads =
+            self.beads.entry(layer).or_insert_with(|| PartBeads::new(self.walls.of_layer(layer, section)));
+        let on_bead = |thin: &Beads| thin.0.within(p, reach_mm).next().is_some();
+        is_near(&beads.inside, p, reach_mm) || beads.thin.as_ref().is_some_and(on_bead)
     }
 
     /// Whether a bead may lie here in layer `k`.
@@ -669,4 +740,36 @@ fn leave_out(upper: &mut SupportLayer, lower: &SupportLayer, k: usize, part: &mu
     }
     islands.retain(|i| !i.walls.is_empty() || !i.fills.is_empty());
     lost_mm
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::config;
+
+    #[test]
+    fn thin_places_of_the_part_hold_where_a_bead_is_laid() {
+        let support =
+            grainpath_job::parse_job("support.style = \"tree\"", "job.toml", &[], &|_| Err(String::new()));
+        let settings =
+            config::support(&support.expect("a sound job"), None, Default::default()).expect("trees");
+        // Strips along y: too thin for any bead, as thin as a bead, and nearly as thick as two.
+        let strips = [(0.0, 0.15), (10.0, 0.4), (20.0, 0.7)];
+        let strip = |(x, wide): (f64, f64)| {
+            Region::rectangle(DVec2::new(x - 0.5 * wide, 0.0), DVec2::new(x + 0.5 * wide, 20.0))
+        };
+        let section = Region { polygons: strips.into_iter().flat_map(|one| strip(one).polygons).collect() };
+        let stack = LayerStack::new(vec![Layer::new(0.2, 0.2, section).expect("a layer")]).expect("a stack");
+        let heights = Heights::new(&stack);
+        let walls = PartWalls::new(&stack, &settings);
+        let mut part = Part::new(&stack, &heights, &settings, &walls);
+        let reach_mm = 0.39;
+        let mut held = |x: f64| part.has_bead_near(0, DVec2::new(x, 10.0), reach_mm);
+        assert!(!held(0.0) && !held(0.2), "nothing is laid in a sliver");
+        for x in [10.0, 20.0] {
+            // One bead runs along the middle.
+            assert!(held(x) && held(x - 0.37) && held(x + 0.37), "beside the bead at {x} mm");
+            assert!(!held(x - 0.41) && !held(x + 0.41), "beyond the bead at {x} mm");
+        }
+    }
 }

@@ -34,6 +34,8 @@ use cut::{Layers, SupportLayer};
 use overhang::{MidAir, Overhangs};
 use tree::Forest;
 
+use crate::wall::WallSettings;
+
 /// Spacing of the sample points of an overhang, as a share of L. Measured: row `support.SAMPLE_SHARE` of `cargo xtask
 /// bench constants`.
 static SAMPLE_SHARE: Tuned<f64> = Tuned::new("support.SAMPLE_SHARE", 0.1);
@@ -114,8 +116,9 @@ pub struct SupportSettings {
     pub block_facets: Vec<u32>,
     /// Support enforcers and blockers painted on the part, in part coordinates.
     pub painted: PaintedSupports,
-    /// Number of walls of the part, whose stretches over air are divided below flat overhangs.
-    pub part_walls: usize,
+    /// Walls of the part, whose stretches over air are divided below flat overhangs and on which supports stand; the height is
+    /// replaced by that of each layer.
+    pub walls: WallSettings,
     /// How support is laid.
     pub beads: BeadSettings,
     /// Thickness of the first layer.

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::SupportSettings;
 use super::contact::{Contact, Reason};
 use super::cut::Heights;
-use super::held::Part;
+use super::held::{Part, PartWalls};
 use super::interface::{self, FREE_STEP_BEADS, SPACING_SHARE};
 use super::overhang::Overhangs;
 
@@ -60,6 +60,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
     if !begins.contains(&true) {
         return;
     }
+    let part_walls = &PartWalls::new(stack, settings);
     let w = settings.beads.bead_width_mm;
     // Beside a post a strip may be too narrow for samples, so they may lie further off where nothing is blocked by hand.
     let by_hand = !settings.block_facets.is_empty() || !settings.painted.blockers.triangles.is_empty();
@@ -83,7 +84,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
         if !begins[k] || end == 0 {
             return Vec::new();
         }
-        let mut part = Part::new(stack, &heights, settings);
+        let mut part = Part::new(stack, &heights, settings, part_walls);
         let mut held = PointGrid2::new(bounds.grown(1.0), 1.0);
         let room = |p: &&DVec2| {
             bounds.meets(Bounds2 { min: **p, max: **p }.grown(w)) && part.leaves_room(end - 1, **p, w)
@@ -97,7 +98,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
                 && !settings.blocked(p.extend(bottom_mm))
         };
         let mut found = Vec::new();
-        for wall in 0..settings.part_walls {
+        for wall in 0..settings.walls.n_walls {
             let walls = layer.region().offset(-depth_mm(wall, layer.height_mm(), settings), Join::Miter(2.0));
             if walls.is_empty() {
                 break;
@@ -152,7 +153,7 @@ pub(super) fn hold(out: &mut Overhangs, mesh: &TriMesh, stack: &LayerStack, sett
             for (stretch, closed) in stretches(&points, closed, &free, longest_mm) {
                 for (p, inwards) in divided(&stretch, closed, spacing_mm) {
                     let own_mm = depth_mm(wall, h, settings);
-                    let inner_mm = depth_mm(settings.part_walls - 1, h, settings) + 0.5 * w - own_mm;
+                    let inner_mm = depth_mm(settings.walls.n_walls - 1, h, settings) + 0.5 * w - own_mm;
                     // Of very many walls, each gets its own contacts.
                     let [first, last] = [-own_mm, inner_mm.min(0.5 * spacing_mm)].map(|mm| p + inwards * mm);
                     add_line([first, last].map(|p| p.extend(z_mm)), &mut out.lines, &mut added);
