@@ -118,9 +118,8 @@ pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> (Vec<Li
     // Searches are built anew only where lines have changed, since that costs as much as the steps themselves.
     let mut neighbours = place.neighbours(&lines);
     let far_mm = FAR_BEADS.value() * place.spacing_mm;
-    let sides: Vec<Vec<[Side; 2]>> = (0..lines.len()).map(|l| neighbours.sides(&lines, l, far_mm)).collect();
-    let earlier = Earlier::new(lines.clone(), &sides, far_mm);
-    let (mut lines, rooms, changed) = without_crowded(lines, &sides, place, room);
+    let earlier = Earlier::new(&lines, &neighbours, far_mm);
+    let (mut lines, rooms, changed) = without_crowded(lines, &earlier, place, room);
     if changed {
         neighbours = place.neighbours(&lines);
     }
@@ -163,13 +162,14 @@ struct RoomAt {
 /// Keeps the stretches of lines that have the least room, each with its room at its points. True if anything was removed.
 fn without_crowded(
     lines: Vec<Line>,
-    sides: &[Vec<[Side; 2]>],
+    earlier: &Earlier,
     place: &Place<'_>,
     room: Room,
 ) -> (Vec<Line>, Vec<Vec<RoomAt>>, bool) {
     let spacing_mm = place.spacing_mm;
+    let sides = earlier.by_line(&lines);
     let widths: Vec<Vec<f64>> =
-        lines.iter().zip(sides).map(|(line, sides)| strips(sides, line.closed, spacing_mm)).collect();
+        lines.iter().zip(&sides).map(|(line, sides)| strips(sides, line.closed, spacing_mm)).collect();
     let is_crowded = |mm: f64| mm < room.least * spacing_mm;
     let loses: Vec<bool> = widths.iter().map(|w| w.iter().any(|mm| is_crowded(*mm))).collect();
     let is_full = |side: &Side| match *side {
@@ -183,12 +183,12 @@ fn without_crowded(
     let mut kept = Vec::with_capacity(lines.len());
     // All crowded stretches are removed at once, even if two of them lie side by side. The ends that remain
     // are then extended into the free space.
-    for ((l, line), (widths, sides)) in lines.into_iter().enumerate().zip(widths.iter().zip(sides)) {
+    for ((l, line), (widths, sides)) in lines.into_iter().enumerate().zip(widths.iter().zip(&sides)) {
         let at = |(mm, sides): (&f64, &[Side; 2])| RoomAt {
             mm: *mm,
             full: [is_full(&sides[0]), is_full(&sides[1])],
         };
-        let rooms: Vec<RoomAt> = widths.iter().zip(sides).map(at).collect();
+        let rooms: Vec<RoomAt> = widths.iter().zip(*sides).map(at).collect();
         if !loses[l] {
             kept.push((line, rooms));
             continue;

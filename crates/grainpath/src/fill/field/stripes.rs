@@ -244,7 +244,7 @@ pub(crate) fn spaced(
             let least = context.shift.room_factor() * narrowest_mm / spacing;
             let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true, rests: 0.0 };
             let (mut lines, earlier) = fitted(lines, &place, room);
-            centre(&mut lines, &earlier, &border, spacing);
+            centre(&mut lines, earlier, &border, spacing);
             // Moving lines may push points of them out of their area.
             let mut inside = Vec::with_capacity(lines.len());
             for line in lines {
@@ -252,12 +252,12 @@ pub(crate) fn spaced(
             }
             let (lines, earlier) = fitted(inside, &place, room);
             let lines = trimmed(lines, &place);
-            let (mut lines, mut widths, ended) = filling_their_space(lines, &earlier, &border, spacing);
+            let (mut lines, mut widths, ended) = filling_their_space(lines, earlier, &border, spacing);
             if ended {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
                 let (again, earlier) = fitted(lines, &place, room);
-                (lines, widths, _) = filling_their_space(trimmed(again, &place), &earlier, &border, spacing);
+                (lines, widths, _) = filling_their_space(trimmed(again, &place), earlier, &border, spacing);
             }
             for width in widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
@@ -300,10 +300,11 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 /// space is at its points, mm, and whether lines were ended before others that they would have crossed.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
-/// the lines were. `earlier` holds the sides of the lines before some of them changed. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
+/// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
+/// `earlier` holds the sides of the lines before some of them changed.
 pub(super) fn filling_their_space(
     lines: Vec<Line>,
-    earlier: &Earlier,
+    earlier: Earlier,
     border: &Region,
     spacing: f64,
 ) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
@@ -531,7 +532,7 @@ pub(super) fn push_inside(
 }
 
 /// Moves every line to the middle of its space.
-fn centre(lines: &mut [Line], earlier: &Earlier, border: &Region, spacing_mm: f64) {
+fn centre(lines: &mut [Line], earlier: Earlier, border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, CELL_BEADS * spacing_mm);
     let sides = earlier.sides(&neighbours, lines);
     let moved: Vec<Vec<DVec2>> = lines

@@ -381,11 +381,6 @@ impl Neighbours {
         out
     }
 
-    /// What lies to the left and to the right of each point of a line, within `far_mm`.
-    pub(super) fn sides(&self, lines: &[Line], line: usize, far_mm: f64) -> Vec<[Side; 2]> {
-        (0..lines[line].points.len()).map(|v| self.sides_at(lines, line, v, far_mm)).collect()
-    }
-
     /// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
     /// farther: there their space changes at once. Returns the lines, and for each the indices of these points.
     pub(crate) fn with_steps(&self, lines: Vec<Line>, spacing_mm: f64) -> (Vec<Line>, Vec<Vec<usize>>) {
@@ -419,7 +414,7 @@ impl Neighbours {
     }
 
     /// What lies to the left and to the right of a vertex, within `far_mm`.
-    fn sides_at(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Side; 2] {
+    pub(super) fn sides_at(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Side; 2] {
         let l = &lines[line];
         let t = l.tangent(vertex);
         let left = DVec2::new(-t.y, t.x);
@@ -460,22 +455,42 @@ pub(super) enum Side {
 
 /// The sides of lines as they were, for the same lines after changes in places: a point far from all changes keeps its sides.
 pub(super) struct Earlier {
-    lines: Vec<Line>,
-    /// Sides of the points of the lines, one line after the other.
+    /// The points of the lines, one line after the other, and their sides.
+    points: Vec<DVec2>,
     sides: Vec<[Side; 2]>,
+    /// For each point the one that followed it on its line.
+    next: Vec<u32>,
     far_mm: f64,
 }
 
 impl Earlier {
-    /// Keeps the sides of all lines, which were found within `far_mm`.
-    pub(super) fn new(lines: Vec<Line>, sides: &[Vec<[Side; 2]>], far_mm: f64) -> Self {
-        Self { lines, sides: sides.concat(), far_mm }
+    /// Finds the sides of all lines within `far_mm`. `neighbours` holds the lines.
+    pub(super) fn new(lines: &[Line], neighbours: &Neighbours, far_mm: f64) -> Self {
+        let n = lines.iter().map(|l| l.points.len()).sum();
+        let mut points = Vec::with_capacity(n);
+        let (mut sides, mut next) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        for (l, line) in lines.iter().enumerate() {
+            let first = next.len() as u32;
+            points.extend_from_slice(&line.points);
+            sides.extend((0..line.points.len()).map(|v| neighbours.sides_at(lines, l, v, far_mm)));
+            next.extend((first + 1..).take(line.points.len()));
+            if let Some(last) = next.last_mut() {
+                *last = if line.closed { first } else { NO_POINT };
+            }
+        }
+        Self { points, sides, next, far_mm }
     }
 
-    /// The sides of changed lines, as [`Neighbours::sides`] finds them; numbers of lines beside them may be those of before.
-    pub(super) fn sides(&self, neighbours: &Neighbours, lines: &[Line]) -> Vec<Vec<[Side; 2]>> {
-        let all = || self.lines.iter().chain(lines).flat_map(|l| l.points.iter().copied());
-        let Some(bounds) = Bounds2::around_points(all()) else { return vec![Vec::new(); lines.len()] };
+    /// The sides of the lines as they were, line by line.
+    pub(super) fn by_line(&self, lines: &[Line]) -> Vec<&[[Side; 2]]> {
+        let mut rest = &self.sides[..];
+        lines.iter().filter_map(|line| rest.split_off(..line.points.len())).collect()
+    }
+
+    /// The sides of changed lines, as [`Neighbours::sides_at`] finds them; numbers of lines beside them may be those of before.
+    pub(super) fn sides(self, neighbours: &Neighbours, lines: &[Line]) -> Vec<Vec<[Side; 2]>> {
+        let all = self.points.iter().chain(lines.iter().flat_map(|l| &l.points)).copied();
+        let Some(bounds) = Bounds2::around_points(all) else { return vec![Vec::new(); lines.len()] };
         // What lies within `far_mm` of a point passes its cell or one of the two cells around it on each side.
         let cells = CellGrid::covering(bounds, 0.55 * self.far_mm, 4000);
         let mut is_near_change = vec![false; cells.nx * cells.ny];
@@ -485,16 +500,8 @@ impl Earlier {
                 cells.neighbourhood(at, 2).for_each(|at| is_near_change[cells.index(at)] = true);
             });
         };
-        let index = PointIndex::new(self.lines.iter().flat_map(|l| l.points.iter().copied()).collect());
-        // For each earlier point, the point that followed it on its line.
-        let mut next = Vec::with_capacity(index.points.len());
-        for line in &self.lines {
-            let first = next.len() as u32;
-            next.extend((first + 1..).take(line.points.len()));
-            if let Some(last) = next.last_mut() {
-                *last = if line.closed { first } else { NO_POINT };
-            }
-        }
+        let index = PointIndex::new(&self.points);
+        let next = &self.next;
         let mut stays = vec![false; next.len()];
         let mut earlier: Vec<Vec<u32>> = Vec::with_capacity(lines.len());
         for line in lines {
@@ -511,7 +518,7 @@ impl Earlier {
             earlier.push(of_line);
         }
         for k in (0..next.len()).filter(|&k| !stays[k] && next[k] != NO_POINT) {
-            mark(index.points[k], index.points[next[k] as usize]);
+            mark(self.points[k], self.points[next[k] as usize]);
         }
         let of_line = |(l, earlier): (usize, &Vec<u32>)| {
             let at = |(v, k): (usize, &u32)| {
@@ -534,14 +541,14 @@ const NO_POINT: u32 = u32::MAX;
 const INDEXED: usize = 8;
 
 /// Finds numbered points by their exact coordinates.
-struct PointIndex {
-    points: Vec<DVec2>,
+struct PointIndex<'a> {
+    points: &'a [DVec2],
     /// Numbers of points at the place of their hash or behind it.
     slots: Vec<u32>,
 }
 
-impl PointIndex {
-    fn new(points: Vec<DVec2>) -> Self {
+impl<'a> PointIndex<'a> {
+    fn new(points: &'a [DVec2]) -> Self {
         let mut slots = vec![NO_POINT; (2 * points.len() / INDEXED + 2).next_power_of_two()];
         for (k, p) in points.iter().enumerate().step_by(INDEXED) {
             let mut at = Self::slot(*p, slots.len());
