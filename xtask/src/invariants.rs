@@ -32,7 +32,7 @@ const KEPT_IN: [(&str, &[(&str, &str)]); 5] = [
     ("clipper2_rust", &[("grainpath-core", "poly")]),
     ("spade", &[("grainpath-core", "triangulation"), ("grainpath-core", "medial")]),
     ("amd", &[("grainpath-fea", "sparse")]),
-    ("multiversion", &[("grainpath-fea", "dense_elimination")]),
+    ("multiversion", &[("grainpath-core", "lanes"), ("grainpath-fea", "dense_elimination")]),
 ];
 
 /// Names of files of several folders, and what all of them hold. Any other name stands once.

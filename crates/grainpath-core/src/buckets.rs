@@ -138,6 +138,62 @@ impl CellGrid {
             }
         }
     }
+
+    /// Calls `each` with the index of the cells that the ray from `p` along the unit vector `way` passes, the nearest first, as
+    /// far as `each` returned last, mm, at first `far_mm`. A ray that passes a corner of cells visits one of those beside it. The
+    /// part of the ray outside the grid is left out.
+    ///
+    /// A search for the first of many segments ends with the cell that holds it:
+    /// ```
+    /// use grainpath_core::{Bounds2, DVec2, buckets::CellGrid};
+    ///
+    /// let cells = CellGrid::covering(Bounds2 { min: DVec2::ZERO, max: DVec2::new(9.0, 1.0) }, 2.0, 1000);
+    /// let mut passed = Vec::new();
+    /// cells.for_each_along(DVec2::new(7.0, 0.5), -DVec2::X, 9.0, |cell| {
+    ///     passed.push(cell);
+    ///     if cell == 2 { 2.5 } else { 9.0 }
+    /// });
+    /// assert_eq!(passed, [3, 2], "from the fourth cell to the third, where a segment at 2.5 mm is met");
+    /// ```
+    pub fn for_each_along(&self, p: DVec2, way: DVec2, far_mm: f64, mut each: impl FnMut(usize) -> f64) {
+        let at = (p - self.origin) / self.cell_mm;
+        let size = DVec2::new(self.nx as f64, self.ny as f64);
+        if !(at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all()) {
+            self.for_each_passed(p, p + far_mm * way, |cell| {
+                each(cell);
+            });
+            return;
+        }
+        /// How far beyond the nearest find cells are still visited, as a share of a cell. Source: derived: as the margin of
+        /// `for_each_passed`, far above the rounding of either distance.
+        const HAIR: f64 = 1e-6;
+        let (mut column, mut row) = (at.x as usize, at.y as usize);
+        // Distance to the next side of the cell and between sides, mm.
+        let sides = |at: f64, index: usize, way: f64| {
+            let ahead = if way > 0.0 { (index + 1) as f64 - at } else { at - index as f64 };
+            let apart_mm = self.cell_mm / way.abs();
+            (if way == 0.0 { f64::INFINITY } else { ahead * apart_mm }, apart_mm)
+        };
+        let (mut x_mm, x_apart_mm) = sides(at.x, column, way.x);
+        let (mut y_mm, y_apart_mm) = sides(at.y, row, way.y);
+        loop {
+            let until_mm = each(row * self.nx + column) + HAIR * self.cell_mm;
+            if x_mm.min(y_mm) > until_mm {
+                return;
+            }
+            // Beyond the first column or row the index wraps around and is no less than their number.
+            if x_mm < y_mm {
+                column = if way.x > 0.0 { column + 1 } else { column.wrapping_sub(1) };
+                x_mm += x_apart_mm;
+            } else {
+                row = if way.y > 0.0 { row + 1 } else { row.wrapping_sub(1) };
+                y_mm += y_apart_mm;
+            }
+            if column >= self.nx || row >= self.ny {
+                return;
+            }
+        }
+    }
 }
 
 /// Numbered items sorted into cells; an item may be in several cells.
@@ -412,6 +468,46 @@ mod tests {
             let near = left().filter(|(_, p)| p.truncate().distance(at.truncate()) < radius).map(|n| n.0);
             prop_assert_eq!(found, near.collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn a_ray_visits_the_cells_along_its_way_up_to_what_it_finds() {
+        let bounds = Bounds2 { min: DVec2::splat(-3.0), max: DVec2::new(17.0, 9.0) };
+        let cells = CellGrid::covering(bounds, 0.9, 1000);
+        let ways = (0..40).map(|k| crate::math::direction(0.3 * f64::from(k)));
+        for (k, way) in ways.chain([DVec2::X, -DVec2::Y]).enumerate() {
+            let p = DVec2::new(2.0 + 0.2 * k as f64, 3.1);
+            for until_mm in [0.0, 2.5, 40.0] {
+                let mut visited = Vec::new();
+                cells.for_each_along(p, way, 40.0, |cell| {
+                    visited.push(cell);
+                    until_mm
+                });
+                let mut passed = Vec::new();
+                cells.for_each_passed(p, p + until_mm * way, |cell| passed.push(cell));
+                assert!(
+                    visited.iter().all(|cell| passed.contains(cell)),
+                    "{p} {way}: {visited:?} {passed:?}"
+                );
+                let mut along: Vec<usize> = (0..=4000)
+                    .map(|step| p + f64::from(step) * 1e-2 * way)
+                    .take_while(|q| q.distance(p) < until_mm + 1e-9)
+                    .filter(|q| q.cmpge(bounds.min).all() && q.cmple(bounds.max).all())
+                    .map(|q| cells.index(cells.cell_of(q)))
+                    .collect();
+                along.dedup();
+                // Samples may miss a cell whose corner the ray cuts, so the visited ones may be more.
+                let mut rest = visited.iter();
+                assert!(along.iter().all(|cell| rest.any(|v| v == cell)), "{p} {way}: {visited:?} {along:?}");
+            }
+        }
+        // From outside, the cells that the segment passes are visited.
+        let mut visited = Vec::new();
+        cells.for_each_along(DVec2::new(-5.0, 0.0), DVec2::X, 4.0, |cell| {
+            visited.push(cell);
+            4.0
+        });
+        assert_eq!(visited.len(), 3, "3 mm of the grid: {visited:?}");
     }
 
     #[test]

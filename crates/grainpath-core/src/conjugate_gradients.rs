@@ -13,6 +13,8 @@
 
 use glam::DVec3;
 
+use crate::lanes;
+
 /// The type of an unknown: a number or a small vector.
 pub trait CgValue: Copy + Send + Sync {
     /// Zero.
@@ -23,28 +25,35 @@ pub trait CgValue: Copy + Send + Sync {
 
     /// `self + factor * other`.
     fn plus(self, factor: f64, other: Self) -> Self;
-}
 
-/// The dot product in eight partial sums: their order is fixed, and no addition waits for the previous one.
-fn dot_of<T: Copy + Into<f64>>(a: &[T], b: &[T]) -> f64 {
-    let mut sums = [0.0; 8];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    for (a, b) in a.iter().zip(b) {
-        (0..8).for_each(|k| sums[k] += a[k].into() * b[k].into());
+    /// Adds `factor` times `x` to `y`.
+    fn add_scaled(y: &mut [Self], factor: f64, x: &[Self]) {
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = y.plus(factor, *x));
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * (*b).into()).sum();
-    sums.iter().sum::<f64>() + rest
+
+    /// Multiplies `y` by `factor` and adds `x`.
+    fn scale_and_add(y: &mut [Self], factor: f64, x: &[Self]) {
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = x.plus(factor, *y));
+    }
 }
 
 impl CgValue for f64 {
     const ZERO: Self = 0.0;
 
     fn dot(a: &[Self], b: &[Self]) -> f64 {
-        dot_of(a, b)
+        lanes::dot_f64(a, b)
     }
 
     fn plus(self, factor: f64, other: Self) -> Self {
         self + factor * other
+    }
+
+    fn add_scaled(y: &mut [Self], factor: f64, x: &[Self]) {
+        lanes::add_scaled_f64(y, factor, x);
+    }
+
+    fn scale_and_add(y: &mut [Self], factor: f64, x: &[Self]) {
+        lanes::scale_and_add_f64(y, factor, x);
     }
 }
 
@@ -52,11 +61,19 @@ impl CgValue for f32 {
     const ZERO: Self = 0.0;
 
     fn dot(a: &[Self], b: &[Self]) -> f64 {
-        dot_of(a, b)
+        lanes::dot_f32(a, b)
     }
 
     fn plus(self, factor: f64, other: Self) -> Self {
         self + factor as Self * other
+    }
+
+    fn add_scaled(y: &mut [Self], factor: f64, x: &[Self]) {
+        lanes::add_scaled_f32(y, factor as Self, x);
+    }
+
+    fn scale_and_add(y: &mut [Self], factor: f64, x: &[Self]) {
+        lanes::scale_and_add_f32(y, factor as Self, x);
     }
 }
 
@@ -229,7 +246,7 @@ pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
             (_, true) => (now - T::dot(&before, better)) / energy,
         };
         energy = now;
-        direction.iter_mut().zip(better).for_each(|(p, z)| *p = z.plus(share, *p));
+        T::scale_and_add(&mut direction, share, better);
         system.apply(&direction, &mut image);
         let stiffness = T::dot(&direction, &image);
         // With zero stiffness the operator does not resist this direction, for instance a rigid body
@@ -241,8 +258,8 @@ pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
         if settings.flexible {
             before.copy_from_slice(&residual);
         }
-        x.iter_mut().zip(&direction).for_each(|(x, p)| *x = x.plus(length, *p));
-        residual.iter_mut().zip(&image).for_each(|(r, q)| *r = r.plus(-length, *q));
+        T::add_scaled(x, length, &direction);
+        T::add_scaled(&mut residual, -length, &image);
     }
     (settings.max_steps, CgEnd::MaxSteps)
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
 use crate::poly::{Join, LineClipper};
-use crate::{DVec2, Region};
+use crate::{DVec2, Region, lanes};
 
 /// Marks a place of the grid without a node.
 const NONE: u32 = u32::MAX;
@@ -240,6 +240,15 @@ pub struct GridMatrix<'a> {
     pub beside: Vec<f64>,
 }
 
+/// The entries of the diagonal edges that meet at a node, four at most, in the order of the edges. Summed node by node, no
+/// addition waits for that of the edge before.
+struct DiagonalsOf {
+    node: u32,
+    n: usize,
+    others: [u32; 4],
+    beside: [f64; 4],
+}
+
 impl<'a> GridMatrix<'a> {
     /// The zero matrix, with entries for the sides of squares; with `diagonals`, also for diagonal edges.
     pub fn zero(mesh: &'a FieldMesh, diagonals: bool) -> Self {
@@ -255,23 +264,40 @@ impl<'a> GridMatrix<'a> {
         }
     }
 
-    fn times(&self, x: &[f64], y: &mut [f64]) {
+    /// The entries of diagonal edges, node by node.
+    fn diagonals(&self) -> Vec<DiagonalsOf> {
+        let n_sides = self.mesh.runs().last().map_or(0, |run| run.edges.end);
+        let mut of_node = vec![NONE; self.own.len()];
+        let mut out: Vec<DiagonalsOf> = Vec::new();
+        for (edge, beside) in self.mesh.edges.iter().zip(&self.beside).skip(n_sides) {
+            let [a, b] = edge.ends;
+            for (node, other) in [(a, b), (b, a)] {
+                let at = &mut of_node[node as usize];
+                if *at == NONE {
+                    *at = out.len() as u32;
+                    out.push(DiagonalsOf { node, n: 0, others: [node; 4], beside: [0.0; 4] });
+                }
+                let of = &mut out[*at as usize];
+                (of.others[of.n], of.beside[of.n]) = (other, *beside);
+                of.n += 1;
+            }
+        }
+        out
+    }
+
+    fn times(&self, diagonals: &[DiagonalsOf], x: &[f64], y: &mut [f64]) {
         y.iter_mut().zip(&self.own).zip(x).for_each(|((y, own), x)| *y = own * x);
         let mut add = |to: &Range<usize>, from: &Range<usize>, beside: &[f64]| {
-            let rows = y[to.clone()].iter_mut().zip(&x[from.clone()]).zip(beside);
-            rows.for_each(|((y, x), beside)| *y += beside * x);
+            lanes::add_products_f64(&mut y[to.clone()], beside, &x[from.clone()]);
         };
-        let mut n_sides = 0;
         for run in self.mesh.runs() {
-            n_sides = run.edges.end;
             let beside = &self.beside[run.edges];
             add(&run.from, &run.to, beside);
             add(&run.to, &run.from, beside);
         }
-        for (edge, beside) in self.mesh.edges.iter().zip(&self.beside).skip(n_sides) {
-            let [a, b] = edge.ends.map(|k| k as usize);
-            y[a] += beside * x[b];
-            y[b] += beside * x[a];
+        for d in diagonals {
+            let y = &mut y[d.node as usize];
+            d.others.iter().zip(&d.beside).for_each(|(other, beside)| *y += beside * x[*other as usize]);
         }
     }
 
@@ -279,7 +305,35 @@ impl<'a> GridMatrix<'a> {
     /// from `x`. The matrix has to be positive definite.
     pub fn solve(&self, mut x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
         let settings = CgSettings::relative(rhs, tolerance, max_steps);
-        conjugate_gradients(&|x: &[f64], y: &mut [f64]| self.times(x, y), rhs, &mut x, settings);
+        let diagonals = self.diagonals();
+        let times = |x: &[f64], y: &mut [f64]| self.times(&diagonals, x, y);
+        conjugate_gradients(&times, rhs, &mut x, settings);
         x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_hold_every_entry_once_for_either_end_of_its_edge() {
+        let l = Region::rectangle(DVec2::ZERO, DVec2::new(7.0, 5.0))
+            .difference(&Region::rectangle(DVec2::new(3.0, 2.0), DVec2::new(8.0, 6.0)));
+        let mesh = FieldMesh::over(&l, 0.7).expect("a mesh");
+        let mut matrix = GridMatrix::zero(&mesh, true);
+        matrix.own.iter_mut().enumerate().for_each(|(k, own)| *own = 1.0 + (k % 7) as f64);
+        matrix.beside.iter_mut().enumerate().for_each(|(k, beside)| *beside = (k % 5) as f64 - 1.7);
+        let x: Vec<f64> = (0..mesh.nodes.len()).map(|k| (k % 11) as f64 - 4.3).collect();
+        let mut product = vec![0.0; x.len()];
+        matrix.times(&matrix.diagonals(), &x, &mut product);
+        let mut expect: Vec<f64> = matrix.own.iter().zip(&x).map(|(own, x)| own * x).collect();
+        for (edge, beside) in mesh.edges.iter().zip(&matrix.beside) {
+            let [a, b] = edge.ends.map(|k| k as usize);
+            expect[a] += beside * x[b];
+            expect[b] += beside * x[a];
+        }
+        let off = product.iter().zip(&expect).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{off}");
     }
 }

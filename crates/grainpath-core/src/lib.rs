@@ -15,6 +15,7 @@ pub mod field_mesh;
 pub mod hash;
 pub mod image;
 pub mod isolines;
+pub mod lanes;
 pub mod layer;
 pub mod mask;
 pub mod math;

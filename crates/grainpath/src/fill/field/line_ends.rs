@@ -34,7 +34,8 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
 use super::widths::{
-    CELL_BEADS, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, smooth, stretches_along,
+    CELL_BEADS, Earlier, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, Side, smooth,
+    stretches_along, strips,
 };
 
 /// A line is cut where it deviates from the field by more than this. Source: measured on a radial disk with beads of one
@@ -85,6 +86,8 @@ pub(super) struct Place<'a> {
     pub area: &'a LineClipper,
     /// Unit vector along the field at a point; its sign has no meaning.
     pub axis: &'a dyn Fn(DVec2) -> DVec2,
+    /// Cosine of the angle between the axis at a point and a unit vector; where it is large it may be the least one around.
+    pub cosine: &'a dyn Fn(DVec2, DVec2) -> f64,
     /// Distance between lines, mm.
     pub spacing_mm: f64,
     /// Shorter lines are dropped, mm.
@@ -108,16 +111,16 @@ pub(super) struct Room {
     pub rests: f64,
 }
 
-/// Lets lines begin and end where there is room for them.
-pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Line> {
-    let along = |line| stretches_along(line, place.axis, FARTHEST_RAD, place.shortest_mm);
+/// Lets lines begin and end where there is room for them. Returns them with the sides that they had before.
+pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> (Vec<Line>, Earlier) {
+    let along = |line| stretches_along(line, place.cosine, FARTHEST_RAD, place.shortest_mm);
     let lines: Vec<Line> = lines.into_iter().flat_map(along).collect();
     // Searches are built anew only where lines have changed, since that costs as much as the steps themselves.
     let mut neighbours = place.neighbours(&lines);
-    let n_points = |lines: &[Line]| lines.iter().map(|l| l.points.len()).sum::<usize>();
-    let n = n_points(&lines);
-    let (mut lines, rooms) = without_crowded(lines, &neighbours, place, room);
-    if n_points(&lines) != n {
+    let far_mm = FAR_BEADS.value() * place.spacing_mm;
+    let earlier = Earlier::new(&lines, &neighbours, far_mm);
+    let (mut lines, rooms, changed) = without_crowded(lines, &earlier, place, room);
+    if changed {
         neighbours = place.neighbours(&lines);
     }
     let more = begun(&lines, &rooms, &neighbours, place, room);
@@ -131,7 +134,7 @@ pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Lin
         neighbours = place.neighbours(&lines);
     }
     extend(&mut lines, &neighbours, place, room);
-    lines
+    (lines, earlier)
 }
 
 impl Place<'_> {
@@ -148,43 +151,80 @@ impl Place<'_> {
     }
 }
 
-/// Keeps the stretches of lines that have the least room, each with its room at its points, mm.
+/// The room of a line at one of its points.
+#[derive(Clone, Copy)]
+struct RoomAt {
+    mm: f64,
+    /// Whether another line or the border leaves no room for one more line on the left and on the right.
+    full: [bool; 2],
+}
+
+/// Keeps the stretches of lines that have the least room, each with its room at its points. True if anything was removed.
 fn without_crowded(
     lines: Vec<Line>,
-    neighbours: &Neighbours,
+    earlier: &Earlier,
     place: &Place<'_>,
     room: Room,
-) -> (Vec<Line>, Vec<Vec<f64>>) {
-    let rooms = neighbours.strips(&lines, place.spacing_mm);
-    let crowded = |mm: &f64| *mm < room.least * place.spacing_mm;
+) -> (Vec<Line>, Vec<Vec<RoomAt>>, bool) {
+    let spacing_mm = place.spacing_mm;
+    let sides = earlier.by_line(&lines);
+    let widths: Vec<Vec<f64>> =
+        lines.iter().zip(&sides).map(|(line, sides)| strips(sides, line.closed, spacing_mm)).collect();
+    let is_crowded = |mm: f64| mm < room.least * spacing_mm;
+    let loses: Vec<bool> = widths.iter().map(|w| w.iter().any(|mm| is_crowded(*mm))).collect();
+    let is_full = |side: &Side| match *side {
+        // Of a line that loses a stretch the near part may be gone.
+        Side::Line { distance_mm, line } => {
+            !loses[line as usize] && !has_room_beside(distance_mm, true, place, room)
+        }
+        Side::Border(mm) | Side::Ahead(mm) => !has_room_beside(mm, false, place, room),
+        Side::Open => false,
+    };
     let mut kept = Vec::with_capacity(lines.len());
     // All crowded stretches are removed at once, even if two of them lie side by side. The ends that remain
     // are then extended into the free space.
-    for (line, rooms) in lines.into_iter().zip(rooms) {
-        if !rooms.iter().any(crowded) {
+    for ((l, line), (widths, sides)) in lines.into_iter().enumerate().zip(widths.iter().zip(&sides)) {
+        let at = |(mm, sides): (&f64, &[Side; 2])| RoomAt {
+            mm: *mm,
+            full: [is_full(&sides[0]), is_full(&sides[1])],
+        };
+        let rooms: Vec<RoomAt> = widths.iter().zip(*sides).map(at).collect();
+        if !loses[l] {
             kept.push((line, rooms));
             continue;
         }
         let mut from = 0;
-        for rooms in rooms.split_inclusive(crowded) {
+        for stretch in rooms.split_inclusive(|room| is_crowded(room.mm)) {
             // The last point of a stretch is crowded, except at the end of the line.
-            let n = rooms.len() - usize::from(rooms.last().is_some_and(crowded));
+            let n = stretch.len() - usize::from(stretch.last().is_some_and(|room| is_crowded(room.mm)));
             let points = line.points[from..from + n].to_vec();
-            from += rooms.len();
+            from += stretch.len();
             if length_mm(&points, false) > place.shortest_mm {
-                kept.push((Line { points, closed: false }, rooms[..n].to_vec()));
+                kept.push((Line { points, closed: false }, stretch[..n].to_vec()));
             }
         }
     }
-    kept.into_iter().unzip()
+    let (lines, rooms) = kept.into_iter().unzip();
+    (lines, rooms, loses.contains(&true))
+}
+
+/// The share of the distance to a line or to the border at which one more line would lie. Beside a border the new line takes
+/// two thirds, and the line that was there one.
+fn share_beside(is_line: bool) -> f64 {
+    if is_line { 0.5 } else { 2.0 / 3.0 }
+}
+
+/// Whether one more line has room before another line or the border.
+fn has_room_beside(distance_mm: f64, is_line: bool, place: &Place<'_>, room: Room) -> bool {
+    share_beside(is_line) * distance_mm >= room.begins * place.spacing_mm
 }
 
 /// Lines where there is room for one more, in the middle between two lines or at a third of the distance from the border.
 ///
-/// `rooms` holds the room of the lines at their points, mm.
+/// `rooms` holds the room of the lines at their points.
 fn begun(
     lines: &[Line],
-    rooms: &[Vec<f64>],
+    rooms: &[Vec<RoomAt>],
     neighbours: &Neighbours,
     place: &Place<'_>,
     room: Room,
@@ -194,10 +234,10 @@ fn begun(
     let mut begun = PointGrid2::new(bounds, spacing_mm);
     let mut out = Vec::new();
     for (l, (line, rooms)) in lines.iter().zip(rooms).enumerate() {
-        for side in [1.0, -1.0] {
+        for (k, side) in [1.0, -1.0].into_iter().enumerate() {
             let place_at = |v: usize| {
                 // A line that gets a new one beside it has that much room on one side alone.
-                if rooms[v] < room.begins * spacing_mm {
+                if rooms[v].full[k] || rooms[v].mm < room.begins * spacing_mm {
                     return None;
                 }
                 let along = line.tangent(v);
@@ -207,9 +247,8 @@ fn begun(
                 let hit = neighbours.hit(line.points[v], way, far_mm, own)?;
                 // A border ahead is no border to run beside.
                 let beside = hit.line.is_some() || cross(along, hit.along).abs() <= ACROSS_SINE.value();
-                // Beside a border the new line takes two thirds, and the line that was there one.
-                let share = if hit.line.is_some() { 0.5 } else { 2.0 / 3.0 };
-                let roomy = share * hit.distance_mm >= room.begins * spacing_mm;
+                let roomy = has_room_beside(hit.distance_mm, hit.line.is_some(), place, room);
+                let share = share_beside(hit.line.is_some());
                 (beside && roomy).then(|| line.points[v] + share * hit.distance_mm * way)
             };
             let places: Vec<Option<DVec2>> = (0..line.points.len()).map(place_at).collect();

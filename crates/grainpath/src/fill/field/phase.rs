@@ -33,12 +33,14 @@
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
 use grainpath_core::conjugate_gradients::{CgSettings, conjugate_gradients};
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
+use grainpath_core::lanes::{Complex, ComplexMut, Turns, multiply_f32, take_carried_back, take_carried_on};
 use grainpath_core::tuned::Tuned;
 
 /// Input for the phase, with one entry for each node.
@@ -206,25 +208,17 @@ impl Carried {
         let n = mesh.nodes.len();
         let ((x_re, x_im), (y_re, y_im)) = (x.split_at(n), y.split_at_mut(n));
         for run in mesh.runs() {
-            let count = run.edges.len();
-            let (c, s, w) =
-                (&self.cos[run.edges.clone()], &self.sin[run.edges.clone()], &self.way[run.edges]);
-            let (c, s, w) = (&c[..count], &s[..count], &w[..count]);
-            // All slices have this length, so that the loops need no checks and run in lanes.
-            let (re, im) = (&x_re[run.to.clone()][..count], &x_im[run.to.clone()][..count]);
-            let to_re = &mut y_re[run.from.clone()][..count];
-            let to_im = &mut y_im[run.from.clone()][..count];
-            (0..count).for_each(|k| {
-                to_re[k] -= width * (c[k] * re[k] + s[k] * im[k]);
-                to_im[k] -= width * w[k] * (c[k] * im[k] - s[k] * re[k]);
-            });
-            let (re, im) = (&x_re[run.from.clone()][..count], &x_im[run.from][..count]);
-            let (to_re, to_im) = (&mut y_re[run.to.clone()][..count], &mut y_im[run.to][..count]);
-            (0..count).for_each(|k| {
-                let im = w[k] * im[k];
-                to_re[k] -= width * (c[k] * re[k] - s[k] * im);
-                to_im[k] -= width * (s[k] * re[k] + c[k] * im);
-            });
+            let turns = || Turns {
+                cos: &self.cos[run.edges.clone()],
+                sin: &self.sin[run.edges.clone()],
+                way: &self.way[run.edges.clone()],
+            };
+            let (from, to) = (run.from.clone(), run.to.clone());
+            let x = |at: &Range<usize>| Complex { re: &x_re[at.clone()], im: &x_im[at.clone()] };
+            let y = ComplexMut { re: &mut y_re[from.clone()], im: &mut y_im[from.clone()] };
+            take_carried_back(y, width, turns(), x(&to));
+            let y = ComplexMut { re: &mut y_re[to.clone()], im: &mut y_im[to] };
+            take_carried_on(y, width, turns(), x(&from));
         }
     }
 }
@@ -258,9 +252,7 @@ pub(crate) fn solve(
         let width = width as f32;
         let own: Vec<f32> = around.iter().map(|a| 1.0 + width * a).collect();
         let apply = |x: &[f32], y: &mut [f32]| {
-            for (x, y) in x.chunks_exact(n).zip(y.chunks_exact_mut(n)) {
-                y.iter_mut().zip(x).zip(&own).for_each(|((y, x), own)| *y = own * x);
-            }
+            x.chunks_exact(n).zip(y.chunks_exact_mut(n)).for_each(|(x, y)| multiply_f32(y, &own, x));
             carried.take_neighbours(mesh, width, x, y);
         };
         for _ in 0..times {

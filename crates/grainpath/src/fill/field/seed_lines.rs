@@ -239,7 +239,9 @@ impl FreeArea<'_> {
         for contour in around.contours() {
             push_inside(&clipper, contour.clone(), true, shortest_mm, POINTS * self.step, &mut pieces);
         }
-        let along = |piece| stretches_along(piece, self.axis, FARTHEST_RAD, shortest_mm);
+        let along = |piece| {
+            stretches_along(piece, &|p, along| (self.axis)(p).dot(along).abs(), FARTHEST_RAD, shortest_mm)
+        };
         pieces.into_iter().flat_map(along).collect()
     }
 

@@ -30,6 +30,8 @@
 //!
 #![doc = include_str!("figures/stripes.svg")]
 
+use std::ops::Range;
+
 use grainpath_core::buckets::{Buckets, CellGrid, PointGrid2};
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Mask, MaskGrid};
@@ -44,7 +46,7 @@ use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, smooth};
+use super::widths::{CELL_BEADS, Earlier, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -112,6 +114,10 @@ static BORDER_WEIGHT: Tuned<f64> = Tuned::new("fill.field.stripes.BORDER_WEIGHT"
 /// A bead ends at the border if a place this far beyond its end is outside, in spacings. Source: derived. At a spacing
 /// of 0.4 mm that is 0.02 mm, four times the accuracy to which lines are traced, and a twentieth of a bead.
 pub(super) const BEYOND: f64 = 0.05;
+/// Cosine of the angle between a piece of a line and the axes of all nodes around it up to which the axis on the piece itself is
+/// not asked for. Source: derived. 0.97 is 14 degrees, half of the angle at which lines are cut; a field that leaves the axes
+/// around it by as much within a square turns faster than a bead can.
+const CLEARLY_ALONG: f64 = 0.97;
 /// The border ahead of a bead's end is searched up to this multiple of half a bead, the distance of the end from the
 /// border. Source: derived. A bead that meets the border at the sine [`LEAST_SINE`] has six times as far to go as one that
 /// meets it at a right angle.
@@ -190,11 +196,11 @@ pub(crate) fn spaced(
     // from the field, so an edge may cross one or two levels.
     let cell_mm = MESH.value() * context.shift.grid_factor() * spacing;
     let Some(mesh) = FieldMesh::over(&border, cell_mm) else { return };
-    let levels = {
+    let (levels, axes) = {
         let input = phase_input(&mesh, field, context, &border, spacing);
         let turns = turns(&mesh, &input);
         let phase = solve(&mesh, &input, &turns, &diffusion_steps());
-        trace(&mesh, &turns, &phase)
+        (trace(&mesh, &turns, &phase), input.axes)
     };
     // Beads that are narrowed come nearer to the border.
     let narrowest_mm = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
@@ -218,12 +224,20 @@ pub(crate) fn spaced(
         push_inside(&near_border, points, level.closed, shortest_mm, step_mm, &mut lines);
     }
     let axis = |p: DVec2| axis_of(field, context, p);
+    // Nearly all pieces of lines run along the axes of all nodes around them, which are known.
+    let cosine = |p: DVec2, along: DVec2| {
+        let (nodes, shares) = mesh.around(p);
+        let around = nodes.iter().zip(shares).filter(|(_, share)| *share > 0.0);
+        let least = around.fold(1.0, |least: f64, (k, _)| least.min(axes[*k as usize].dot(along).abs()));
+        if least >= CLEARLY_ALONG { least } else { axis(p).dot(along).abs() }
+    };
     let place = Place {
         border: &border,
         edge: Neighbours::new(&[], &border, CELL_BEADS * spacing),
         border_mm: context.border_mm,
         area: &near_border,
         axis: &axis,
+        cosine: &cosine,
         spacing_mm: spacing,
         shortest_mm,
         longest_joint_mm: LONGEST_JOINT.value() * spacing,
@@ -234,20 +248,21 @@ pub(crate) fn spaced(
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
             let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true, rests: 0.0 };
-            let mut lines = fitted(lines, &place, room);
-            centre(&mut lines, &border, spacing);
+            let (mut lines, earlier) = fitted(lines, &place, room);
+            centre(&mut lines, earlier, &border, spacing);
             // Moving lines may push points of them out of their area.
             let mut inside = Vec::with_capacity(lines.len());
             for line in lines {
                 push_inside(&near_border, line.points, line.closed, shortest_mm, step_mm, &mut inside);
             }
-            let lines = trimmed(fitted(inside, &place, room), &place);
-            let (mut lines, mut widths, ended) = filling_their_space(lines, &border, spacing);
+            let (lines, earlier) = fitted(inside, &place, room);
+            let lines = trimmed(lines, &place);
+            let (mut lines, mut widths, ended) = filling_their_space(lines, earlier, &border, spacing);
             if ended {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
-                let again = trimmed(fitted(lines, &place, room), &place);
-                (lines, widths, _) = filling_their_space(again, &border, spacing);
+                let (again, earlier) = fitted(lines, &place, room);
+                (lines, widths, _) = filling_their_space(trimmed(again, &place), earlier, &border, spacing);
             }
             for width in widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
@@ -255,7 +270,7 @@ pub(crate) fn spaced(
             (lines, widths)
         }
         BeadWidths::Constant => {
-            let lines = fitted(lines, &place, one_width::ROOM);
+            let (lines, _) = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
             let (lines, widths, _) = ended_before_crossings(lines, widths, &border, spacing);
             lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
@@ -291,17 +306,20 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
+/// `earlier` holds the sides of the lines before some of them changed.
 pub(super) fn filling_their_space(
     lines: Vec<Line>,
+    earlier: Earlier,
     border: &Region,
     spacing: f64,
 ) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
     let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
     let (lines, steps) = neighbours.with_steps(lines, spacing);
     let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
+    let sides = earlier.sides(&neighbours, &lines);
     let moved = |l: usize| {
         let line = &lines[l];
-        let reaches = reaches(&neighbours, &lines, l, spacing);
+        let reaches = settled(&sides[l], line.closed, FREE * spacing);
         let mut shifts: Vec<f64> = reaches.iter().map(|r| to_middle(*r, spacing)).collect();
         let mut widths: Vec<f64> = reaches.iter().map(|r| r.left_mm + r.right_mm).collect();
         for values in [&mut shifts, &mut widths] {
@@ -354,16 +372,13 @@ pub(super) fn ended_before_crossings(
     border: &Region,
     spacing: f64,
 ) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
-    let mut ended = false;
-    loop {
-        let crossings = Neighbours::new(&lines, border, CELL_BEADS * spacing).crossings();
-        if crossings.is_empty() {
-            return (lines, widths, ended);
-        }
-        ended = true;
-        let mut changed = vec![false; lines.len()];
-        for pair in crossings {
-            if pair.iter().any(|(l, _)| changed[*l]) {
+    let mut crossings = Neighbours::new(&lines, border, CELL_BEADS * spacing).crossings();
+    let ended = !crossings.is_empty();
+    while !crossings.is_empty() {
+        // The vertices that each line keeps.
+        let mut kept: Vec<Option<Range<usize>>> = vec![None; lines.len()];
+        for pair in &crossings {
+            if pair.iter().any(|(l, _)| kept[*l].is_some()) {
                 continue;
             }
             // The number of segments between the crossing and the nearer end. A ring has no end, so it is opened only if
@@ -371,21 +386,26 @@ pub(super) fn ended_before_crossings(
             let from_end = |(l, s): (usize, usize)| {
                 if lines[l].closed { usize::MAX } else { s.min(lines[l].n_segments() - 1 - s) }
             };
-            let [(l, s), _] = if from_end(pair[0]) <= from_end(pair[1]) { pair } else { [pair[1], pair[0]] };
+            let (l, s) = if from_end(pair[0]) <= from_end(pair[1]) { pair[0] } else { pair[1] };
             let n = lines[l].points.len();
             // One segment more goes, so that the bead ends beside the other and not on it.
-            let kept = if s < n / 2 { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) };
-            lines[l].points = lines[l].points[kept.clone()].to_vec();
-            lines[l].closed = false;
-            widths[l] = widths[l][kept].to_vec();
-            changed[l] = true;
+            kept[l] = Some(if s < n / 2 { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) });
         }
+        for (l, kept) in kept.iter().enumerate() {
+            if let Some(kept) = kept {
+                lines[l].points = lines[l].points[kept.clone()].to_vec();
+                lines[l].closed = false;
+                widths[l] = widths[l][kept.clone()].to_vec();
+            }
+        }
+        // What is left of shorter lines crosses where it did before.
+        let left = |(l, s): (usize, usize)| match &kept[l] {
+            Some(kept) => (kept.contains(&s) && kept.contains(&(s + 1))).then(|| (l, s - kept.start)),
+            None => Some((l, s)),
+        };
+        crossings = crossings.iter().filter_map(|pair| Some([left(pair[0])?, left(pair[1])?])).collect();
     }
-}
-
-/// The space of a line on both sides, at each of its points.
-fn reaches(neighbours: &Neighbours, lines: &[Line], line: usize, spacing_mm: f64) -> Vec<Reach> {
-    neighbours.reaches(lines, line, FAR_BEADS.value() * spacing_mm, FREE * spacing_mm)
+    (lines, widths, ended)
 }
 
 /// How far to the left the middle of a space lies, mm. The bound keeps lines from changing places.
@@ -517,13 +537,14 @@ pub(super) fn push_inside(
 }
 
 /// Moves every line to the middle of its space.
-fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
+fn centre(lines: &mut [Line], earlier: Earlier, border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, CELL_BEADS * spacing_mm);
+    let sides = earlier.sides(&neighbours, lines);
     let moved: Vec<Vec<DVec2>> = lines
         .iter()
         .enumerate()
         .map(|(l, line)| {
-            let reaches = reaches(&neighbours, lines, l, spacing_mm);
+            let reaches = settled(&sides[l], line.closed, FREE * spacing_mm);
             let mut shifts: Vec<f64> = reaches.into_iter().map(|r| to_middle(r, spacing_mm)).collect();
             // Neighbouring points measure to different segments of the next bead. Without smoothing, the
             // shifts would be printed as ripples.
@@ -688,7 +709,7 @@ fn gaps<'a>(
     let Some(bounds) = area.bounds() else { return Region::default() };
     let grid = MaskGrid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
-    let strips: Vec<Contour> = beads.flat_map(|b| strips_of(b, height_mm)).collect();
+    let strips: Vec<[DVec2; 4]> = beads.flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
     // touch.
@@ -700,19 +721,21 @@ fn gaps<'a>(
     // well.
     let near = open.grown(AROUND_GAP);
     let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(area);
-    let there = strips.iter().filter(|s| near.meets_convex(s));
-    window.difference(&Region::from_contours(there, FillRule::NonZero))
+    let there: Vec<Contour> =
+        strips.iter().filter(|s| near.meets_convex(&s[..])).map(|s| s.to_vec()).collect();
+    window.difference(&Region::from_contours(&there, FillRule::NonZero))
 }
 
 /// The area that the strips of beads fill.
 #[cfg(test)]
 pub(crate) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
-    let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
+    let strips: Vec<Contour> =
+        beads.iter().flat_map(|b| strips_of(b, height_mm)).map(|s| s.to_vec()).collect();
     Region::from_contours(&strips, FillRule::NonZero)
 }
 
 /// The strip of every segment of a bead: four corners, counter-clockwise.
-fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> + '_ {
+fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = [DVec2; 4]> + '_ {
     let n = bead.n_segments();
     let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
     let along = move |i: usize| {
@@ -734,7 +757,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
         let across = DVec2::new(-along.y, along.x);
         let (a, b) = (a - longer(i) * along, b + longer(i + 1) * along);
         let (p, q) = (across * half(i), across * half(i + 1));
-        vec![a - p, b - q, b + q, a + p]
+        [a - p, b - q, b + q, a + p]
     })
 }
 

@@ -10,7 +10,7 @@ use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Reg
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
 use super::stripes::{covered, filling_their_space};
-use super::widths::Line;
+use super::widths::{Earlier, Line, Neighbours};
 use super::{SeedLines, Streamlines, Stripes};
 use crate::fill::{FillContext, Infill, Solid};
 
@@ -210,6 +210,39 @@ fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
     [gap, (laid - strips.area_mm2()).max(0.0), spill].map(|mm2| mm2 / area)
 }
 
+fn measured(lines: &[Line], border: &Region, spacing_mm: f64) -> (Neighbours, Earlier) {
+    let neighbours = Neighbours::new(lines, border, 0.7 * spacing_mm);
+    let sides = Earlier::new(lines, &neighbours, 1.8 * spacing_mm);
+    (neighbours, sides)
+}
+
+#[test]
+fn sides_kept_from_before_a_change_are_those_measured_anew() {
+    let border = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+    let wave = |k: usize, y: f64| DVec2::new(0.22 * k as f64, y + 0.1 * sin_cos(0.15 * k as f64 + y).0);
+    let straight = |y: f64| Line { points: (1..90).map(|k| wave(k, y)).collect(), closed: false };
+    let round = |k: usize| DVec2::new(10.0, 8.0) + 0.9 * direction(k as f64 / 40.0 * TAU);
+    let mut before: Vec<Line> = (1..16).map(|k| straight(0.4 * k as f64)).collect();
+    before.push(Line { points: (0..40).map(round).collect(), closed: true });
+    let (_, earlier) = measured(&before, &border, 0.4);
+    let at_first = earlier.by_line(&before)[0].to_vec();
+    // A line loses its first half, one its last points, one gets points, one goes elsewhere, one is turned round, the ring is
+    // opened, and one line more lies between others.
+    let mut after = before.clone();
+    after[2].points.drain(..45);
+    after[4].points.truncate(80);
+    let middle = after[6].points[20].lerp(after[6].points[21], 0.3);
+    after[6].points.insert(21, middle);
+    after[8].points[50..60].iter_mut().for_each(|p| p.y += 0.1);
+    after[10].points.reverse();
+    after[15] = Line { points: after[15].points[3..].to_vec(), closed: false };
+    after.push(Line { points: (30..60).map(|k| wave(k, 5.0 * 0.4 + 0.2)).collect(), closed: false });
+    let (neighbours, anew) = measured(&after, &border, 0.4);
+    let kept = earlier.sides(&neighbours, &after);
+    assert_eq!(kept, anew.by_line(&after));
+    assert_eq!(kept[0], at_first, "the first line and the one beside it have not changed");
+}
+
 #[test]
 fn beads_keep_their_width_up_to_the_end_of_another() {
     // Two lines 0.7 mm apart, and one between them from x = 10 on.
@@ -224,7 +257,8 @@ fn beads_keep_their_width_up_to_the_end_of_another() {
         let corners = [(0.0, -0.2), (20.0, -0.2), (20.0, 0.9), (0.0, 0.9)];
         let outer = corners.map(|(x, y)| turn.rotate(DVec2::new(x, y))).to_vec();
         let border = Region::from(Polygon { outer, holes: Vec::new() });
-        let (lines, widths, ended) = filling_their_space(lines, &border, 0.4);
+        let (_, earlier) = measured(&lines, &border, 0.4);
+        let (lines, widths, ended) = filling_their_space(lines, earlier, &border, 0.4);
         assert!(!ended && lines.len() == 3);
         for (line, widths) in lines.iter().zip(&widths).step_by(2) {
             for (p, width) in line.points.iter().zip(widths) {

@@ -17,10 +17,11 @@
 //! the width of the bead's strip;
 //! [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it into the width that is printed.
 //! The space is exact for parallel beads. For beads that converge at an angle it is too large by a factor
-//! of one over the cosine of half the angle. Cost: a ray passes a few buckets, whatever the size of the
-//! region.
+//! of one over the cosine of half the angle. Cost: a ray passes the buckets up to what it meets, whatever the size of
+//! the region.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
+use grainpath_core::hash::splitmix64;
 use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::edges;
 use grainpath_core::polyline;
@@ -34,10 +35,9 @@ pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BE
 /// Nothing farther away than this is a neighbour of a bead, in spacings. Measured: row `fill.field.widths.FAR_BEADS` of
 /// `cargo xtask bench constants`.
 pub(super) static FAR_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.FAR_BEADS", 1.8);
-/// Side of the cells that segments are sorted into, in spacings. Source: chosen; it changes speed alone.
-pub(super) const CELL_BEADS: f64 = 1.5;
-/// A ray is tried up to this share of its reach first. Source: chosen; it changes speed alone.
-const SHORT_RAY: f64 = 0.7;
+/// Side of the cells that segments are sorted into, in spacings. Measured: it changes speed alone; a layer along waves takes 0.29 to
+/// 0.30 s of processor time with 0.55, 0.7 and 0.9, one along the lines of two charges 0.51, 0.49 and 0.52 s.
+pub(super) const CELL_BEADS: f64 = 0.7;
 /// This many segments before and behind a point are no neighbours of it. Source: derived. Three steps of [`STEP_BEADS`]
 /// are 1.65 spacings; a line that returns beside itself within them turns more tightly than two beads that touch.
 pub(super) const OWN_SEGMENTS: usize = 3;
@@ -125,16 +125,16 @@ impl Line {
 }
 
 /// The stretches of a line that deviate from the field's axis by `farthest_rad` at most; stretches shorter
-/// than `shortest_mm` are left out.
+/// than `shortest_mm` are left out. `cosine` is that of the angle between the axis at a point and a unit vector.
 pub(super) fn stretches_along(
     line: Line,
-    axis: &dyn Fn(DVec2) -> DVec2,
+    cosine: &dyn Fn(DVec2, DVec2) -> f64,
     farthest_rad: f64,
     shortest_mm: f64,
 ) -> Vec<Line> {
     let least = cos(farthest_rad);
     let follows = |(a, b): (DVec2, DVec2)| {
-        (b - a).try_normalize().is_none_or(|along| axis(0.5 * (a + b)).dot(along).abs() >= least)
+        (b - a).try_normalize().is_none_or(|along| cosine(0.5 * (a + b), along) >= least)
     };
     let n = line.n_segments();
     let good: Vec<bool> = (0..n).map(|s| follows(line.segment(s))).collect();
@@ -306,31 +306,31 @@ impl Neighbours {
         far_mm: f64,
         skips: impl Fn(usize, usize) -> bool,
     ) -> Option<(f64, u32)> {
-        let end = p + far_mm * way;
-        let mut best: Option<(f64, u32)> = None;
-        self.buckets.cells.for_each_passed(p, end, |cell| {
+        let (mut best, mut nearest_mm) = (None, far_mm);
+        self.buckets.cells.for_each_along(p, way, far_mm, |cell| {
             for &m in self.buckets.members(cell) {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
                 let to = piece.a - p;
                 // The ray misses most segments, so the division is done only when both parameters are known
-                // to be in range.
+                // to be in range. All four comparisons are made without a branch: a processor foresees none of them.
                 let det = cross(way, d);
                 let (size, sign) = (det.abs(), det.signum());
                 let (t, u) = (sign * cross(to, d), sign * cross(to, way));
-                let nearest = best.map_or(far_mm, |b| b.0);
                 // The tolerance at the ends of a segment keeps a ray from slipping through the
                 // vertex between two segments.
-                let hit = u >= -1e-9 * size && u <= (1.0 + 1e-9) * size && t > 0.0 && t <= nearest * size;
+                let hit =
+                    (u >= -1e-9 * size) & (u <= (1.0 + 1e-9) * size) & (t > 0.0) & (t <= nearest_mm * size);
                 if hit && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize)) {
                     let t = t / size;
-                    if best.is_none_or(|b| t < b.0) {
-                        best = Some((t, m));
+                    if best.is_none() || t < nearest_mm {
+                        (best, nearest_mm) = (Some(m), t);
                     }
                 }
             }
+            nearest_mm
         });
-        best
+        best.map(|m| (nearest_mm, m))
     }
 
     /// Whether a bead crosses the straight line from `a` to `b`. Segments that end at one of the `own`
@@ -381,21 +381,6 @@ impl Neighbours {
         out
     }
 
-    /// The space of a line at each of its vertices: on each side the distance to the border, or half of the
-    /// distance to the next bead.
-    ///
-    /// Where a line ends on a border ahead, the next line has ended earlier, and the space beside this line
-    /// belongs to their joint. There the line keeps the reach of the nearest vertex that has a neighbour.
-    /// `free_mm` is used if a side has no such vertex, and where nothing lies within `far_mm`.
-    pub(crate) fn reaches(&self, lines: &[Line], line: usize, far_mm: f64, free_mm: f64) -> Vec<Reach> {
-        let n = lines[line].points.len();
-        let sides: Vec<[Side; 2]> =
-            (0..n).map(|v| self.sides(lines, line, v, far_mm).map(|s| s.unwrap_or(Side::Open))).collect();
-        let closed = lines[line].closed;
-        let [left, right] = [0, 1].map(|k| settled(&sides, k, closed, free_mm));
-        left.into_iter().zip(right).map(|(left_mm, right_mm)| Reach { left_mm, right_mm }).collect()
-    }
-
     /// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
     /// farther: there their space changes at once. Returns the lines, and for each the indices of these points.
     pub(crate) fn with_steps(&self, lines: Vec<Line>, spacing_mm: f64) -> (Vec<Line>, Vec<Vec<usize>>) {
@@ -428,25 +413,8 @@ impl Neighbours {
         lines.into_iter().zip(places).map(with_points).unzip()
     }
 
-    /// Widths of the strips of all lines at their vertices, mm, for lines that lie about `spacing_mm` apart.
-    pub(crate) fn strips(&self, lines: &[Line], spacing_mm: f64) -> Vec<Vec<f64>> {
-        let of_line = |(l, line): (usize, &Line)| {
-            let reaches = self.reaches(lines, l, FAR_BEADS.value() * spacing_mm, 0.5 * spacing_mm);
-            let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
-            let n = widths.len();
-            if !line.closed && n > 3 {
-                // At the end of a line the ray runs along the border, not across to the neighbour. So the
-                // end takes the strip of the next point.
-                (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
-            }
-            smooth(&mut widths, line.closed, 1);
-            widths
-        };
-        lines.iter().enumerate().map(of_line).collect()
-    }
-
-    /// What lies to the left and to the right of a vertex; `None` where nothing is met within `far_mm`.
-    fn sides(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Option<Side>; 2] {
+    /// What lies to the left and to the right of a vertex, within `far_mm`.
+    pub(super) fn sides_at(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Side; 2] {
         let l = &lines[line];
         let t = l.tangent(vertex);
         let left = DVec2::new(-t.y, t.x);
@@ -456,18 +424,14 @@ impl Neighbours {
         let at_seam = l.closed && (vertex < OWN_SEGMENTS || vertex + OWN_SEGMENTS > n);
         let near = if at_seam { n } else { OWN_SEGMENTS };
         let skips = |other: usize, segment: usize| other == line && segment.abs_diff(vertex) <= near;
-        let ray = |way: DVec2, far_mm: f64| self.first(l.points[vertex], way, far_mm, skips);
-        // Most neighbours are much nearer than `far_mm`, and a short ray passes few cells. The long
-        // ray is tried only where the short one finds no segment.
         [left, -left].map(|way| {
-            let (d, m) = ray(way, SHORT_RAY * far_mm).or_else(|| ray(way, far_mm))?;
+            let Some((d, m)) = self.first(l.points[vertex], way, far_mm, skips) else { return Side::Open };
             let piece = &self.pieces[m as usize];
+            if piece.line != BORDER {
+                return Side::Line { distance_mm: d, line: piece.line };
+            }
             let sine = cross(t, (piece.b - piece.a).normalize_or_zero()).abs();
-            Some(match piece.line {
-                BORDER if sine > AHEAD_SINE => Side::Ahead(d),
-                BORDER => Side::Beside(d),
-                _ => Side::Beside(0.5 * d),
-            })
+            if sine > AHEAD_SINE { Side::Ahead(d) } else { Side::Border(d) }
         })
     }
 }
@@ -476,29 +440,191 @@ impl Neighbours {
 /// has ended less than two spacings before this one.
 const AHEAD_SINE: f64 = 0.5;
 
-/// What lies beside a line.
-#[derive(Clone, Copy)]
-enum Side {
-    /// A neighbour, or a border that runs with the line: the reach to it, mm.
-    Beside(f64),
+/// What lies beside a line at one of its points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Side {
+    /// Another line or a far part of the same one.
+    Line { distance_mm: f64, line: u32 },
+    /// A border that runs with the line: its distance, mm.
+    Border(f64),
     /// A border that the line ends on: its distance, mm.
     Ahead(f64),
     /// Nothing near.
     Open,
 }
 
-/// The reaches on one side of a line, mm. Beside a border ahead the reach of the nearest vertex with a
-/// neighbour is taken.
-fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<f64> {
+/// The sides of lines as they were, for the same lines after changes in places: a point far from all changes keeps its sides.
+pub(super) struct Earlier {
+    /// The points of the lines, one line after the other, and their sides.
+    points: Vec<DVec2>,
+    sides: Vec<[Side; 2]>,
+    /// For each point the one that followed it on its line.
+    next: Vec<u32>,
+    far_mm: f64,
+}
+
+impl Earlier {
+    /// Finds the sides of all lines within `far_mm`. `neighbours` holds the lines.
+    pub(super) fn new(lines: &[Line], neighbours: &Neighbours, far_mm: f64) -> Self {
+        let n = lines.iter().map(|l| l.points.len()).sum();
+        let mut points = Vec::with_capacity(n);
+        let (mut sides, mut next) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        for (l, line) in lines.iter().enumerate() {
+            let first = next.len() as u32;
+            points.extend_from_slice(&line.points);
+            sides.extend((0..line.points.len()).map(|v| neighbours.sides_at(lines, l, v, far_mm)));
+            next.extend((first + 1..).take(line.points.len()));
+            if let Some(last) = next.last_mut() {
+                *last = if line.closed { first } else { NO_POINT };
+            }
+        }
+        Self { points, sides, next, far_mm }
+    }
+
+    /// The sides of the lines as they were, line by line.
+    pub(super) fn by_line(&self, lines: &[Line]) -> Vec<&[[Side; 2]]> {
+        let mut rest = &self.sides[..];
+        lines.iter().filter_map(|line| rest.split_off(..line.points.len())).collect()
+    }
+
+    /// The sides of changed lines, as [`Neighbours::sides_at`] finds them; numbers of lines beside them may be those of before.
+    pub(super) fn sides(self, neighbours: &Neighbours, lines: &[Line]) -> Vec<Vec<[Side; 2]>> {
+        let all = self.points.iter().chain(lines.iter().flat_map(|l| &l.points)).copied();
+        let Some(bounds) = Bounds2::around_points(all) else { return vec![Vec::new(); lines.len()] };
+        // What lies within `far_mm` of a point passes its cell or one of the two cells around it on each side.
+        let cells = CellGrid::covering(bounds, 0.55 * self.far_mm, 4000);
+        let mut is_near_change = vec![false; cells.nx * cells.ny];
+        let mut mark = |a: DVec2, b: DVec2| {
+            cells.for_each_passed(a, b, |cell| {
+                let at = [cell % cells.nx, cell / cells.nx];
+                cells.neighbourhood(at, 2).for_each(|at| is_near_change[cells.index(at)] = true);
+            });
+        };
+        let index = PointIndex::new(&self.points);
+        let next = &self.next;
+        let mut stays = vec![false; next.len()];
+        let mut earlier: Vec<Vec<u32>> = Vec::with_capacity(lines.len());
+        for line in lines {
+            let of_line = index.find_all(&line.points);
+            for s in 0..line.n_segments() {
+                let (a, b) = (of_line[s], of_line[if s + 1 < of_line.len() { s + 1 } else { 0 }]);
+                if a != NO_POINT && b != NO_POINT && next[a as usize] == b {
+                    stays[a as usize] = true;
+                } else {
+                    let (a, b) = line.segment(s);
+                    mark(a, b);
+                }
+            }
+            earlier.push(of_line);
+        }
+        for k in (0..next.len()).filter(|&k| !stays[k] && next[k] != NO_POINT) {
+            mark(self.points[k], self.points[next[k] as usize]);
+        }
+        let of_line = |(l, earlier): (usize, &Vec<u32>)| {
+            let at = |(v, k): (usize, &u32)| {
+                if *k == NO_POINT || is_near_change[cells.index(cells.cell_of(lines[l].points[v]))] {
+                    neighbours.sides_at(lines, l, v, self.far_mm)
+                } else {
+                    self.sides[*k as usize]
+                }
+            };
+            earlier.iter().enumerate().map(at).collect()
+        };
+        earlier.iter().enumerate().map(of_line).collect()
+    }
+}
+
+/// Marks a point that was on no line before, and the end of a line.
+const NO_POINT: u32 = u32::MAX;
+
+/// One of so many points is indexed; the others are found as its neighbours. Source: chosen; it changes speed alone.
+const INDEXED: usize = 8;
+
+/// Finds numbered points by their exact coordinates.
+struct PointIndex<'a> {
+    points: &'a [DVec2],
+    /// Numbers of points at the place of their hash or behind it.
+    slots: Vec<u32>,
+}
+
+impl<'a> PointIndex<'a> {
+    fn new(points: &'a [DVec2]) -> Self {
+        let mut slots = vec![NO_POINT; (2 * points.len() / INDEXED + 2).next_power_of_two()];
+        for (k, p) in points.iter().enumerate().step_by(INDEXED) {
+            let mut at = Self::slot(*p, slots.len());
+            while slots[at] != NO_POINT {
+                at = (at + 1) & (slots.len() - 1);
+            }
+            slots[at] = k as u32;
+        }
+        Self { points, slots }
+    }
+
+    fn slot(p: DVec2, n: usize) -> usize {
+        splitmix64(p.x.to_bits() ^ p.y.to_bits().rotate_left(32)) as usize & (n - 1)
+    }
+
+    /// The numbers of points at exactly these places, one after the other; [`NO_POINT`] where there is none.
+    fn find_all(&self, places: &[DVec2]) -> Vec<u32> {
+        let n = places.len();
+        let mut found = vec![NO_POINT; n];
+        let mut v = 0;
+        while v < n {
+            let mut k = self.find(places[v]);
+            found[v] = k;
+            if k != NO_POINT {
+                // Places before this one may be those of points that are not indexed.
+                let before = (0..v).rev().zip((0..k).rev());
+                for (v, k) in before.take_while(|(v, k)| self.points[*k as usize] == places[*v]) {
+                    found[v] = k;
+                }
+                while v + 1 < n && self.points.get(k as usize + 1) == Some(&places[v + 1]) {
+                    (v, k) = (v + 1, k + 1);
+                    found[v] = k;
+                }
+            }
+            v += 1;
+        }
+        found
+    }
+
+    /// The number of an indexed point at exactly this place, [`NO_POINT`] if there is none.
+    fn find(&self, p: DVec2) -> u32 {
+        let mut at = Self::slot(p, self.slots.len());
+        loop {
+            let k = self.slots[at];
+            if k == NO_POINT || self.points[k as usize] == p {
+                return k;
+            }
+            at = (at + 1) & (self.slots.len() - 1);
+        }
+    }
+}
+
+/// The space of a line with these sides at each of its vertices: on each side the distance to the border, or half of the
+/// distance to the next bead.
+///
+/// Where a line ends on a border ahead, the next line has ended earlier, and the space beside this line
+/// belongs to their joint. There the line keeps the reach of the nearest vertex that has a neighbour.
+/// `free_mm` is used if a side has no such vertex, and where nothing is near.
+pub(super) fn settled(sides: &[[Side; 2]], closed: bool, free_mm: f64) -> Vec<Reach> {
+    let [left, right] = [0, 1].map(|side| settled_side(sides, side, closed, free_mm));
+    left.into_iter().zip(right).map(|(left_mm, right_mm)| Reach { left_mm, right_mm }).collect()
+}
+
+/// The reaches on one side of a line, mm.
+fn settled_side(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<f64> {
     let n = sides.len();
     // For each vertex the nearest reach, and how many vertices away it is. A closed line is walked twice.
     let mut nearest: Vec<(usize, f64)> = vec![(usize::MAX, free_mm); n];
     for backwards in [false, true] {
         let mut seen: Option<(usize, f64)> = None;
         for k in 0..if closed { 2 * n } else { n } {
-            let v = if backwards { n - 1 - k % n } else { k % n };
+            let v = if k < n { k } else { k - n };
+            let v = if backwards { n - 1 - v } else { v };
             seen = match sides[v][side] {
-                Side::Beside(mm) => Some((0, mm)),
+                Side::Line { distance_mm, .. } => Some((0, 0.5 * distance_mm)),
+                Side::Border(mm) => Some((0, mm)),
                 Side::Ahead(_) | Side::Open => seen.map(|(steps, mm)| (steps + 1, mm)),
             };
             if let Some(found) = seen.filter(|s| s.0 < nearest[v].0) {
@@ -507,11 +633,26 @@ fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<
         }
     }
     let reach = |(v, s): (usize, &[Side; 2])| match s[side] {
-        Side::Beside(mm) => mm,
+        Side::Line { distance_mm, .. } => 0.5 * distance_mm,
+        Side::Border(mm) => mm,
         Side::Ahead(mm) => mm.min(nearest[v].1),
         Side::Open => free_mm,
     };
     sides.iter().enumerate().map(reach).collect()
+}
+
+/// Widths of the strips of a line at its vertices, mm, from its sides, for lines that lie about `spacing_mm` apart.
+pub(super) fn strips(sides: &[[Side; 2]], closed: bool, spacing_mm: f64) -> Vec<f64> {
+    let reaches = settled(sides, closed, 0.5 * spacing_mm);
+    let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
+    let n = widths.len();
+    if !closed && n > 3 {
+        // At the end of a line the ray runs along the border, not across to the neighbour. So the
+        // end takes the strip of the next point.
+        (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
+    }
+    smooth(&mut widths, closed, 1);
+    widths
 }
 
 /// Smooths values along a line, `times` over. The ends of open lines do not change.
@@ -525,9 +666,13 @@ where
     }
     for _ in 0..times {
         let old = values.to_vec();
-        let range = if closed { 0..n } else { 1..n - 1 };
-        for i in range {
-            values[i] = (old[(i + n - 1) % n] + old[(i + 1) % n]) * 0.25 + old[i] * 0.5;
+        let mean = |before: T, at: T, after: T| (before + after) * 0.25 + at * 0.5;
+        for (value, old) in values[1..].iter_mut().zip(old.windows(3)) {
+            *value = mean(old[0], old[1], old[2]);
+        }
+        if closed {
+            values[0] = mean(old[n - 1], old[0], old[1]);
+            values[n - 1] = mean(old[n - 2], old[n - 1], old[0]);
         }
     }
 }
