@@ -159,6 +159,7 @@ impl CellGrid {
         let at = (p - self.origin) / self.cell_mm;
         let size = DVec2::new(self.nx as f64, self.ny as f64);
         if !(at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all()) {
+            // A ray from outside enters the grid somewhere along its border, which the walk below does not look for.
             self.for_each_passed(p, p + far_mm * way, |cell| {
                 each(cell);
             });
@@ -176,6 +177,7 @@ impl CellGrid {
         };
         let (mut x_mm, x_apart_mm) = sides(at.x, column, way.x);
         let (mut y_mm, y_apart_mm) = sides(at.y, row, way.y);
+        // The ray leaves a cell by whichever of its two sides ahead is nearer, so no cell is visited twice.
         loop {
             let until_mm = each(row * self.nx + column) + HAIR * self.cell_mm;
             if x_mm.min(y_mm) > until_mm {

@@ -267,6 +267,7 @@ impl<'a> GridMatrix<'a> {
     /// The entries of diagonal edges, node by node.
     fn diagonals(&self) -> Vec<DiagonalsOf> {
         let n_sides = self.mesh.runs().last().map_or(0, |run| run.edges.end);
+        // Edges come in the order of the mesh, so each node's entries keep that order and sums their bits.
         let mut of_node = vec![NONE; self.own.len()];
         let mut out: Vec<DiagonalsOf> = Vec::new();
         for (edge, beside) in self.mesh.edges.iter().zip(&self.beside).skip(n_sides) {

@@ -60,7 +60,7 @@ pub(crate) fn scale_and_add_f64(y: &mut [f64], factor: f64, x: &[f64]) {
 
 /// Puts the products of `a` and `x` into `y`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub fn multiply_f32(y: &mut [f32], a: &[f32], x: &[f32]) {
+pub(crate) fn multiply_f32(y: &mut [f32], a: &[f32], x: &[f32]) {
     y.iter_mut().zip(a).zip(x).for_each(|((y, a), x)| *y = a * x);
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn add_products_f64(y: &mut [f64], a: &[f64], x: &[f64]) {
 
 /// Complex numbers of a stretch of nodes: real and imaginary parts.
 #[derive(Debug)]
-pub struct Complex<'a> {
+pub(crate) struct Complex<'a> {
     /// Real parts.
     pub re: &'a [f32],
     /// Imaginary parts.
@@ -81,7 +81,7 @@ pub struct Complex<'a> {
 
 /// As [`Complex`], to be changed.
 #[derive(Debug)]
-pub struct ComplexMut<'a> {
+pub(crate) struct ComplexMut<'a> {
     /// Real parts.
     pub re: &'a mut [f32],
     /// Imaginary parts.
@@ -91,7 +91,7 @@ pub struct ComplexMut<'a> {
 /// Turns that carry numbers along a stretch of edges, all of one sense: products of a weight with the cosine and the sine of
 /// each, and -1 where the number is conjugated at the second end, otherwise 1.
 #[derive(Debug)]
-pub struct Turns<'a> {
+pub(crate) struct Turns<'a> {
     /// Weighted cosines.
     pub cos: &'a [f32],
     /// Weighted sines.
@@ -102,7 +102,7 @@ pub struct Turns<'a> {
 
 /// Subtracts from `y`, at the first end of each edge, `width` times the number of `x` at its second end, carried back.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub fn take_carried_back(y: ComplexMut<'_>, width: f32, turns: Turns<'_>, x: Complex<'_>) {
+pub(crate) fn take_carried_back(y: ComplexMut<'_>, width: f32, turns: Turns<'_>, x: Complex<'_>) {
     // All slices have this length, so that the loop needs no checks and runs in lanes.
     let n = turns.cos.len();
     let (c, s, w) = (turns.cos, &turns.sin[..n], &turns.way[..n]);
@@ -115,7 +115,7 @@ pub fn take_carried_back(y: ComplexMut<'_>, width: f32, turns: Turns<'_>, x: Com
 
 /// Subtracts from `y`, at the second end of each edge, `width` times the number of `x` at its first end, carried on.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub fn take_carried_on(y: ComplexMut<'_>, width: f32, turns: Turns<'_>, x: Complex<'_>) {
+pub(crate) fn take_carried_on(y: ComplexMut<'_>, width: f32, turns: Turns<'_>, x: Complex<'_>) {
     let n = turns.cos.len();
     let (c, s, w) = (turns.cos, &turns.sin[..n], &turns.way[..n]);
     let (re, im, to_re, to_im) = (&x.re[..n], &x.im[..n], &mut y.re[..n], &mut y.im[..n]);

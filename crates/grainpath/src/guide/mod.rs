@@ -537,6 +537,7 @@ impl Places<'_> {
     /// How a fixture holds that prevents motions along these axes of the job's frame.
     fn held(&self, fixed: [bool; 3]) -> Held {
         match self.frame {
+            // Letters that name axes of the placed part need no turn.
             LoadFrame::Placed => Held::Axes(fixed),
             LoadFrame::Part => Held::turned(self.standing.rotation, fixed),
         }

@@ -1,6 +1,6 @@
 //! Divides a region into strips two beads wide along the field. Their outlines are the beads' centrelines.
 //!
-//! The phase ([`phase`](super::super::field::phase)) makes one turn per two beads across the field. A
+//! The phase ([`phase`](grainpath_core::phase)) makes one turn per two beads across the field. A
 //! strip's outline encloses the area in which the cosine of the phase is negative. The two beads of a
 //! strip run where the cosine changes sign, and between neighbouring strips it is positive. The cosine
 //! is the same for either sign of the axis, so outlines close around every singular point of the
@@ -23,11 +23,11 @@
 use std::f64::consts::PI;
 
 use grainpath_core::math::{cos, cross};
+use grainpath_core::phase::{PhaseInput, Turn, drift, solve, turns};
 use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, segment};
 
 use super::super::field::levels::{EdgePoints, Joints, off_lines_rad};
-use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
 use super::super::field::stripes::{BORDER_CELL, NearBorder};
 use super::super::field::widths::smooth;
 use super::Pull;

@@ -9,9 +9,9 @@ use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Role};
 
 use super::levels::{Level, trace};
-use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use super::stripes::{dense, phase_input};
 use crate::fill::FillContext;
+use grainpath_core::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 
 const CRATE: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -102,7 +102,7 @@ fn the_figure_of_the_phase() {
     }
     figure.area(&panels[1], &region, "fill=\"none\" stroke=\"#000\"");
     figure.text([478.0, 178.0], "middle", "#000", "phase as grey, levels in red; circles: a bead begins");
-    hold(CRATE, "src/fill/field/figures/phase.svg", &figure.svg());
+    hold(CRATE, "../grainpath-core/src/figures/phase.svg", &figure.svg());
 }
 
 #[test]

@@ -22,8 +22,8 @@ use std::f64::consts::TAU;
 
 use grainpath_core::DVec2;
 
-use super::phase::Turn;
 use grainpath_core::field_mesh::{FieldMesh, Triangle};
+use grainpath_core::phase::Turn;
 
 const NONE: u32 = u32::MAX;
 

@@ -1,6 +1,6 @@
 //! Where lines along a field begin and end: a line ends where it has no room and goes on where it has.
 //!
-//! The phase ([`super::phase`]) decides how many lines pass a place. Where that number changes, a line begins or ends,
+//! The phase ([`phase`](grainpath_core::phase)) decides how many lines pass a place. Where that number changes, a line begins or ends,
 //! but not at the place that suits beads. If it begins too late, a gap of up to a bead stays open before its end; if it
 //! begins too early, beads lie on each other. Where the field diverges strongly, the phase even joins two lines by a turn
 //! across the field. [`fitted`] takes these steps:
@@ -170,6 +170,7 @@ fn without_crowded(
     let sides = earlier.by_line(&lines);
     let widths: Vec<Vec<f64>> =
         lines.iter().zip(&sides).map(|(line, sides)| strips(sides, line.closed, spacing_mm)).collect();
+    // A line that is crowded somewhere is cut there, all others stay whole.
     let is_crowded = |mm: f64| mm < room.least * spacing_mm;
     let loses: Vec<bool> = widths.iter().map(|w| w.iter().any(|mm| is_crowded(*mm))).collect();
     let is_full = |side: &Side| match *side {

@@ -7,7 +7,7 @@
 //!
 //! 1. [`FieldMesh`](grainpath_core::field_mesh::FieldMesh) covers the region with right triangles
 //!    about one bead wide;
-//! 2. [`phase`] finds the phase; where the field diverges it has a singular point, at which a bead
+//! 2. [`phase`](grainpath_core::phase) finds the phase; where the field diverges it has a singular point, at which a bead
 //!    ends;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
 //! 4. [`line_ends`] lets lines begin and end where there is room for them;
@@ -28,7 +28,6 @@ pub(super) mod levels;
 mod line_ends;
 mod one_width;
 mod own_frame;
-pub(super) mod phase;
 mod seed_lines;
 pub(super) mod streamlines;
 pub(super) mod stripes;

@@ -12,7 +12,7 @@
 //!    ------------------------------- bead
 //! ```
 //!
-//! The lines are those of the phase ([`super::phase`]), which keeps to one spacing, without the drift that beads of any
+//! The lines are those of the phase ([`phase`](grainpath_core::phase)), which keeps to one spacing, without the drift that beads of any
 //! width allow. [`line_ends`](super::line_ends) lets them begin and end by [`ROOM`]. They stay where the phase and the
 //! field put them. A gap that then remains gets a single bead as wide as itself, as with beads of any width. Fibre cannot
 //! taper; there such a gap gets a bead of the one width if it is at least half a bead wide.

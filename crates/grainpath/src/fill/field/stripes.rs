@@ -1,6 +1,6 @@
 //! Dense fill along a field: evenly spaced beads whose width follows their spacing.
 //!
-//! Lines from the phase ([`super::phase`]) are turned into beads in four steps:
+//! Lines from the phase ([`phase`](grainpath_core::phase)) are turned into beads in four steps:
 //!
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
 //! 2. lines begin and end where there is room for them ([`line_ends`](super::line_ends)), and every bead moves to the
@@ -45,13 +45,13 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
-use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use super::widths::{CELL_BEADS, Earlier, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
+use grainpath_core::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use grainpath_job::choices::BeadWidths;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
@@ -157,8 +157,8 @@ const ONE_WIDTH_STRIP: f64 = 3.0;
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
 
-/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Measured on ten
-/// fields (`cargo xtask bench jobs fields`): with 0.25 and 0.5 the largest void of the bar with a hole is 0.59 and 0.99 squares, for
+/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Measured: on ten
+/// fields (`cargo xtask bench jobs fields`) with 0.25 and 0.5 the largest void of the bar with a hole is 0.59 and 0.99 squares, for
 /// one start more; the others are the same.
 const LEAST_VOID: f64 = 0.25;
 
@@ -747,6 +747,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = [DVec2; 4]
         if !bead.closed && !(1..n).contains(&v) {
             return STRIP_LONGER * half(v);
         }
+        // The tangent of half the angle between both segments, from the sine and the cosine of the whole.
         let (before, after) = (along(v + n - 1), along(v));
         let tangent = cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE);
         half(v) * tangent.min(BEND_LONGER)

@@ -500,6 +500,8 @@ impl Earlier {
                 cells.neighbourhood(at, 2).for_each(|at| is_near_change[cells.index(at)] = true);
             });
         };
+        // A segment stays where the same two points follow each other on a line before and after. Every other segment, new or
+        // gone, marks the cells around it.
         let index = PointIndex::new(&self.points);
         let next = &self.next;
         let mut stays = vec![false; next.len()];
@@ -517,10 +519,12 @@ impl Earlier {
             }
             earlier.push(of_line);
         }
+        // What is gone leaves room to the points around it.
         for k in (0..next.len()).filter(|&k| !stays[k] && next[k] != NO_POINT) {
             mark(self.points[k], self.points[next[k] as usize]);
         }
         let of_line = |(l, earlier): (usize, &Vec<u32>)| {
+            // A new point, and an old one near a change, looks around itself; the others keep what they saw.
             let at = |(v, k): (usize, &u32)| {
                 if *k == NO_POINT || is_near_change[cells.index(cells.cell_of(lines[l].points[v]))] {
                     neighbours.sides_at(lines, l, v, self.far_mm)
@@ -550,6 +554,8 @@ struct PointIndex<'a> {
 impl<'a> PointIndex<'a> {
     fn new(points: &'a [DVec2]) -> Self {
         let mut slots = vec![NO_POINT; (2 * points.len() / INDEXED + 2).next_power_of_two()];
+        // Open addressing: a point takes the first free place from that of its hash on. At least half of all places stay free,
+        // so that a search takes few steps.
         for (k, p) in points.iter().enumerate().step_by(INDEXED) {
             let mut at = Self::slot(*p, slots.len());
             while slots[at] != NO_POINT {

@@ -35,16 +35,16 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use grainpath_core::DVec2;
-use grainpath_core::math::{atan2, cross, sin_cos};
+use crate::DVec2;
+use crate::math::{atan2, cross, sin_cos};
 
-use grainpath_core::conjugate_gradients::{CgSettings, conjugate_gradients};
-use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
-use grainpath_core::lanes::{Complex, ComplexMut, Turns, multiply_f32, take_carried_back, take_carried_on};
-use grainpath_core::tuned::Tuned;
+use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
+use crate::field_mesh::{FieldMesh, GridMatrix};
+use crate::lanes::{Complex, ComplexMut, Turns, multiply_f32, take_carried_back, take_carried_on};
+use crate::tuned::Tuned;
 
 /// Input for the phase, with one entry for each node.
-pub(crate) struct PhaseInput {
+pub struct PhaseInput {
     /// Unit vectors along the field; the sign does not matter.
     pub axes: Vec<DVec2>,
     /// Turns of the phase per mm across the field.
@@ -58,7 +58,7 @@ pub(crate) struct PhaseInput {
 
 /// How the complex number at an edge's first end is carried to its second end.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turn {
+pub struct Turn {
     /// Growth of the phase from the first end to the second, radians, for the sign of the axis at the first end.
     pub grown_rad: f64,
     /// Whether the axis at the second end has the opposite sign.
@@ -66,49 +66,49 @@ pub(crate) struct Turn {
 }
 
 /// How many rounds of diffusion are made at each width.
-/// Measured: row `fill.field.phase.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
-static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.phase.DIFFUSION_ROUNDS", 6);
+/// Measured: row `core.phase.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
+static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("core.phase.DIFFUSION_ROUNDS", 6);
 /// Factor on all widths of the diffusion.
-/// Measured: row `fill.field.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
-static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCALE", 1.0);
+/// Measured: row `core.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
+static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("core.phase.DIFFUSION_SCALE", 1.0);
 
 /// Steps of diffusion, widest first: the width of each in grid squares, and its number of rounds. Wide
 /// steps settle the pattern of the whole region, narrow ones its details.
-pub(crate) fn diffusion_steps() -> [(f64, usize); 3] {
+pub fn diffusion_steps() -> [(f64, usize); 3] {
     [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
 
 /// The spacing may differ from the nominal one by this factor before beads end or begin. It lies well
 /// inside the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
-/// `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.
-static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
+/// `core.phase.MAX_DRIFT` of `cargo xtask bench constants`.
+static MAX_DRIFT: Tuned<f64> = Tuned::new("core.phase.MAX_DRIFT", 1.22);
 /// Length over which the spacing returns to the nominal one, mm.
-/// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
-static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
+/// Measured: row `core.phase.DRIFT_MM` of `cargo xtask bench constants`.
+static DRIFT_MM: Tuned<f64> = Tuned::new("core.phase.DRIFT_MM", 12.0);
 
 /// Stiffness with which neighbouring nodes get the same spacing whatever the direction, so that it is smooth across the
-/// lines too. That along the lines is about 1. Measured: row `fill.field.phase.ACROSS` of `cargo xtask bench
+/// lines too. That along the lines is about 1. Measured: row `core.phase.ACROSS` of `cargo xtask bench
 /// constants`.
-static ACROSS: Tuned<f64> = Tuned::new("fill.field.phase.ACROSS", 0.02);
+static ACROSS: Tuned<f64> = Tuned::new("core.phase.ACROSS", 0.02);
 /// A triangle has a divergence where the sum of the three axes at its corners is at least this long. Measured: row
-/// `fill.field.phase.LEAST_SUM` of `cargo xtask bench constants`.
-static LEAST_SUM: Tuned<f64> = Tuned::new("fill.field.phase.LEAST_SUM", 2.4);
+/// `core.phase.LEAST_SUM` of `cargo xtask bench constants`.
+static LEAST_SUM: Tuned<f64> = Tuned::new("core.phase.LEAST_SUM", 2.4);
 /// The spacing is solved to this residual, as a share of the right side. Measured: row
-/// `fill.field.phase.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
-static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_TOLERANCE", 1e-3);
+/// `core.phase.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
+static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("core.phase.DRIFT_TOLERANCE", 1e-3);
 /// Each round of diffusion is solved to this residual, as a share of the right side. Measured: row
-/// `fill.field.phase.TOLERANCE` of `cargo xtask bench constants`.
-static TOLERANCE: Tuned<f64> = Tuned::new("fill.field.phase.TOLERANCE", 1e-2);
-/// Most steps of the solver in a round of diffusion. Measured: row `fill.field.phase.STEPS` of `cargo xtask bench
+/// `core.phase.TOLERANCE` of `cargo xtask bench constants`.
+static TOLERANCE: Tuned<f64> = Tuned::new("core.phase.TOLERANCE", 1e-2);
+/// Most steps of the solver in a round of diffusion. Measured: row `core.phase.STEPS` of `cargo xtask bench
 /// constants`.
-static STEPS: Tuned<usize> = Tuned::new("fill.field.phase.STEPS", 60);
+static STEPS: Tuned<usize> = Tuned::new("core.phase.STEPS", 60);
 /// Most steps of the solver for the spacing. Source: derived. The spacing spreads over [`DRIFT_MM`], about 30 squares
 /// of 0.4 mm, and a step of conjugate gradients reaches one square further; ten times as many are enough.
 const DRIFT_STEPS: usize = 300;
 
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
 /// to end.
-pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
+pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
@@ -152,7 +152,7 @@ pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
 }
 
 /// The change of phase along each edge.
-pub(crate) fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
+pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     let normal = |i: usize| {
         let t = input.axes[i];
         input.frequency[i] * DVec2::new(-t.y, t.x)
@@ -225,12 +225,7 @@ impl Carried {
 
 /// The phase at every node, radians, after diffusion in these steps. Each step is a width in grid squares
 /// and a number of rounds.
-pub(crate) fn solve(
-    mesh: &FieldMesh,
-    input: &PhaseInput,
-    turns: &[Turn],
-    steps: &[(f64, usize)],
-) -> Vec<f64> {
+pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);
     // The phase wanted at the border: real and imaginary part, times the weight.
