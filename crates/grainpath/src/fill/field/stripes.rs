@@ -157,10 +157,10 @@ const ONE_WIDTH_STRIP: f64 = 3.0;
 /// 1.3 spacings, more than the strip of a bead.
 const AROUND_GAP: usize = 4;
 
-/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Measured: on ten
-/// fields (`cargo xtask bench jobs fields`) with 0.25 and 0.5 the largest void of the bar with a hole is 0.59 and 0.99 squares, for
-/// one start more; the others are the same.
-const LEAST_VOID: f64 = 0.25;
+/// A bead shorter than it is wide is laid in a gap where it fills at least this many squares as wide as a strip. Source: chosen;
+/// a void as large as half of one is what such a bead costs a start for. With 0.25 crumbs of a section get beads too, which reach
+/// a quarter of a bead out of them.
+const LEAST_VOID: f64 = 0.5;
 
 /// Above this density single beads fill the gaps that remain. Source: derived. At 0.8 the free space
 /// between two lines is a quarter of a bead, which is too narrow for the narrowest bead.
