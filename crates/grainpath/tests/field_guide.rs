@@ -15,15 +15,7 @@ fn samples(bytes: &[u8]) -> DirectionSamples {
 }
 
 fn settings() -> FieldSettings {
-    FieldSettings {
-        frame: FieldFrame::Part,
-        cell_mm: None,
-        origin_mm: None,
-        scale: 1.0,
-        rotate_rad: [0.0; 3],
-        lowered_mm: 0.0,
-        plate_from_part_mm: DVec3::new(100.0, 80.0, 0.0),
-    }
+    FieldSettings { plate_from_part_mm: DVec3::new(100.0, 80.0, 0.0), ..FieldSettings::AS_IN_FILE }
 }
 
 /// A rectangle from the origin, turned about the origin and scaled, as one layer.

@@ -4,9 +4,8 @@ use grainpath::guide::given_field::{FieldGuide, FieldSettings};
 use grainpath::run::{Steps, config};
 use grainpath_core::math::direction;
 use grainpath_core::stacked::{Stacked, count};
-use grainpath_core::{DVec2, DVec3, Density, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Region};
+use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Region};
 use grainpath_io::directions::{DirectionOptions, parse_directions};
-use grainpath_job::choices::FieldFrame;
 use grainpath_job::parse_job;
 
 const LAYERS: usize = 12;
@@ -25,15 +24,7 @@ fn fan(stack: &LayerStack) -> FieldGuide {
     let table = "x,y,angle_deg\n0,0,-15\n30,0,15\n0,18,15\n30,18,-15\n";
     let samples =
         parse_directions(&[("a.csv", table.as_bytes())], &DirectionOptions::default()).expect("a table");
-    let settings = FieldSettings {
-        frame: FieldFrame::Part,
-        cell_mm: None,
-        origin_mm: None,
-        scale: 1.0,
-        rotate_rad: [0.0; 3],
-        lowered_mm: 0.0,
-        plate_from_part_mm: DVec3::ZERO,
-    };
+    let settings = FieldSettings::AS_IN_FILE;
     FieldGuide::new(samples, &settings, stack, &Diagnostics::default()).expect("directions on the part")
 }
 

@@ -11,12 +11,12 @@ use grainpath_core::diagnostics::{EarlyLayers, Progress, Stage};
 use grainpath_core::polyline::resampled;
 use grainpath_core::segment::distance_squared_mm2;
 use grainpath_core::{
-    DVec2, DVec3, Density, Diagnostics, Layer, LayerPlan, LayerStack, Plan, Region, Role, TriMesh,
+    DVec2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Plan, Region, Role, TriMesh,
 };
 use grainpath_gcode::{Limits, Program, simulate, write_gcode};
 use grainpath_io::directions::parse_densities;
 use grainpath_io::parse_mesh;
-use grainpath_job::choices::{DensityBy, FieldFrame};
+use grainpath_job::choices::DensityBy;
 use grainpath_job::{Settings, parse_job};
 
 fn settings(sets: &[&str]) -> Settings {
@@ -43,15 +43,7 @@ fn planned(settings: &Settings, stack: &LayerStack, n_layers: usize) -> Vec<Laye
     let diagnostics = Diagnostics::default();
     let table = "x_mm,y_mm,density\n0,0,0.12\n40,0,0.18\n0,40,0.12\n40,40,0.18\n";
     let graded = settings.fill.density.graded().map(|asked| {
-        let place = FieldSettings {
-            frame: FieldFrame::Part,
-            cell_mm: None,
-            origin_mm: None,
-            scale: 1.0,
-            rotate_rad: [0.0; 3],
-            lowered_mm: 0.0,
-            plate_from_part_mm: DVec3::ZERO,
-        };
+        let place = FieldSettings::AS_IN_FILE;
         let range = [asked.min, asked.max];
         let wanted = DensitySettings { range, by: DensityBy::File, spacing_mm: 0.4, card: None, place };
         let samples = parse_densities(table.as_bytes(), "densities.csv", None).expect("a sound table");

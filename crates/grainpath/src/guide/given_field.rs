@@ -39,6 +39,20 @@ pub struct FieldSettings {
     pub plate_from_part_mm: DVec3,
 }
 
+impl FieldSettings {
+    /// For positions in the coordinates of a part that stands as in its file, at the origin of the bed. Source: derived; nothing is
+    /// scaled, turned or moved.
+    pub const AS_IN_FILE: Self = Self {
+        frame: FieldFrame::Part,
+        cell_mm: None,
+        origin_mm: None,
+        scale: 1.0,
+        rotate_rad: [0.0; 3],
+        lowered_mm: 0.0,
+        plate_from_part_mm: DVec3::ZERO,
+    };
+}
+
 /// Why directions cannot guide a part.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]

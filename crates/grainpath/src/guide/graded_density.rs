@@ -656,15 +656,7 @@ mod tests {
     fn told(text: &str, range: [f64; 2]) -> Result<(GradedDensity, Vec<Warning>), DensityError> {
         let samples =
             grainpath_io::directions::parse_densities(text.as_bytes(), "rho.csv", None).expect("a file");
-        let place = FieldSettings {
-            frame: grainpath_job::choices::FieldFrame::Part,
-            cell_mm: None,
-            origin_mm: None,
-            scale: 1.0,
-            rotate_rad: [0.0; 3],
-            lowered_mm: 0.0,
-            plate_from_part_mm: DVec3::ZERO,
-        };
+        let place = FieldSettings::AS_IN_FILE;
         let settings = DensitySettings { range, by: DensityBy::File, spacing_mm: 0.4, card: None, place };
         let diagnostics = Diagnostics::default();
         let graded = GradedDensity::new(&settings, &plate(), None, Some(samples), &diagnostics)?;

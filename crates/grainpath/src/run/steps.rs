@@ -397,18 +397,10 @@ impl<'a> Steps<'a> {
     /// use grainpath_io::directions::{DirectionOptions, parse_directions};
     /// use grainpath_job::choices::Pattern;
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec3, Density, Diagnostics};
+    /// # use grainpath_core::{Density, Diagnostics};
     /// # let stack = grainpath_parts::layers_of_a_box(12);
     /// # let (mut settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
-    /// # let place = FieldSettings {
-    /// #     frame: grainpath_job::choices::FieldFrame::Part,
-    /// #     cell_mm: None,
-    /// #     origin_mm: None,
-    /// #     scale: 1.0,
-    /// #     rotate_rad: [0.0; 3],
-    /// #     lowered_mm: 0.0,
-    /// #     plate_from_part_mm: DVec3::ZERO,
-    /// # };
+    /// let place = FieldSettings::AS_IN_FILE;
     /// // A table that asks for 30 degrees everywhere; `place` says that it has the coordinates of the part.
     /// let table = b"x,y,angle_deg\n0,0,30\n20,0,30\n0,10,30\n20,10,30\n";
     /// let samples = parse_directions(&[("axes.csv", table)], &DirectionOptions::default()).unwrap();
@@ -435,18 +427,10 @@ impl<'a> Steps<'a> {
     /// use grainpath_io::directions::parse_densities;
     /// use grainpath_job::choices::{DensityBy, Pattern};
     /// # use grainpath::run::{Steps, config};
-    /// # use grainpath_core::{DVec3, Density, Diagnostics};
+    /// # use grainpath_core::{Density, Diagnostics};
     /// # let stack = grainpath_parts::layers_of_a_box(12);
     /// # let (mut settings, diagnostics) = (config::steps(&Default::default()), Diagnostics::default());
-    /// # let place = FieldSettings {
-    /// #     frame: grainpath_job::choices::FieldFrame::Part,
-    /// #     cell_mm: None,
-    /// #     origin_mm: None,
-    /// #     scale: 1.0,
-    /// #     rotate_rad: [0.0; 3],
-    /// #     lowered_mm: 0.0,
-    /// #     plate_from_part_mm: DVec3::ZERO,
-    /// # };
+    /// let place = FieldSettings::AS_IN_FILE;
     /// // A table whose density rises from 0.1 at the left end of the box to 0.7 at its right end.
     /// let table = "x_mm,y_mm,density\n0,0,0.1\n20,0,0.7\n0,10,0.1\n20,10,0.7\n";
     /// let samples = parse_densities(table.as_bytes(), "densities.csv", None).unwrap();
