@@ -34,6 +34,7 @@
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area; for crossing lines also the pieces of a
 //! level times the lines of coarser ones.
 
+use std::cell::LazyCell;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
 use grainpath_core::mask::{Mask, MaskGrid};
@@ -52,7 +53,7 @@ use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
 use super::hatch::{Hatch, Joints, Lines};
 use super::rectilinear::sparse;
 use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, gyroid};
-use crate::guide::graded_density::DensityMap;
+use crate::guide::graded_density::{DensityMap, PlanDensity};
 
 /// From this density on lines lie side by side in one direction. Source: derived. Crossing lines at a
 /// density of 0.8 would overlap over 0.16 of the area and more.
@@ -99,30 +100,33 @@ pub fn fill(
     let range = map.range_in(bounds, context.z_mid_mm);
     let (first, s) = (out.len(), context.spacing_mm());
     let whole = Region::from(infill_region.clone());
+    let densities = LazyCell::new(|| map.in_plan(bounds, context.z_mid_mm));
     let one_direction = matches!(pattern, Pattern::Rectilinear | Pattern::Aligned);
     let dense = if range[1] < DENSE_FROM || one_direction {
         Region::default()
     } else {
         // Islands and bays narrower than two beads are removed.
-        let there = map.at_least(DENSE_FROM, bounds, context.z_mid_mm).intersection(&whole);
+        let there = densities.at_least(DENSE_FROM).intersection(&whole);
         there.opened(s).closed(s).intersection(&whole)
     };
     let rest = if dense.is_empty() { whole } else { whole.difference(&dense) };
     let levels = Levels::of(pattern, context);
     match pattern {
         Pattern::Stripes | Pattern::Streamlines => along_field(context, map, &rest, &dense, range, out),
-        Pattern::Rectilinear | Pattern::Aligned => straight(context, map, &rest, 1, levels, range, out),
-        Pattern::Triangles => straight(context, map, &rest, 3, levels, range, out),
+        Pattern::Rectilinear | Pattern::Aligned => {
+            straight(context, &densities, &rest, 1, levels, range, out)
+        }
+        Pattern::Triangles => straight(context, &densities, &rest, 3, levels, range, out),
         Pattern::Gyroid => {
             let densities: Vec<f64> = (0..=levels.coarsest(range[0])).map(|k| levels.at(k).0).collect();
             for polygon in &rest.polygons {
                 gyroid::graded(context, map, polygon, &densities, out);
             }
         }
-        Pattern::Honeycomb => bands(context, map, &rest, levels, range, out),
+        Pattern::Honeycomb => bands(context, &densities, &rest, levels, range, out),
         // The job's reader refuses a graded density for `concentric` and `seed-lines`; `continuous` is laid by `one_path`.
         Pattern::Grid | Pattern::Concentric | Pattern::SeedLines | Pattern::Continuous => {
-            straight(context, map, &rest, 2, levels, range, out)
+            straight(context, &densities, &rest, 2, levels, range, out)
         }
     }
     if !pattern.follows_field() {
@@ -256,14 +260,16 @@ pub(crate) fn leans(pattern: Pattern) -> bool {
 /// Lays straight lines in this number of directions, at distances that double from level to level.
 fn straight(
     context: &FillContext<'_>,
-    map: &DensityMap,
+    densities: &PlanDensity,
     region: &Region,
     directions: usize,
     levels: Levels,
     [least, most]: [f64; 2],
     out: &mut Vec<Toolpath>,
 ) {
-    let Some(bounds) = region.bounds() else { return };
+    if region.is_empty() {
+        return;
+    }
     let n = directions as f64;
     let last = levels.coarsest(least);
     let step_mm = |k: i32| n * context.spacing_mm() / levels.at(k).0;
@@ -302,7 +308,6 @@ fn straight(
         out.extend(coarser.iter().map(path));
     }
     let clipper = LineClipper::new(region);
-    let densities = map.in_plan(bounds, context.z_mid_mm);
     for k in (0..last).rev().filter(|&k| most >= levels.at(k).1) {
         let there = densities.at_least(levels.at(k).1).intersection(region);
         let mut laid = Vec::new();
@@ -339,15 +344,16 @@ fn leaning<'a>(context: &FillContext<'a>, towards: DVec2) -> FillContext<'a> {
 /// Lays hexagons whose sides grow from level to level.
 fn bands(
     context: &FillContext<'_>,
-    map: &DensityMap,
+    densities: &PlanDensity,
     region: &Region,
     levels: Levels,
     [least, most]: [f64; 2],
     out: &mut Vec<Toolpath>,
 ) {
-    let Some(bounds) = region.bounds() else { return };
+    if region.is_empty() {
+        return;
+    }
     let mut rest = region.clone();
-    let densities = map.in_plan(bounds, context.z_mid_mm);
     for k in 0..=levels.coarsest(least) {
         let (density, from) = levels.at(k);
         if most < from {
@@ -581,17 +587,21 @@ pub(crate) fn fit_layers(
     };
     let narrowest_mm = narrowest_mm(nominal_mm, min_bead_width_mm);
     layers.par_iter_mut().for_each(|l| l.paths.iter_mut().for_each(|path| divide(path)));
-    // Sums a value of each layer over the cells of its slab.
-    let summed = |layers: &[FittedLayer<'_>], add: &(dyn Fn(&[FittedLayer<'_>], &mut [f32]) + Sync)| {
+    // Sums a value of each layer over the cells of its slab. What is added is told the index of the slab's first layer.
+    let summed = |layers: &[FittedLayer<'_>], add: &AddLayers<'_>| {
         let mut sums = vec![0.0f32; in_slab * n[2]];
         let mut slabs: Vec<Option<&mut [f32]>> = sums.chunks_mut(in_slab).map(Some).collect();
-        let own =
-            layers.chunk_by(|a, b| slab(a) == slab(b)).filter_map(|l| Some((l, slabs[slab(&l[0])].take()?)));
-        own.collect::<Vec<_>>().into_par_iter().for_each(|(layers, sums)| add(layers, sums));
+        let mut next = 0;
+        let own = layers.chunk_by(|a, b| slab(a) == slab(b)).filter_map(|own| {
+            let first = next;
+            next += own.len();
+            Some((own, first, slabs[slab(&own[0])].take()?))
+        });
+        own.collect::<Vec<_>>().into_par_iter().for_each(|(layers, first, sums)| add(layers, first, sums));
         sums
     };
     // The volume that each cell asks for.
-    let asked = summed(layers, &|layers, asked| {
+    let asked = summed(layers, &|layers, _, asked| {
         for layer in layers {
             let Some(bounds) = layer.area.bounds() else { continue };
             let grid = MaskGrid::over(bounds, 0.5);
@@ -612,16 +622,21 @@ pub(crate) fn fit_layers(
     });
     let in_area: Vec<bool> = asked.iter().map(|asked| *asked > 0.0).collect();
     let asked = in_windows(asked, n, half);
+    // Beads stay where they are while their widths are fitted.
+    let places: Vec<Places> =
+        layers.par_iter().map(|l| Places::of(&l.paths, 0.5 * cell_mm, &place)).collect();
+    // The windows that hold any volume are the same in nearly all rounds.
+    let (mut holds, mut counted) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        let laid = summed(layers, &|layers, laid| {
-            for (layer, path) in layers.iter().flat_map(|l| l.paths.iter().map(move |path| (l, path))) {
-                let h = layer.height_mm;
-                for (a, b, width) in (0..path.n_segments()).map(|k| path.segment(k)) {
-                    let pieces = (a.distance(b) / (0.5 * cell_mm)).ceil().max(1.0);
-                    let mm3 = (bead_spacing_mm(width, h) * h * a.distance(b) / pieces) as f32;
-                    for i in 0..pieces as usize {
-                        laid[place(a.lerp(b, (i as f64 + 0.5) / pieces))] += mm3;
-                    }
+        let laid = summed(layers, &|layers, first, laid| {
+            for (layer, places) in layers.iter().zip(&places[first..]) {
+                let (h, mut cells) = (layer.height_mm, &places.pieces[..]);
+                let widths = layer.paths.iter().flat_map(|p| (0..p.n_segments()).map(|k| p.segment(k).2));
+                for (width, (length_mm, n)) in widths.zip(&places.segments) {
+                    let (own, others) = cells.split_at(*n as usize);
+                    let mm3 = (bead_spacing_mm(width, h) * h * length_mm / f64::from(*n)) as f32;
+                    own.iter().for_each(|cell| laid[*cell as usize] += mm3);
+                    cells = others;
                 }
             }
         });
@@ -629,15 +644,23 @@ pub(crate) fn fit_layers(
         // The volume that each window asks for over the one that it holds, where it holds any.
         let ratio = |k: usize| if in_area[k] && laid[k] > 1e-6 { asked[k] / laid[k] } else { 0.0 };
         let short: Vec<f32> = (0..laid.len()).map(ratio).collect();
-        let counted = short.iter().map(|ratio| if *ratio > 0.0 { 1.0 } else { 0.0 }).collect();
-        let (counted, short) = (in_windows(counted, n, half), in_windows(short, n, half));
-        layers.par_iter_mut().for_each(|layer| {
+        let holds_any: Vec<bool> = short.iter().map(|ratio| *ratio > 0.0).collect();
+        if holds != holds_any {
+            counted =
+                in_windows(holds_any.iter().map(|holds| if *holds { 1.0 } else { 0.0 }).collect(), n, half);
+            holds = holds_any;
+        }
+        let short = in_windows(short, n, half);
+        layers.par_iter_mut().zip(&places).for_each(|(layer, places)| {
             let (first, h) = (slab(layer) * in_slab, layer.height_mm);
             let strip_mm = bead_spacing_mm(nominal_mm, h);
+            let mut vertices = &places.vertices[..];
             for path in &mut layer.paths {
+                let own;
+                (own, vertices) = vertices.split_at(path.points.len());
                 let BeadWidth::PerVertex(widths) = &mut path.width else { continue };
-                for (p, width) in path.points.iter().zip(widths) {
-                    let k = first + place(*p);
+                for (cell, width) in own.iter().zip(widths) {
+                    let k = first + *cell as usize;
                     let factor = if counted[k] > 0.5 { f64::from(short[k] / counted[k]) } else { 1.0 };
                     let strip = (factor * bead_spacing_mm(*width, h)).clamp(0.01 * strip_mm, 10.0 * strip_mm);
                     *width = bead_width_mm(strip, h).clamp(narrowest_mm, WIDEST * nominal_mm);
@@ -646,6 +669,33 @@ pub(crate) fn fit_layers(
         });
     }
     layers.par_iter_mut().for_each(|l| l.paths.iter_mut().for_each(|path| thinned(path)));
+}
+
+/// Adds what layers of one slab hold to its cells; the number is the index of the first of them.
+type AddLayers<'a> = dyn Fn(&[FittedLayer<'_>], usize, &mut [f32]) + Sync + 'a;
+
+/// The cells of a slab that the beads of a layer lie in.
+struct Places {
+    /// Length of each segment of each bead, mm, and the number of pieces it is divided into.
+    segments: Vec<(f64, u32)>,
+    /// The cell of the middle of each piece.
+    pieces: Vec<u32>,
+    /// The cell of each vertex.
+    vertices: Vec<u32>,
+}
+
+impl Places {
+    /// The cells of beads; a piece is at most `piece_mm` long, and `place` tells the cell of a point.
+    fn of(paths: &[&mut Toolpath], piece_mm: f64, place: &dyn Fn(DVec2) -> usize) -> Self {
+        let (mut segments, mut pieces) = (Vec::new(), Vec::new());
+        for (a, b, _) in paths.iter().flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k))) {
+            let n = (a.distance(b) / piece_mm).ceil().max(1.0);
+            pieces.extend((0..n as usize).map(|i| place(a.lerp(b, (i as f64 + 0.5) / n)) as u32));
+            segments.push((a.distance(b), n as u32));
+        }
+        let vertices = paths.iter().flat_map(|path| &path.points).map(|p| place(*p) as u32).collect();
+        Self { segments, pieces, vertices }
+    }
 }
 
 /// For each cell of a grid of `n` cells the sum over the cube that reaches `half` cells to each side of it.
@@ -853,8 +903,14 @@ mod tests {
             let mut widths = (0..path.points.len()).map(|k| path.width_at(k));
             assert!(widths.all(|mm| (0.6 * 0.45 - 1e-9..=1.6 * 0.45 + 1e-9).contains(&mm)), "{path:?}");
         }
-        let asked =
-            AskedDensity { map, range: [0.1, 0.9], by: DensityBy::Stress, fall_mm: 0.0, areas: &areas };
+        let asked = AskedDensity {
+            map,
+            range: [0.1, 0.9],
+            by: DensityBy::Stress,
+            fall_mm: 0.0,
+            areas: &areas,
+            beside_others: false,
+        };
         LaidDensity::measure(&asked, &stack, &layers)
     }
 

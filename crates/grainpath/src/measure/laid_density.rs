@@ -38,6 +38,8 @@ pub struct AskedDensity<'a> {
     pub fall_mm: f64,
     /// The sparse infill region of each layer.
     pub areas: &'a [Region],
+    /// Whether sparse infill of regions with a density of their own lies beside `areas`.
+    pub beside_others: bool,
 }
 
 /// The density of a cell.
@@ -121,7 +123,7 @@ impl LaidDensity {
             }
             // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own. Its beads begin
             // half a strip beyond the border, so squares are too coarse to tell them apart.
-            let inside = LineClipper::new(area);
+            let inside = asked.beside_others.then(|| LineClipper::new(area));
             let paths = layers[i].islands.iter().flat_map(|island| &island.fills);
             for path in paths.filter(|p| p.role == Role::SparseFill) {
                 for (a, b, width) in (0..path.n_segments()).map(|s| path.segment(s)) {
@@ -129,7 +131,7 @@ impl LaidDensity {
                     let each = bead_spacing_mm(width, h) * h * a.distance(b) / pieces;
                     for s in 0..pieces as usize {
                         let p = a.lerp(b, (s as f64 + 0.5) / pieces);
-                        if inside.contains(p) {
+                        if inside.as_ref().is_none_or(|inside| inside.contains(p)) {
                             sums[cell_of(p, k)][3] += each;
                         }
                     }
@@ -257,8 +259,14 @@ mod tests {
         let stack = LayerStack::new((0..25).map(layer).collect()).expect("a stack");
         let map = DensityMap::new(DVec3::ZERO, DVec3::new(20.0, 10.0, 5.0), 1.0, true, |_| 0.25);
         let areas = vec![section(); 25];
-        let asked =
-            AskedDensity { map: &map, range: [0.1, 0.5], by: DensityBy::Stress, fall_mm: 0.0, areas: &areas };
+        let asked = AskedDensity {
+            map: &map,
+            range: [0.1, 0.5],
+            by: DensityBy::Stress,
+            fall_mm: 0.0,
+            areas: &areas,
+            beside_others: true,
+        };
         // Lines 1 mm apart with a strip of 0.25 mm on the left half, none on the right.
         let width = grainpath_core::units::bead_width_mm(0.25, 0.2);
         let line = |k: usize| {
@@ -294,8 +302,14 @@ mod tests {
         let layers =
             [LayerPaths { islands: vec![Island { walls: Vec::new(), fills }], ..LayerPaths::default() }];
         let areas = [Region::rectangle(DVec2::ZERO, DVec2::new(border_mm, 5.0))];
-        let asked =
-            AskedDensity { map: &map, range: [0.1, 0.5], by: DensityBy::Stress, fall_mm: 0.0, areas: &areas };
+        let asked = AskedDensity {
+            map: &map,
+            range: [0.1, 0.5],
+            by: DensityBy::Stress,
+            fall_mm: 0.0,
+            areas: &areas,
+            beside_others: true,
+        };
         let found = LaidDensity::measure(&asked, &stack, &layers);
         assert!(found.cells == 2 && found.worst_error < 0.02, "{found:?}");
     }
@@ -320,7 +334,14 @@ mod tests {
         let layers = [LayerPaths { islands: vec![island], ..LayerPaths::default() }];
         let areas = [section()];
         let measured = |by: DensityBy| {
-            let asked = AskedDensity { map: &map, range: [0.1, 0.9], by, fall_mm: 7.1, areas: &areas };
+            let asked = AskedDensity {
+                map: &map,
+                range: [0.1, 0.9],
+                by,
+                fall_mm: 7.1,
+                areas: &areas,
+                beside_others: false,
+            };
             LaidDensity::measure(&asked, &stack, &layers)
         };
         let by_file = measured(DensityBy::File);

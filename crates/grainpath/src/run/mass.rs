@@ -4,8 +4,8 @@
 //! The mass of sparse infill is nearly proportional to the density: up to six proportional steps
 //! stop within 0.25 % of the mass. The mass also jumps where a line appears or disappears, so the
 //! best of six steps is taken within 0.5 % as well. The mass of graded infill is less nearly
-//! proportional, and no layer of patterns that lean is a copy: between two steps over all layers,
-//! steps over every eighth of them (`SAMPLED`) correct the density. Where the steps fail, up to 14
+//! proportional, and no layer of patterns that lean is a copy: before the first and between two steps over all
+//! layers, steps over every eighth of them (`SAMPLED`) correct the density. Where the steps fail, up to 14
 //! bisections take the density with the nearest mass; a print that then misses its mass by more than
 //! 0.5 % warns (`mass-missed`). Each bisection lays the sparse infill of all layers. Masses are added in
 //! the order of the layers, so the result does not depend on the number of threads. A graded density is scaled
@@ -93,24 +93,26 @@ impl Steps<'_> {
             });
             mass
         };
+        let every: Vec<usize> = (0..copies.len()).collect();
+        let leaning: Vec<Vec<Region>> =
+            every.par_iter().map(|i| self.leaning_areas(*i, &skins[*i])).collect();
         // Beads that lean have their widths only when those of all layers, or of all sampled ones, are laid.
         let of_fitted = |density: f64, layers: &[usize]| -> Vec<f64> {
             let lay = |&i: &usize| {
                 let mut paths = Vec::new();
                 let mut add = |island, path| paths.push((island, path));
                 self.sparse_fill(i, &skins[i], Density::new(density), &[], &mut add);
-                (self.leaning_areas(i, &skins[i]), paths)
+                paths
             };
-            let mut laid: Vec<(Vec<Region>, IslandPaths)> = layers.par_iter().map(lay).collect();
+            let mut laid: Vec<IslandPaths> = layers.par_iter().map(lay).collect();
             let own = laid.iter_mut().zip(layers);
-            let mut all: Vec<_> = own.map(|((areas, paths), &i)| (i, areas.as_slice(), paths)).collect();
+            let mut all: Vec<_> = own.map(|(paths, &i)| (i, leaning[i].as_slice(), paths)).collect();
             self.fit_leaning(Density::new(density), &mut all);
             let grams = |(i, _, paths): &(usize, &[Region], &mut IslandPaths)| {
                 paths.iter().map(|(_, path)| grams(path, height(*i))).sum()
             };
             all.iter().map(grams).collect()
         };
-        let every: Vec<usize> = (0..copies.len()).collect();
         let of_all = |density: f64| {
             if self.leans() { of_fitted(density, &every) } else { masses(&|i| of_sparse(density, i)) }
         };
@@ -124,8 +126,28 @@ impl Steps<'_> {
             };
             masses.iter().sum()
         };
+        // The density at which the sampled layers have this mass.
+        let of_mass = |from: f64, wanted_g: f64| {
+            let mut density = from;
+            for _ in 0..SAMPLED / 2 {
+                let ratio = of_sampled(density.clamp(least, most)) / wanted_g;
+                // Without infill in the sampled layers the ratio is no number.
+                if !ratio.is_finite() || (ratio - 1.0).abs() < 1e-3 {
+                    break;
+                }
+                density = (density / ratio).clamp(0.1 * from, 10.0 * from);
+            }
+            density.clamp(least, most)
+        };
         // Mass is nearly proportional to density, so each step scales the density by required over found infill mass.
-        let mut density = self.graded.map_or(0.3, |g| g.mean);
+        let mut density = 0.3;
+        if let Some(graded) = self.graded {
+            // The sampled layers get the share of the mass that they have of the volume.
+            let volume = |i: usize| self.stack.layers()[i].height_mm() * sparse_mm2(&skins[i]);
+            let share = sampled.iter().map(|i| volume(*i)).sum::<f64>()
+                / every.iter().map(|i| volume(*i)).sum::<f64>();
+            density = of_mass(graded.mean, share * (asked_g - fixed).max(0.0));
+        }
         let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
             let laid = of_all(density);
@@ -149,16 +171,7 @@ impl Steps<'_> {
                 } else {
                     sampled.iter().map(|i| laid[*i]).sum::<f64>()
                 };
-                let wanted = before * change;
-                for _ in 0..SAMPLED / 2 {
-                    let ratio = of_sampled(density.clamp(least, most)) / wanted;
-                    // Without infill in the sampled layers the ratio is no number.
-                    if !ratio.is_finite() || (ratio - 1.0).abs() < 1e-3 {
-                        break;
-                    }
-                    density = (density / ratio).clamp(0.1 * from, 10.0 * from);
-                }
-                density = density.clamp(least, most);
+                density = of_mass(density, before * change);
             } else if !(0.01..0.95).contains(&density) {
                 break;
             }
@@ -199,4 +212,10 @@ impl Steps<'_> {
         }
         Ok(Density::new(best.1))
     }
+}
+
+/// Area of the sparse infill of a layer, with that of regions, mm2.
+fn sparse_mm2(split: &SkinSplit) -> f64 {
+    let all = std::iter::once(split).chain(&split.regions);
+    all.flat_map(|split| &split.sparse).map(|(_, polygon)| polygon.area_mm2()).sum()
 }

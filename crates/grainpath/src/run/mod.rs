@@ -645,14 +645,15 @@ fn plan_stack(
             } else {
                 steps.infill(all, walls, skins, density, diagnostics)?
             };
-            laid = graded.as_ref().zip(sparse_areas).map(|(graded, mut areas)| {
-                filled.sparse_areas.iter().for_each(|(i, area)| areas[*i] = area.clone());
+            laid = graded.as_ref().zip(sparse_areas).map(|(graded, mut sparse)| {
+                filled.sparse_areas.iter().for_each(|(i, area)| sparse[*i] = area.clone());
                 let asked = AskedDensity {
                     map: &graded.of_mean(density.fraction()),
                     range: graded.range(),
                     by: graded.by(),
                     fall_mm: graded.fall_mm(),
-                    areas: &areas,
+                    areas: &sparse,
+                    beside_others: areas.is_some(),
                 };
                 LaidDensity::measure(&asked, &stack, &filled.layers)
             });
