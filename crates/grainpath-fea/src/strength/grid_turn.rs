@@ -8,6 +8,7 @@
 
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::laminate::BeadSheet;
 
@@ -34,8 +35,15 @@ impl Default for Frame {
 impl Frame {
     /// Finds the frame that is aligned with these beads.
     pub fn new(sheets: &[BeadSheet]) -> Self {
-        let ends = sheets.iter().flat_map(|s| &s.beads).flat_map(|b| [b.a, b.b]);
-        let hull = convex_hull(ends.filter(|p| p.is_finite()).collect());
+        let of_sheet = |sheet: &BeadSheet| {
+            let ends = sheet.beads.iter().flat_map(|b| [b.a, b.b]).filter(|p| p.is_finite());
+            let mut ends: Vec<DVec2> = ends.collect();
+            // Most beads begin where the one before ended.
+            ends.dedup();
+            convex_hull(ends)
+        };
+        let hulls: Vec<Vec<DVec2>> = sheets.par_iter().map(of_sheet).collect();
+        let hull = convex_hull(hulls.concat());
         let sides: Vec<DVec2> = (0..hull.len()).map(|i| hull[(i + 1) % hull.len()] - hull[i]).collect();
         let parallel = |side: &DVec2| {
             let near = sides.iter().map(|s| if s.dot(*side) < 0.0 { -*s } else { *s });
@@ -94,12 +102,20 @@ const INSIDE: f64 = 1e-9;
 /// Removes the points inside the octagon of those that lie farthest in eight directions (`akl1978` in
 /// docs/references.bib): nearly all ends of the beads of a part, which then need no sorting.
 fn remove_inner(points: &mut Vec<DVec2>) {
-    let ways = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]];
-    let farthest = |[x, y]: [i32; 2]| {
-        let way = DVec2::new(f64::from(x), f64::from(y));
-        points.iter().copied().max_by(|p, q| p.dot(way).total_cmp(&q.dot(way)))
-    };
-    let octagon: Vec<DVec2> = ways.into_iter().filter_map(farthest).collect();
+    let Some(&first) = points.first() else { return };
+    // Along x, the diagonal, y and the other diagonal; then against each of them.
+    let mut octagon = [first; 8];
+    let ways = |p: DVec2| [p.x, p.x + p.y, p.y, p.y - p.x];
+    let mut far = [f64::NEG_INFINITY; 8];
+    for &p in points.iter() {
+        for (k, along) in ways(p).into_iter().enumerate() {
+            for (k, along) in [(k, along), (k + 4, -along)] {
+                if along > far[k] {
+                    (far[k], octagon[k]) = (along, p);
+                }
+            }
+        }
+    }
     let next = octagon.iter().cycle().skip(1);
     let sides: Vec<(DVec2, DVec2)> = octagon
         .iter()

@@ -75,11 +75,16 @@ pub(super) struct Repeated {
 /// A layer that other layers are copies of.
 pub(super) struct DistinctLayer {
     height_mm: f64,
-    /// Its paths, sorted by their ends. Open ones begin at the end with the lower coordinates.
+    /// Its paths, sorted by their ends. Open ones begin at the end with the lower coordinates, closed ones at their lowest
+    /// corner: each layer may begin a loop somewhere else.
     paths: Vec<Vec<BeadPiece>>,
     /// The number of layers that have these beads.
     copies: f64,
 }
+
+/// Heights of layers that round to the same multiple of this are equal, mm. Source: derived. A height is the difference of two
+/// heights above the plate, which rounding moves by 1e-13; programs are written to 1e-3.
+const SAME_HEIGHT_MM: f64 = 1e-6;
 
 impl Repeated {
     pub(super) fn new(sheets: &[BeadSheet]) -> Self {
@@ -122,7 +127,15 @@ impl DistinctLayer {
         let mut paths: Vec<Vec<BeadPiece>> = paths.map(<[_]>::to_vec).collect();
         let order = |p: DVec2, q: DVec2| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y));
         for path in &mut paths {
-            if order(path[0].a, path[path.len() - 1].b).is_gt() {
+            let n = path.len();
+            let is_closed = n > 2 && path[0].a == path[n - 1].b;
+            if is_closed {
+                let lowest = (0..n).min_by(|p, q| order(path[*p].a, path[*q].a)).unwrap_or_default();
+                path.rotate_left(lowest);
+            }
+            let [begin, end] =
+                if is_closed { [path[0].b, path[n - 1].a] } else { [path[0].a, path[n - 1].b] };
+            if order(begin, end).is_gt() {
                 path.reverse();
                 path.iter_mut().for_each(|piece| std::mem::swap(&mut piece.a, &mut piece.b));
             }
@@ -146,7 +159,8 @@ impl DistinctLayer {
             let begin = [[path.len() as u64, u64::from(path[0].material)], bits(path[0].a)];
             begin.into_iter().chain(path.iter().map(|b| bits(b.b)))
         }
-        std::iter::once([self.height_mm.to_bits(), 0]).chain(self.paths.iter().flat_map(|path| of_path(path)))
+        let height = (self.height_mm / SAME_HEIGHT_MM).round() as u64;
+        std::iter::once([height, 0]).chain(self.paths.iter().flat_map(|path| of_path(path)))
     }
 
     fn hash(&self) -> u64 {
@@ -516,12 +530,22 @@ fn held_at(grid: &CellGrid, held: &[f32], at_mm: DVec2) -> f64 {
     let down = |v: f64| v as i64 - i64::from((v as i64) as f64 > v);
     let (i, j) = (down(at.x), down(at.y));
     let part = at - DVec2::new(i as f64, j as f64);
+    let mix = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
+        let row = |a: f64, b: f64| a * (1.0 - part.x) + b * part.x;
+        row(a, b) * (1.0 - part.y) + row(c, d) * part.y
+    };
+    let (nx, ny) = (grid.nx as i64, grid.ny as i64);
+    if i >= 0 && j >= 0 && i + 1 < nx && j + 1 < ny {
+        // Nearly every place lies between four cells.
+        let first = j as usize * grid.nx + i as usize;
+        let (low, high) = (&held[first..first + 2], &held[first + grid.nx..first + grid.nx + 2]);
+        return mix([low[0], low[1]].map(f64::from), [high[0], high[1]].map(f64::from));
+    }
     let value = |i: i64, j: i64| {
-        let is_inside = (0..grid.nx as i64).contains(&i) && (0..grid.ny as i64).contains(&j);
+        let is_inside = (0..nx).contains(&i) && (0..ny).contains(&j);
         if is_inside { f64::from(held[j as usize * grid.nx + i as usize]) } else { 0.0 }
     };
-    let row = |j: i64| value(i, j) * (1.0 - part.x) + value(i + 1, j) * part.x;
-    row(j) * (1.0 - part.y) + row(j + 1) * part.y
+    mix([value(i, j), value(i + 1, j)], [value(i, j + 1), value(i + 1, j + 1)])
 }
 
 /// Places on each side of a bead, in bead widths from it, of which the emptiest tells whether the bead is joined. Source:
@@ -927,7 +951,8 @@ mod tests {
         }
     }
 
-    /// Copies may be laid in another order and direction, and their volumes are rounded; a layer of another height is none.
+    /// Copies may be laid in another order and direction, their loops may begin elsewhere, and their volumes and heights are
+    /// rounded; a layer of another height is none.
     #[test]
     fn layers_with_the_same_beads_are_made_into_cells_once() {
         let zigzag = |k: i32| {
@@ -939,8 +964,14 @@ mod tests {
         let backwards = |beads: Vec<BeadPiece>| -> Vec<BeadPiece> {
             beads.into_iter().rev().map(|b| BeadPiece { a: b.b, b: b.a, ..b }).collect()
         };
-        let first = BeadSheet { height_mm: 0.2, beads: [zigzag(0), zigzag(1)].concat() };
-        let mut other = BeadSheet { height_mm: 0.2, beads: [backwards(zigzag(1)), zigzag(0)].concat() };
+        // A square loop that begins at one of its corners.
+        let round = |begin: usize| {
+            let corners = [(10.0, 0.0), (15.0, 1.0), (14.0, 6.0), (9.0, 5.0)].map(DVec2::from);
+            path(&(0..=4).map(|k| corners[(begin + k) % 4]).collect::<Vec<_>>(), 0.08).beads
+        };
+        let first = BeadSheet { height_mm: 0.2, beads: [zigzag(0), zigzag(1), round(0)].concat() };
+        let beads = [backwards(round(2)), backwards(zigzag(1)), zigzag(0)].concat();
+        let mut other = BeadSheet { height_mm: 0.2 + 1e-13, beads };
         other.beads.iter_mut().for_each(|b| b.volume_mm3 *= 1.0001);
         let thick = BeadSheet { height_mm: 0.3, ..first.clone() };
         let all = [thick, first.clone(), other.clone(), first, other];
