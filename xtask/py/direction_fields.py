@@ -94,4 +94,5 @@ for field, case in FIELDS.items():
             open_mm2 = shapely.area(shapely.get_parts(poly.difference(bead_union(paths))))
             # In squares as wide as a bead.
             kept["largest"] = float(open_mm2.max(initial=0.0)) / S**2
+            kept["voids"] = int(np.count_nonzero(open_mm2 > S**2))
             print(json.dumps({"field": field, "fill": fill, "ends": ends, **kept}), flush=True)

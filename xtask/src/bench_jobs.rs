@@ -298,6 +298,7 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
         "paths",
         "penalty 1e-4",
         "largest void beads",
+        "voids above one bead",
     ];
     let table = Table::new("fields", &header, 3);
     for found in rows(&mut command)? {
@@ -315,6 +316,7 @@ fn fields(jobs: &Jobs) -> Result<(), String> {
             found["paths"].to_string(),
             format!("{:.1}", 1e4 * number(&found["penalty"])),
             short("largest"),
+            found["voids"].to_string(),
         ]);
     }
     Ok(())

@@ -13,7 +13,8 @@
 //! 4. [`line_ends`] lets lines begin and end where there is room for them;
 //! 5. [`stripes`] moves the lines to the middle of their space, joins ends along the border and fills
 //!    remaining gaps with single beads;
-//! 6. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width.
+//! 6. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width;
+//! 7. [`voids`] finds short straight beads for corners that all these leave open.
 //!
 //! Where all beads are to have one width, they stay where they are ([`one_width`]). Where lines are to end before a
 //! border that they meet across, [`band`] lays beads along it first, and so where a border divides dense infill.
@@ -31,6 +32,7 @@ mod own_frame;
 mod seed_lines;
 pub(super) mod streamlines;
 pub(super) mod stripes;
+mod voids;
 pub(super) mod widths;
 
 pub use seed_lines::SeedLines;

@@ -9,7 +9,8 @@
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths; dense beads of varying
 //!    width are joined by the narrowest bead along the border, which lies twice over less of their ends;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
-//!    ([`single_beads`]), a wider one rings along its border first ([`rings_in`]).
+//!    ([`single_beads`]), a wider one rings along its border first ([`rings_in`]), and a void that is as long as it is wide a
+//!    short straight bead ([`voids`](super::voids)).
 //!
 //! Beads of one width stay where they are in step 2 ([`one_width`]).
 //!
@@ -45,6 +46,7 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
+use super::voids::short_beads;
 use super::widths::{CELL_BEADS, Earlier, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
@@ -599,7 +601,7 @@ fn lay(
     let n_lines = out.len();
     if share > CLOSED_FROM {
         let narrowest_mm = NARROWEST * context.bead_width_mm;
-        let singles = between_beads(border, out[first..].iter(), narrowest_mm, context);
+        let singles = between_beads(border, &out[first..], narrowest_mm, context);
         out.extend(singles);
     }
     if share < 1.0 {
@@ -637,9 +639,9 @@ pub(crate) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &Fill
 /// Where the job asks for beads of one width, gaps get the same, since what is left is narrower than such a bead. Only where
 /// no bead may be narrower, as of fibre, all have the one width; a gap then gets a bead from the width on at which it closes
 /// more than it lays twice.
-fn between_beads<'a>(
+fn between_beads(
     area: &Region,
-    beads: impl Iterator<Item = &'a Toolpath>,
+    beads: &[Toolpath],
     narrowest_mm: f64,
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
@@ -653,7 +655,7 @@ fn between_beads<'a>(
     // Narrower gaps need smaller cells.
     let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
     let cell_mm = GAP_CELL * context.spacing_mm() * share;
-    let mut left = gaps(area, beads, h, cell_mm);
+    let mut left = gaps(area, beads.iter(), h, cell_mm, STRIP_LONGER);
     let mut singles = Vec::new();
     if !one_width {
         rings_in(&mut left, narrowest_mm, context, &mut singles);
@@ -673,6 +675,12 @@ fn between_beads<'a>(
             laid.extend(segments);
             kept.push(single);
         }
+    }
+    // A crumb of a section that gets no other bead gets none here: one as wide as the area reaches out of the crumb.
+    if context.widths == BeadWidths::Variable && !(beads.is_empty() && kept.is_empty()) {
+        // Ends are flat here: what a round end closes of a corner it takes from elsewhere, for it has the volume of a flat one.
+        let open = gaps(area, beads.iter().chain(&kept), h, cell_mm, 0.0);
+        kept.extend(short_beads(&open, narrowest_mm, WIDEST * nominal, context));
     }
     kept
 }
@@ -696,7 +704,8 @@ fn rings_in(gaps: &mut Region, narrowest_mm: f64, context: &FillContext<'_>, out
     }
 }
 
-/// The part of `area` that the beads leave open, where it is wider than about one and a half cells.
+/// The part of `area` that the beads leave open, where it is wider than about one and a half cells. Strips reach beyond the ends
+/// of beads as in [`strips_of`].
 ///
 /// Gaps are found on a raster. Only around them are the beads' areas subtracted exactly, because a union of the
 /// areas of all beads would cost more than the rest of the fill together.
@@ -705,11 +714,12 @@ fn gaps<'a>(
     beads: impl Iterator<Item = &'a Toolpath>,
     height_mm: f64,
     cell_mm: f64,
+    ends_longer: f64,
 ) -> Region {
     let Some(bounds) = area.bounds() else { return Region::default() };
     let grid = MaskGrid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
-    let strips: Vec<[DVec2; 4]> = beads.flat_map(|b| strips_of(b, height_mm)).collect();
+    let strips: Vec<[DVec2; 4]> = beads.flat_map(|b| strips_of(b, height_mm, ends_longer)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
     // touch.
@@ -730,12 +740,17 @@ fn gaps<'a>(
 #[cfg(test)]
 pub(crate) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let strips: Vec<Contour> =
-        beads.iter().flat_map(|b| strips_of(b, height_mm)).map(|s| s.to_vec()).collect();
+        beads.iter().flat_map(|b| strips_of(b, height_mm, STRIP_LONGER)).map(|s| s.to_vec()).collect();
     Region::from_contours(&strips, FillRule::NonZero)
 }
 
-/// The strip of every segment of a bead: four corners, counter-clockwise.
-fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = [DVec2; 4]> + '_ {
+/// The strip of every segment of a bead: four corners, counter-clockwise. It reaches beyond both ends of the bead by the share
+/// `ends_longer` of half its width.
+pub(super) fn strips_of(
+    bead: &Toolpath,
+    height_mm: f64,
+    ends_longer: f64,
+) -> impl Iterator<Item = [DVec2; 4]> + '_ {
     let n = bead.n_segments();
     let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
     let along = move |i: usize| {
@@ -745,7 +760,7 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = [DVec2; 4]
     // How much longer than a segment its strip is at vertex `v`, so that a bend leaves no wedge open, mm.
     let longer = move |v: usize| {
         if !bead.closed && !(1..n).contains(&v) {
-            return STRIP_LONGER * half(v);
+            return ends_longer * half(v);
         }
         // The tangent of half the angle between both segments, from the sine and the cosine of the whole.
         let (before, after) = (along(v + n - 1), along(v));

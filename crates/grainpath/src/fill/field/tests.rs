@@ -3,13 +3,13 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use grainpath_core::math::{atan2, cross, direction, sin_cos};
-use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Region, Role, Toolpath};
 
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
-use super::stripes::{covered, filling_their_space};
+use super::stripes::{covered, filling_their_space, strips_of};
 use super::widths::{Earlier, Line, Neighbours};
 use super::{SeedLines, Streamlines, Stripes};
 use crate::fill::{FillContext, Infill, Solid};
@@ -670,6 +670,33 @@ fn a_void_between_three_beads_gets_a_bead() {
         // Measured: 0.25 to 0.74. With strips that reach beyond every bend, 1.3 and 1.6 stayed open at two of these turns.
         assert!(largest < 0.8, "turned by {by_deg}: {largest} squares of a bead are open");
     }
+}
+
+/// Slanting ends at a border, corners, and lines that part leave triangles, which a bead along the medial axis does not fill.
+#[test]
+fn triangles_beside_ends_of_lines_get_a_bead() {
+    let [(_, plate), _] = parts();
+    let spacing = bead_spacing_mm(WIDTH, HEIGHT);
+    let mut worst = 0.0_f64;
+    for (name, field) in FIELDS {
+        for (by_deg, ends) in
+            [0.0, 37.0].into_iter().flat_map(|d| [(d, BeadEnds::Joined), (d, BeadEnds::Open)])
+        {
+            let (part, field) = turned(&plate, field, by_deg);
+            let paths = filled_along(&Stripes, &part, &field, 1.0, ends, BeadWidths::Variable);
+            // Beads have flat ends here.
+            let strips = paths.iter().flat_map(|p| strips_of(p, HEIGHT, 0.0)).map(|s| s.to_vec());
+            let open = part.difference(&Region::from_contours(&Vec::from_iter(strips), FillRule::NonZero));
+            let largest =
+                open.polygons.iter().map(Polygon::area_mm2).fold(0.0, f64::max) / (spacing * spacing);
+            println!("{name} turned by {by_deg}, {ends:?}: {largest:.2} squares of a bead");
+            worst = worst.max(largest);
+            let narrowest = paths.iter().flat_map(|p| (0..=p.n_segments()).map(|v| p.width_at(v)));
+            assert!(narrowest.fold(WIDTH, f64::min) >= 0.599 * WIDTH, "{name} turned by {by_deg}, {ends:?}");
+            assert!(crossing(&paths).is_none(), "{name} turned by {by_deg}, {ends:?}: beads cross");
+        }
+    }
+    assert!(worst < 0.6, "{worst} squares of a bead are open");
 }
 
 #[test]
