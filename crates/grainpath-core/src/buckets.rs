@@ -17,6 +17,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use crate::Bounds2;
+use crate::math::cross;
 
 /// Square cells over a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,25 +104,57 @@ impl CellGrid {
     pub fn for_each_passed(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
         let cell = |p: DVec2| (p - self.origin) / self.cell_mm;
         let (a, b) = (cell(a), cell(b));
-        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         // Margin in cells around the segment. Source: derived: cell coordinates below 1e4 are
         // rounded to about 1e-12, so a margin of 1e-6 never misses a cell that is passed and hardly
         // ever adds one.
         const HAIR: f64 = 1e-6;
+        // A short segment inside the grid, the usual case, passes one cell, or two beside each other.
+        let least = a.min(b) - HAIR;
+        let most = a.max(b) + HAIR;
+        let is_inside =
+            least.x >= 0.0 && least.y >= 0.0 && most.x < self.nx as f64 && most.y < self.ny as f64;
+        if is_inside {
+            // No grid has 2^31 columns or rows.
+            let (left, right) = (least.x as i32 as usize, most.x as i32 as usize);
+            let (bottom, top) = (least.y as i32 as usize, most.y as i32 as usize);
+            let n_cells = (right - left + 1) * (top - bottom + 1);
+            let first = bottom * self.nx + left;
+            if n_cells == 1 {
+                return each(first);
+            }
+            if left == right || bottom == top {
+                let step = if left == right { self.nx } else { 1 };
+                return (0..n_cells).for_each(|k| each(first + k * step));
+            }
+            if n_cells == 4 {
+                // Besides the cells of both ends, the segment passes the cell on its side of the corner in the middle of the four.
+                let d = b - a;
+                let side =
+                    cross(d, DVec2::new(right as f64, top as f64) - a) * if d.y < 0.0 { -1.0 } else { 1.0 };
+                let hair = HAIR * (d.x.abs() + d.y.abs());
+                // Whether the segment passes to the right and to the left of the corner.
+                let (right_of, left_of) = (side >= -hair, side <= hair);
+                let rises = (d.x > 0.0) == (d.y > 0.0);
+                let upper = first + self.nx;
+                for (cell, is_passed) in [
+                    (first, rises || left_of),
+                    (first + 1, !rises || right_of),
+                    (upper, !rises || left_of),
+                    (upper + 1, rises || right_of),
+                ] {
+                    if is_passed {
+                        each(cell);
+                    }
+                }
+                return;
+            }
+        }
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         // Rounds down; the result lies in the grid or one cell outside it.
         let down = |v: f64, n: usize| (v.clamp(-1.0, n as f64) + 1.0) as i64 - 1;
         let row_of = |y: f64| down(y, self.ny);
         let column = |x: f64| down(x, self.nx);
-        let (first, last) = (row_of(low.y - HAIR).max(0), row_of(high.y + HAIR).min(self.ny as i64 - 1));
-        let (left, right) = (column(a.x.min(b.x) - HAIR), column(a.x.max(b.x) + HAIR));
-        // A segment within one row or column, the usual case, needs no slope.
-        if first == last || left == right {
-            let (left, right) = (left.max(0), right.min(self.nx as i64 - 1));
-            for row in first..=last {
-                (left..=right).for_each(|c| each(row as usize * self.nx + c as usize));
-            }
-            return;
-        }
+        let (first, last) = (row_of(least.y).max(0), row_of(most.y).min(self.ny as i64 - 1));
         let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
         for row in first..=last {
             // The clamp prevents extrapolation beyond the ends of the segment, which could be steep.
@@ -206,7 +239,7 @@ impl CellGrid {
 /// let segments = [[DVec2::ZERO, DVec2::new(4.0, 0.0)], [DVec2::new(0.0, 3.0), DVec2::new(4.0, 3.0)]];
 /// let bounds = Bounds2::around_points(segments.iter().flatten().copied()).unwrap();
 /// let grid = CellGrid::covering(bounds, 1.0, 1000);
-/// let buckets = Buckets::new(grid, 2, |i, add| grid.for_each_passed(segments[i][0], segments[i][1], add));
+/// let buckets = Buckets::of_segments(grid, 2, |i| segments[i]);
 /// let cell = grid.index(grid.cell_of(DVec2::new(2.5, 0.2)));
 /// assert_eq!(buckets.members(cell), [0], "only the lower segment is near");
 /// ```
@@ -222,34 +255,23 @@ impl Buckets {
     /// Sorts `n` items into cells. `places` gets an item's number and calls its second argument with the
     /// index of each cell that contains the item. In a cell, items keep their order.
     pub fn new(cells: CellGrid, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
-        // A counting sort: counts become start positions, then each item is written to the next free
-        // position of its cells.
-        let mut starts = vec![0u32; cells.nx * cells.ny + 1];
-        // `all` lists the cells of all items one after the other, `ends` the end of each item's cells, so
-        // that `places` is called only once per item.
-        let (mut all, mut ends) = (Vec::with_capacity(2 * n), Vec::with_capacity(n));
+        let mut counted = Counted::new(&cells, n);
         for i in 0..n {
-            places(i, &mut |cell| {
-                starts[cell] += 1;
-                all.push(cell as u32);
-            });
-            ends.push(all.len());
+            places(i, &mut |cell| counted.add(cell));
+            counted.end_item();
         }
-        let mut total = 0;
-        for count in &mut starts {
-            total += std::mem::replace(count, total);
+        counted.sorted(cells)
+    }
+
+    /// Sorts `n` segments into the cells that they pass. In a cell, segments keep their order.
+    pub fn of_segments(cells: CellGrid, n: usize, segment: impl Fn(usize) -> [DVec2; 2]) -> Self {
+        let mut counted = Counted::new(&cells, n);
+        for i in 0..n {
+            let [a, b] = segment(i);
+            cells.for_each_passed(a, b, |cell| counted.add(cell));
+            counted.end_item();
         }
-        let mut next = starts.clone();
-        let mut members = vec![0; total as usize];
-        let mut first = 0;
-        for (i, end) in ends.into_iter().enumerate() {
-            for &cell in &all[first..end] {
-                members[next[cell as usize] as usize] = i as u32;
-                next[cell as usize] += 1;
-            }
-            first = end;
-        }
-        Self { cells, starts, members }
+        counted.sorted(cells)
     }
 
     /// The items in a cell.
@@ -266,6 +288,53 @@ impl Buckets {
     /// The items in the cells with the indices `first` to `last`, cell after cell.
     pub fn members_of_run(&self, first: usize, last: usize) -> &[u32] {
         &self.members[self.starts[first] as usize..self.starts[last + 1] as usize]
+    }
+}
+
+/// Items with their cells, counted: the first half of a counting sort.
+struct Counted {
+    /// How many items each cell holds.
+    counts: Vec<u32>,
+    /// The cells of all items one after the other, so that the places of an item are asked for only once.
+    all: Vec<u32>,
+    /// The end of each item's cells in `all`.
+    ends: Vec<u32>,
+}
+
+impl Counted {
+    fn new(cells: &CellGrid, n: usize) -> Self {
+        let counts = vec![0; cells.nx * cells.ny + 1];
+        Self { counts, all: Vec::with_capacity(2 * n), ends: Vec::with_capacity(n) }
+    }
+
+    #[inline]
+    fn add(&mut self, cell: usize) {
+        self.counts[cell] += 1;
+        self.all.push(cell as u32);
+    }
+
+    fn end_item(&mut self) {
+        self.ends.push(self.all.len() as u32);
+    }
+
+    /// Counts become start positions, then each item is written to the next free position of its cells.
+    fn sorted(self, cells: CellGrid) -> Buckets {
+        let mut starts = self.counts;
+        let mut total = 0;
+        for count in &mut starts {
+            total += std::mem::replace(count, total);
+        }
+        let mut next = starts.clone();
+        let mut members = vec![0; total as usize];
+        let mut first = 0;
+        for (i, end) in self.ends.into_iter().enumerate() {
+            for &cell in &self.all[first..end as usize] {
+                members[next[cell as usize] as usize] = i as u32;
+                next[cell as usize] += 1;
+            }
+            first = end as usize;
+        }
+        Buckets { cells, starts, members }
     }
 }
 
@@ -513,6 +582,31 @@ mod tests {
     }
 
     #[test]
+    fn a_short_segment_is_in_the_cells_that_it_passes_alone() {
+        let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::splat(9.0) };
+        let cells = CellGrid::covering(bounds, 1.0, 1000);
+        for k in 0..2000 {
+            let a = DVec2::splat(4.0) + f64::from(k % 7) * 0.17 * crate::math::direction(f64::from(k % 31));
+            let b = a + f64::from(1 + k % 9) * 0.15 * crate::math::direction(0.37 * f64::from(k));
+            let mut found = Vec::new();
+            cells.for_each_passed(a, b, |cell| found.push(cell));
+            let at = |i: u32| cells.index(cells.cell_of(a.lerp(b, f64::from(i) / 1e4)));
+            let mut passed: Vec<usize> = (0..=10_000).map(at).collect();
+            passed.sort_unstable();
+            passed.dedup();
+            found.sort_unstable();
+            // A cell that is cut at a corner alone may hold no sample.
+            let extra = found.iter().filter(|cell| passed.binary_search(cell).is_err()).count();
+            assert!(passed.iter().all(|cell| found.contains(cell)), "{a} to {b}: {found:?}, {passed:?}");
+            let is_at_corner = (0..=10_000).any(|i| {
+                let p = a.lerp(b, f64::from(i) / 1e4);
+                (p - p.round()).abs().max_element() < 2e-3 || (p - p.round()).abs().min_element() < 2e-6
+            });
+            assert!(extra == 0 || is_at_corner, "{a} to {b}: {found:?}, {passed:?}");
+        }
+    }
+
+    #[test]
     fn segments_are_found_along_their_way_and_nowhere_far() {
         let bounds = Bounds2 { min: DVec2::splat(-3.0), max: DVec2::new(17.0, 9.0) };
         let cells = CellGrid::covering(bounds, 1.0, 1000);
@@ -523,9 +617,7 @@ mod tests {
                 [a, a + 4.0 * DVec2::new(turn.y, turn.x)]
             })
             .collect();
-        let buckets = Buckets::new(cells, segments.len(), |i, add| {
-            cells.for_each_passed(segments[i][0], segments[i][1], add);
-        });
+        let buckets = Buckets::of_segments(cells, segments.len(), |i| segments[i]);
         for (i, [a, b]) in segments.iter().enumerate() {
             for step in 0..=40 {
                 let p = a.lerp(*b, f64::from(step) / 40.0);

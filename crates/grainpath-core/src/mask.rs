@@ -231,11 +231,28 @@ impl Mask {
 
     /// Whether any set cell has its centre in a convex shape or at most about one cell away from it.
     pub fn meets_convex(&self, corners: &[DVec2]) -> bool {
+        let slack = 1.0;
+        let meets = |row: usize, from: usize, to: usize| {
+            (from / 64..=to / 64)
+                .any(|word| self.bits[row * self.grid.words + word] & MaskGrid::stretch(word, from, to) != 0)
+        };
+        // Nothing is set in the box of most shapes, and boxes are faster.
+        let Some(Bounds2 { min, max }) = Bounds2::around_points(corners.iter().copied()) else {
+            return false;
+        };
+        let MaskGrid { nx, ny, .. } = self.grid;
+        let cell = |p: DVec2| (p - self.grid.origin) / self.grid.cell_mm - 0.5;
+        let (low, high) = ((cell(min) - slack).max(DVec2::ZERO), cell(max) + slack);
+        let last = high.min(DVec2::new(nx as f64, ny as f64) - 1.0);
+        if !low.cmple(last).all() {
+            return false;
+        }
+        let [left, right] = [low.x, last.x].map(|x| x as usize);
+        if !(low.y as usize..=last.y as usize).any(|row| meets(row, left, right)) {
+            return false;
+        }
         let mut any = false;
-        self.grid.convex_rows(corners, 1.0, |row, from, to| {
-            any |= (from / 64..=to / 64)
-                .any(|word| self.bits[row * self.grid.words + word] & MaskGrid::stretch(word, from, to) != 0);
-        });
+        self.grid.convex_rows(corners, slack, |row, from, to| any |= meets(row, from, to));
         any
     }
 

@@ -32,7 +32,7 @@ impl Segments {
         let bounds = Bounds2::around_points(all.iter().flatten().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, MAX_CELLS_PER_SIDE);
-        let near = Buckets::new(cells, all.len(), |i, add| cells.for_each_passed(all[i][0], all[i][1], add));
+        let near = Buckets::of_segments(cells, all.len(), |i| all[i]);
         Self { all, near }
     }
 

@@ -79,8 +79,7 @@ impl LineClipper {
         // With about one edge a cell, neither empty cells nor crowded ones cost much time.
         let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt();
         let cells = CellGrid::covering(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
-        let buckets =
-            Buckets::new(cells, edges.len(), |i, add| cells.for_each_passed(edges[i].a, edges[i].b, add));
+        let buckets = Buckets::of_segments(cells, edges.len(), |i| [edges[i].a, edges[i].b]);
         Self { edges, bounds, buckets }
     }
 
@@ -94,7 +93,16 @@ impl LineClipper {
     /// by an even smaller one.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
-        self.buckets.cells.for_each_passed(a, b, |cell| near.extend(self.buckets.members(cell)));
+        let (least, most) = (a.min(b), a.max(b));
+        // Most edges of the buckets lie apart from a short segment, whichever way ties are decided.
+        let is_apart = |e: &Edge| (e.a.max(e.b).cmplt(least) | e.a.min(e.b).cmpgt(most)).any();
+        self.buckets.cells.for_each_passed(a, b, |cell| {
+            let members = self.buckets.members(cell).iter().copied();
+            near.extend(members.filter(|i| !is_apart(&self.edges[*i as usize])));
+        });
+        if near.is_empty() {
+            return Vec::new();
+        }
         // An edge is listed in every bucket that it passes through, so duplicates are removed: each crossing counts once.
         near.sort_unstable();
         near.dedup();

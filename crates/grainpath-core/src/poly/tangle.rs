@@ -57,7 +57,7 @@ pub fn crosses_more_than(contours: &[Contour], limit: usize) -> bool {
     if pairs <= limit {
         return false;
     }
-    let buckets = Buckets::new(grid, n, |i, add| grid.for_each_passed(all[i][0], all[i][1], add));
+    let buckets = Buckets::of_segments(grid, n, |i| all[i]);
     let (mut crossings, mut tested) = (0, 0);
     for cell in 0..counts.len() {
         let members = buckets.members(cell);

@@ -93,19 +93,19 @@ impl EdgePoints {
             // nearest to the growth that the field asks for is taken.
             let grown = turn.grown_rad + off - TAU * (off / TAU).round();
             let (low, high) = (first.min(first + grown), first.max(first + grown));
-            let mut levels: Vec<f64> = Vec::new();
+            let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
+            let from = points.len();
             let mut k = (low / step_rad - share).floor() + 1.0;
             // The bound of 64 ends the loop if a phase is not finite. An edge is about one bead long and
             // normally crosses one or two levels.
-            while (k + share) * step_rad <= high && levels.len() < 64 {
-                levels.push(((k + share) * step_rad - first) / grown);
+            while (k + share) * step_rad <= high && points.len() - from < 64 {
+                let t = ((k + share) * step_rad - first) / grown;
+                points.push(p + t.clamp(0.0, 1.0) * (q - p));
                 k += 1.0;
             }
             if grown < 0.0 {
-                levels.reverse();
+                points[from..].reverse();
             }
-            let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
-            points.extend(levels.into_iter().map(|t| p + t.clamp(0.0, 1.0) * (q - p)));
             starts.push(points.len() as u32);
         }
         Self { starts, points }

@@ -450,8 +450,7 @@ impl NearBorder {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 2000);
-        let buckets =
-            Buckets::new(cells, edges.len(), |k, add| cells.for_each_passed(edges[k].0, edges[k].1, add));
+        let buckets = Buckets::of_segments(cells, edges.len(), |k| [edges[k].0, edges[k].1]);
         Self { edges, buckets }
     }
 

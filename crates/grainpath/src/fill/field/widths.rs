@@ -273,8 +273,7 @@ impl Neighbours {
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
         let bounds = Bounds2::around_points(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 4000);
-        let buckets =
-            Buckets::new(cells, pieces.len(), |i, add| cells.for_each_passed(pieces[i].a, pieces[i].b, add));
+        let buckets = Buckets::of_segments(cells, pieces.len(), |i| [pieces[i].a, pieces[i].b]);
         Self { pieces, buckets }
     }
 
@@ -453,6 +452,20 @@ pub(super) enum Side {
     Open,
 }
 
+impl Side {
+    /// The distance of what lies there, infinite where nothing is near.
+    fn distance_mm(&self) -> f64 {
+        match *self {
+            Self::Line { distance_mm: mm, .. } | Self::Border(mm) | Self::Ahead(mm) => mm,
+            Self::Open => f64::INFINITY,
+        }
+    }
+}
+
+/// Side of the cells in which changes are marked, as a share of the distance that rays reach. Source: derived. Two cells reach
+/// as far from one half on, and one of 1.1 spacings holds what lies a spacing away.
+const NEAR_SHARE: f64 = 0.61;
+
 /// The sides of lines as they were, for the same lines after changes in places: a point far from all changes keeps its sides.
 pub(super) struct Earlier {
     /// The points of the lines, one line after the other, and their sides.
@@ -491,13 +504,19 @@ impl Earlier {
     pub(super) fn sides(self, neighbours: &Neighbours, lines: &[Line]) -> Vec<Vec<[Side; 2]>> {
         let all = self.points.iter().chain(lines.iter().flat_map(|l| &l.points)).copied();
         let Some(bounds) = Bounds2::around_points(all) else { return vec![Vec::new(); lines.len()] };
-        // What lies within `far_mm` of a point passes its cell or one of the two cells around it on each side.
-        let cells = CellGrid::covering(bounds, 0.55 * self.far_mm, 4000);
-        let mut is_near_change = vec![false; cells.nx * cells.ny];
+        // What lies within `far_mm` of a point passes its cell or one of the two cells around it on each side. What lies within
+        // the side of a cell, as most neighbours do, passes its cell or the next.
+        let cells = CellGrid::covering(bounds, NEAR_SHARE * self.far_mm, 4000);
+        let near_mm = cells.cell_mm;
+        // For each cell, how many cells away the nearest change is: 3 for more than two.
+        let mut cells_to_change = vec![3u8; cells.nx * cells.ny];
         let mut mark = |a: DVec2, b: DVec2| {
             cells.for_each_passed(a, b, |cell| {
-                let at = [cell % cells.nx, cell / cells.nx];
-                cells.neighbourhood(at, 2).for_each(|at| is_near_change[cells.index(at)] = true);
+                let at @ [column, row] = [cell % cells.nx, cell / cells.nx];
+                for [x, y] in cells.neighbourhood(at, 2) {
+                    let away = &mut cells_to_change[cells.index([x, y])];
+                    *away = (*away).min(x.abs_diff(column).max(y.abs_diff(row)) as u8);
+                }
             });
         };
         // A segment stays where the same two points follow each other on a line before and after. Every other segment, new or
@@ -526,10 +545,14 @@ impl Earlier {
         let of_line = |(l, earlier): (usize, &Vec<u32>)| {
             // A new point, and an old one near a change, looks around itself; the others keep what they saw.
             let at = |(v, k): (usize, &u32)| {
-                if *k == NO_POINT || is_near_change[cells.index(cells.cell_of(lines[l].points[v]))] {
-                    neighbours.sides_at(lines, l, v, self.far_mm)
-                } else {
-                    self.sides[*k as usize]
+                // A ray sees no change beyond what it met.
+                let keeps = |sides: &[Side; 2]| {
+                    let away = cells_to_change[cells.index(cells.cell_of(lines[l].points[v]))];
+                    away > 2 || away == 2 && sides.iter().all(|side| side.distance_mm() < near_mm)
+                };
+                match self.sides.get(*k as usize) {
+                    Some(sides) if keeps(sides) => *sides,
+                    _ => neighbours.sides_at(lines, l, v, self.far_mm),
                 }
             };
             earlier.iter().enumerate().map(at).collect()
