@@ -19,6 +19,7 @@ mod boolean;
 mod clip;
 mod offset;
 mod simplify;
+mod straight_strip;
 mod stretch;
 mod tangle;
 
@@ -29,6 +30,7 @@ pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
 pub use simplify::{simplify_contour, simplify_line};
+pub use straight_strip::{StraightStrip, straight_strip};
 pub use stretch::stretched_to;
 pub use tangle::crosses_more_than;
 
