@@ -270,6 +270,7 @@ impl FibreSettings {
                 spacing_mm: place.spacing_mm,
                 least_mm: self.min_radius_mm,
                 onward_mm: place.onward_mm,
+                needed_mm: self.min_length_mm,
             };
             paths = joined(pieces, &there);
         }

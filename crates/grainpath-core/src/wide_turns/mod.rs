@@ -11,43 +11,45 @@
 //!      1   2   3   4   5   6   7  8  9    lines 3 to 7 end: their turns would be narrower than two radii
 //! ```
 //!
-//! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes three steps:
+//! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes four steps:
 //!
 //! 1. what is left of a hairpin goes from the ends of the pieces;
 //! 2. ends that face each other are joined again, by a slope of `STEEPEST_RAD` at most: there a path had changed from one
 //!    line to the next;
 //! 3. ends that meet the border side by side form groups. Lines of a group whose distance is two radii or more are joined
-//!    by turns along the border, a bead apart; the lines inside end before them. Groups at the other ends of the same
-//!    lines are moved so that lines become long pieces and not rings.
+//!    by turns along the border, a bead apart; the lines inside end before them. Where groups begin is chosen so that as much as
+//!    can be lies in paths that are long enough, one row of ends after the other until nothing changes;
+//! 4. lines that are still too short go on in their neighbours (`hang`).
 //!
 //! Turns that do not cross lie beside or inside each other, and the innermost has lines inside it that cannot turn. So of
 //! lines that end side by side some stay cut, here a fifth (`TURNS_PER_LINE`). The steps are this project's own.
 //!
-//! Lengths are in mm. Cost: linear in the length of the pieces for steps 1 and 3; step 2 looks at the ends within a few
-//! beads of each other. Limits: the turns lie across the lines, in a strip along the border twice as wide as the least
-//! turn; lines stay cut where they meet the border at less than 30 degrees, where its curve is tighter than the least
-//! radius, and where fewer lie side by side than a turn is wide.
+//! Lengths are in mm. Cost: linear in the length of the pieces for steps 1 and 3, and in the number of lines times the groups that
+//! are tried; step 2 looks at the ends within a few beads of each other. Limits: the turns lie across the lines, in a strip along
+//! the border twice as wide as the least turn; lines stay cut where they meet the border at less than 30 degrees, where its
+//! curve is tighter than the least radius, and where fewer lie side by side than a turn is wide.
 
-use std::collections::BTreeSet;
+mod hang;
+mod place;
+#[cfg(test)]
+mod tests;
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::buckets::PointGrid2;
 use crate::math::{cross, tan};
-use crate::poly::LineClipper;
 use crate::polyline::{length_mm, shorten_start};
 use crate::segment;
-use crate::segments::Segments;
 use crate::turns::{rounded, sharp_turns};
-use crate::{Bounds2, Contour, DVec2, DisjointSets, Region, Toolpath};
+use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
-/// The direction of a piece at its end is that of the stretch between these two distances from the end, in spacings.
-/// Source: derived; a hairpin between two beads is over after one spacing and a half.
-const STRETCH: [f64; 2] = [2.0, 4.0];
+pub use place::Place;
+use place::{Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
+
 /// A segment within the first of [`STRETCH`] belongs to a hairpin if it deviates from the direction of the piece by more
-/// than this; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`], with ten degrees for the curve of a line.
+/// than this, and a change of lanes is one if it deviates less; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`],
+/// with ten degrees for the curve of a line.
 const HAIRPIN_COS: f64 = 0.906;
-/// Steepest slope by which two ends that face each other are joined: 15 degrees. Source: chosen; the angle within which a
-/// path counts as along the load in the report.
-const STEEPEST_RAD: f64 = 0.2618;
 /// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
 /// slope and the curve of the lines are added to it.
 const OPPOSITE_COS: f64 = 0.94;
@@ -69,36 +71,25 @@ const SIDE_BY_SIDE: f64 = 2.05;
 /// Two lines are joined by a turn if their directions are equal within this; the cosine of 30 degrees. Source: chosen; the
 /// turn then goes round by 150 degrees at least.
 const ALIKE_COS: f64 = 0.866;
-/// A turn is rounded with this much of its lines, in radii. Source: derived; an arc by 150 degrees, the most at
-/// [`LEAST_SINE`] plus a curve of 30, reaches 3.9 radii back.
-const STRAIGHT: f64 = 4.0;
 /// A line that ends inside a turn comes nearer to it than a spacing by this share at most. Source: chosen; a fiftieth of a
 /// bead is less than a printer can show.
 const CLOSER: f64 = 0.02;
-/// Turns of a group for each line that ends inside them. Source: measured on the jobs `plate-wide` and `hook-wide` of
-/// `grainpath new continuous`. With 1, 2 and 3 the plate has 50.3, 50.5 and 49.0 m of fibre in 440, 430 and 380 pieces;
-/// with 1 and 2 the hook has 23.4 and 28.6 m.
+/// Turns of a group for each line that ends inside them. Source: measured on one layer of `plate-wide` and `hook-wide` of
+/// `grainpath new continuous`. With 2 they have 5.11 and 1.83 m of fibre in 45 and 23 pieces; where groups of 1 to 4 may be chosen
+/// as well they have 5.10 and 1.79 m in 49 and 22, since lines that return beside each other go on in each other less often.
 const TURNS_PER_LINE: usize = 2;
+/// What a cut is worth when groups are chosen, in spacings of fibre. Source: measured as `TURNS_PER_LINE`; with 1, 10 and
+/// 20 the plate has 5.11, 5.11 and 5.08 m of fibre in 45, 45 and 43 pieces a layer. With 0 lines that are long enough alone would
+/// not turn.
+const CUT_SPACINGS: f64 = 10.0;
+/// Most rounds in which groups are chosen. Source: chosen; rounds end when nothing changes, which takes three on both.
+const MOST_ROUNDS: usize = 10;
 /// Turns stay this far inside the area for centrelines, mm. Source: derived. A turn has a point on every line that it passes;
 /// around a hole of 5 mm radius a straight piece of 1.4 mm between two of them comes 0.05 mm nearer to the hole.
 const WITHIN_MM: f64 = 0.05;
 /// Least length of a turn along the border, in radii: one for the arc at each of its ends, and what
 /// [`rounded`] adds to them. Source: derived from its factor of 1.03.
 const LEAST_TURN: f64 = 2.1;
-
-/// Where pieces lie.
-pub struct Place<'a> {
-    /// The area for their centrelines.
-    pub region: &'a Region,
-    /// The same area, searchable.
-    pub clipper: &'a LineClipper,
-    /// Distance between beads side by side, mm.
-    pub spacing_mm: f64,
-    /// Least radius of a turn, mm.
-    pub least_mm: f64,
-    /// Groups of lines begin this much farther along the border, mm, so that the cuts of layers lie apart.
-    pub onward_mm: f64,
-}
 
 /// Joins open pieces where turns of the least radius fit. Corners of the result are still to be rounded, by
 /// [`rounded`]. Closed pieces stay as they are.
@@ -112,7 +103,7 @@ pub struct Place<'a> {
 /// let pieces = (0..9).map(|k| Toolpath::new(line(k), 1.0, Role::Fibre, false)).collect();
 /// let region = Region::rectangle(DVec2::ZERO, DVec2::new(50.0, 9.0));
 /// let clipper = LineClipper::new(&region);
-/// let place = Place { region: &region, clipper: &clipper, spacing_mm: 1.0, least_mm: 2.0, onward_mm: 0.0 };
+/// let place = Place { region: &region, clipper: &clipper, spacing_mm: 1.0, least_mm: 2.0, onward_mm: 0.0, needed_mm: 20.0 };
 /// // Turns of 2 mm radius are five beads wide. Four lines end inside them; the others are joined two by two at either side.
 /// let joined = joined(pieces, &place);
 /// assert!(joined.len() < 9);
@@ -126,6 +117,7 @@ pub fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
     let rings = || closed.iter().map(|p| [&p.points[..], &p.points[..1]].concat());
     let lines = facing_joined(lines, rings(), place);
     let paths = turned_at_border(lines, rings(), place);
+    let paths = hang::hung(paths, place);
     let mut out: Vec<Toolpath> =
         paths.into_iter().map(|(points, closed)| Toolpath { points, closed, ..like.clone() }).collect();
     out.extend(closed);
@@ -153,47 +145,9 @@ fn without_hairpins(mut line: Vec<DVec2>, place: &Place<'_>) -> Vec<DVec2> {
     line
 }
 
-/// Unit vector in which a line goes on beyond its first point; `None` if the line is too short to tell.
-fn onward(line: &[DVec2], spacing_mm: f64) -> Option<DVec2> {
-    let mut left_mm = STRETCH.map(|beads| beads * spacing_mm);
-    let mut at = [None; 2];
-    for w in line.windows(2) {
-        let length_mm = w[0].distance(w[1]);
-        for (left_mm, at) in left_mm.iter_mut().zip(&mut at).filter(|(_, at)| at.is_none()) {
-            if *left_mm <= length_mm && length_mm > 0.0 {
-                *at = Some(w[0].lerp(w[1], *left_mm / length_mm));
-            }
-            *left_mm -= length_mm;
-        }
-    }
-    (at[0]? - at[1]?).try_normalize()
-}
-
-/// The segments of lines, searchable.
-struct Obstacles {
-    segments: Segments,
-    /// The line of each segment.
-    line_of: Vec<usize>,
-}
-
-impl Obstacles {
-    fn new(lines: impl Iterator<Item = Vec<DVec2>>, cell_mm: f64) -> Self {
-        let (mut segments, mut line_of) = (Vec::new(), Vec::new());
-        for (l, line) in lines.enumerate() {
-            segments.extend(line.windows(2).map(|w| [w[0], w[1]]));
-            line_of.resize(segments.len(), l);
-        }
-        Self { segments: Segments::new(segments, cell_mm), line_of }
-    }
-
-    /// Whether a line other than those that `skips` names crosses or touches the way from `a` to `b`.
-    fn between(&self, a: DVec2, b: DVec2, skips: impl Fn(usize) -> bool) -> bool {
-        self.segments.meets(a, b, |i| !skips(self.line_of[i]))
-    }
-}
-
 /// A way from one end of a line to an end of another: the points between both, and the two ends. End `2 l` is the first
 /// point of line `l`, end `2 l + 1` its last.
+#[derive(Clone)]
 struct Joint {
     ends: [usize; 2],
     way: Vec<DVec2>,
@@ -227,7 +181,7 @@ fn facing_joined(
     let ends: Vec<(DVec2, Option<DVec2>)> = (0..2 * lines.len())
         .map(|e| {
             let line = from_end(&lines, e);
-            (line[0], onward(&line, spacing_mm))
+            (line[0], onward_curved(&line, place))
         })
         .collect();
     let Some(bounds) = Bounds2::around_points(ends.iter().map(|e| e.0)) else { return lines };
@@ -359,31 +313,18 @@ fn turned_at_border(
     ends.sort_by(|a, b| {
         a.contour.cmp(&b.contour).then(a.along_mm.total_cmp(&b.along_mm)).then(a.end.cmp(&b.end))
     });
-    let mut chains = DisjointSets::new(lines.len());
+    let runs = runs(&ends, SIDE_BY_SIDE * spacing_mm);
+    let divisions: Vec<Vec<Laid>> = runs.iter().map(|run| divisions(run, &obstacles, place)).collect();
+    let lengths_mm: Vec<f64> = lines.iter().map(|line| length_mm(line, false)).collect();
+    let chosen = best_divisions(&runs, &divisions, &lengths_mm, place);
     let mut joints = Vec::new();
-    for run in runs(&ends, SIDE_BY_SIDE * spacing_mm) {
-        // Lines inside the narrowest turn.
-        let first = run[0].at;
-        let Some(n_inside) =
-            run.iter().position(|end| end.at.distance(first) >= LEAST_TURN * place.least_mm).map(|w| w - 1)
-        else {
-            run.iter().for_each(|end| moved_to(&mut lines, end, 0.0, &obstacles));
-            continue;
-        };
-        let group = (1 + 2 * TURNS_PER_LINE) * n_inside.max(1);
-        let first_tried = (place.onward_mm / spacing_mm) as usize;
-        let laid = (0..group)
-            .map(|k| laid_in_groups(&run, (first_tried + k) % group, group, &chains, &obstacles, place))
-            .min_by_key(|laid| laid.n_open);
-        let Some(Laid { depths_mm, pairs, .. }) = laid else { continue };
+    for ((run, divisions), k) in runs.iter().zip(divisions).zip(chosen) {
+        let Some(laid) = divisions.into_iter().nth(k) else { continue };
         // Lines are moved only now, since every division was tried on the same ones.
-        for (end, depth_mm) in run.iter().zip(depths_mm) {
+        for (end, depth_mm) in run.iter().zip(laid.depths_mm) {
             moved_to(&mut lines, end, depth_mm, &obstacles);
         }
-        for joint in pairs {
-            chains.union(joint.ends[0] / 2, joint.ends[1] / 2);
-            joints.push(joint);
-        }
+        joints.extend(laid.joints);
     }
     chained(&lines, &joints)
 }
@@ -407,68 +348,143 @@ fn runs(ends: &[BorderEnd], apart_mm: f64) -> Vec<Vec<&BorderEnd>> {
     out
 }
 
-/// Turns of a run, as [`laid_in_groups`] finds them.
+/// Turns of a run that is divided into groups.
 struct Laid {
     /// How far each end stays from the border, mm.
     depths_mm: Vec<f64>,
-    pairs: Vec<Joint>,
-    /// Number of ends without a turn, and of rings that close.
-    n_open: usize,
+    joints: Vec<Joint>,
 }
 
-/// Lays turns in a run that is divided into groups, the first of which has `first` lines.
-fn laid_in_groups(
-    run: &[&BorderEnd],
-    first: usize,
-    group: usize,
-    chains: &DisjointSets,
-    obstacles: &Obstacles,
-    place: &Place<'_>,
-) -> Laid {
-    let mut chains = chains.clone();
-    let mut depths_mm = vec![0.0; run.len()];
-    let mut pairs = Vec::new();
-    let (mut from, mut n_rings) = (0, 0);
-    while from < run.len() {
-        let to = run.len().min(if from == 0 && first > 0 { first } else { from + group });
-        let members: BTreeSet<usize> = run[from..to].iter().map(|end| end.end / 2).collect();
-        let mut depth_mm = 0.0;
-        // The innermost turn so far.
-        let mut around: Option<Vec<DVec2>> = None;
-        let (mut low, mut high) = (from, to);
-        while high - low > 1 {
-            let (a, b) = (run[low], run[high - 1]);
-            let way: Vec<DVec2> = run[low..high].iter().map(|end| end.at_depth(depth_mm)).collect();
-            // Lines further inside are nearer still.
-            let wide = way[0].distance(way[way.len() - 1]) >= LEAST_TURN * place.least_mm;
-            if !wide {
-                break;
+/// The ways to lay turns in a run: none, and groups of one size of which the first may begin anywhere.
+fn divisions(run: &[&BorderEnd], obstacles: &Obstacles, place: &Place<'_>) -> Vec<Laid> {
+    let mut out = vec![Laid { depths_mm: vec![0.0; run.len()], joints: Vec::new() }];
+    // Lines inside the narrowest turn.
+    let first = run[0].at;
+    let Some(n_inside) =
+        run.iter().position(|end| end.at.distance(first) >= LEAST_TURN * place.least_mm).map(|w| w - 1)
+    else {
+        return out;
+    };
+    let first_tried = (place.onward_mm / place.spacing_mm) as usize;
+    let size = (1 + 2 * TURNS_PER_LINE) * n_inside.max(1);
+    // A group has the same turns in every division that it is in.
+    let mut groups = BTreeMap::new();
+    for k in 0..size {
+        let mut laid = Laid { depths_mm: Vec::with_capacity(run.len()), joints: Vec::new() };
+        let (mut from, mut to) = (0, (first_tried + k) % size);
+        while from < run.len() {
+            if to <= from {
+                to = from + size;
             }
-            let free = |w: &[DVec2]| {
-                place.clipper.segment_inside(w[0], w[1])
-                    && !obstacles.between(w[0], w[1], |l| members.contains(&l))
+            to = to.min(run.len());
+            let group: &Laid =
+                groups.entry([from, to]).or_insert_with(|| laid_in_group(&run[from..to], obstacles, place));
+            laid.depths_mm.extend(&group.depths_mm);
+            laid.joints.extend(group.joints.iter().cloned());
+            from = to;
+        }
+        out.push(laid);
+    }
+    out
+}
+
+/// Chooses a division for each run, so that as much as can be lies in long paths. The runs are looked at in turn while
+/// that adds anything, since what a turn joins depends on the turns at the other ends of its lines.
+fn best_divisions(
+    runs: &[Vec<&BorderEnd>],
+    divisions: &[Vec<Laid>],
+    lengths_mm: &[f64],
+    place: &Place<'_>,
+) -> Vec<usize> {
+    let mut chosen = vec![0; runs.len()];
+    let add = |r: usize, laid: &Laid, chains: &mut DisjointSets, of_line_mm: &mut [f64]| {
+        for joint in &laid.joints {
+            chains.union(joint.ends[0] / 2, joint.ends[1] / 2);
+        }
+        add_lengths(of_line_mm, &runs[r], laid);
+    };
+    for _ in 0..MOST_ROUNDS {
+        let before = chosen.clone();
+        for r in 0..runs.len() {
+            // Chains that the other runs make.
+            let (mut chains, mut of_line_mm) = (DisjointSets::new(lengths_mm.len()), lengths_mm.to_vec());
+            for other in (0..runs.len()).filter(|&other| other != r) {
+                add(other, &divisions[other][chosen[other]], &mut chains, &mut of_line_mm);
+            }
+            let worth_mm = |laid: &Laid| {
+                let (mut chains, mut of_line_mm) = (chains.clone(), of_line_mm.clone());
+                add(r, laid, &mut chains, &mut of_line_mm);
+                let mut of_chain_mm = vec![0.0; of_line_mm.len()];
+                for (l, mm) in of_line_mm.iter().enumerate() {
+                    of_chain_mm[chains.lowest(l)] += mm;
+                }
+                let long = of_chain_mm.iter().filter(|&&mm| mm > 0.0 && mm >= place.needed_mm);
+                long.map(|mm| mm - CUT_SPACINGS * place.spacing_mm).sum::<f64>()
             };
-            let fits = a.onward.dot(b.onward) >= ALIKE_COS && way.windows(2).all(free);
-            if let Some(turn) = fits.then(|| rounded_turn([a, b], depth_mm, &way, place)).flatten() {
-                (depths_mm[low], depths_mm[high - 1]) = (depth_mm, depth_mm);
-                let joint = Joint { ends: [a.end, b.end], way: way[1..way.len() - 1].to_vec() };
-                n_rings += usize::from(!chains.union(a.end / 2, b.end / 2));
-                pairs.push(joint);
-                depth_mm += place.spacing_mm;
-                around = Some(turn);
-            } else if let Some(around) = &around {
-                for k in [low, high - 1] {
-                    depths_mm[k] = depth_inside(run[k], around, depth_mm, place);
+            let mut best_mm = worth_mm(&divisions[r][chosen[r]]);
+            for (k, laid) in divisions[r].iter().enumerate() {
+                let mm = worth_mm(laid);
+                // Rounding errors must not choose.
+                if mm > best_mm + 1e-6 {
+                    (chosen[r], best_mm) = (k, mm);
                 }
             }
-            (low, high) = (low + 1, high - 1);
         }
-        if let Some(around) = around {
-            (low..high).for_each(|k| depths_mm[k] = depth_inside(run[k], &around, depth_mm, place));
+        if chosen == before {
+            break;
         }
-        from = to;
     }
-    Laid { n_open: run.len() - 2 * pairs.len() + 2 * n_rings, depths_mm, pairs }
+    chosen
+}
+
+/// Adds to the lengths of lines what a division lays more of them, mm.
+fn add_lengths(of_line_mm: &mut [f64], run: &[&BorderEnd], laid: &Laid) {
+    for (end, depth_mm) in run.iter().zip(&laid.depths_mm) {
+        of_line_mm[end.end / 2] += end.ahead_mm - (depth_mm + WITHIN_MM) / end.sine;
+    }
+    for joint in &laid.joints {
+        of_line_mm[joint.ends[0] / 2] += length_mm(&joint.way, false);
+    }
+}
+
+/// Lays turns in a group of lines, each inside the one before.
+fn laid_in_group(run: &[&BorderEnd], obstacles: &Obstacles, place: &Place<'_>) -> Laid {
+    let mut depths_mm = vec![0.0; run.len()];
+    let mut joints = Vec::new();
+    let members: BTreeSet<usize> = run.iter().map(|end| end.end / 2).collect();
+    let mut depth_mm = 0.0;
+    // The innermost turn so far.
+    let mut around: Option<Vec<DVec2>> = None;
+    let (mut low, mut high) = (0, run.len());
+    while high - low > 1 {
+        let (a, b) = (run[low], run[high - 1]);
+        let way: Vec<DVec2> = run[low..high].iter().map(|end| end.at_depth(depth_mm)).collect();
+        // Lines further inside are nearer still.
+        let wide = way[0].distance(way[way.len() - 1]) >= LEAST_TURN * place.least_mm;
+        if !wide {
+            break;
+        }
+        let free = |w: &[DVec2]| {
+            place.clipper.segment_inside(w[0], w[1])
+                && !obstacles.between(w[0], w[1], |l| members.contains(&l))
+        };
+        let fits = a.onward.dot(b.onward) >= ALIKE_COS && way.windows(2).all(free);
+        if let Some(turn) = fits.then(|| rounded_turn([a, b], depth_mm, &way, place)).flatten() {
+            (depths_mm[low], depths_mm[high - 1]) = (depth_mm, depth_mm);
+            joints.push(Joint { ends: [a.end, b.end], way: way[1..way.len() - 1].to_vec() });
+            depth_mm += place.spacing_mm;
+            around = Some(turn);
+        } else if let Some(around) = &around {
+            for k in [low, high - 1] {
+                depths_mm[k] = depth_inside(run[k], around, depth_mm, place);
+            }
+        }
+        (low, high) = (low + 1, high - 1);
+    }
+    if let Some(around) = around {
+        (low..high).for_each(|k| depths_mm[k] = depth_inside(run[k], &around, depth_mm, place));
+    }
+    Laid { depths_mm, joints }
 }
 
 /// A turn from one line to another, rounded, with a straight piece of both lines; `None` if it stays too sharp.

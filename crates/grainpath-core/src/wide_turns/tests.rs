@@ -1,0 +1,114 @@
+use super::{Place, joined};
+use crate::math::direction;
+use crate::poly::{Join, LineClipper};
+use crate::segment::{self, Meeting};
+use crate::turns::rounded;
+use crate::{DVec2, Polygon, Region, Role, Toolpath};
+
+fn joined_in(region: &Region, lines: Vec<Vec<DVec2>>, needed_mm: f64) -> Vec<Toolpath> {
+    let pieces = lines.into_iter().map(|line| Toolpath::new(line, 1.0, Role::Fibre, false)).collect();
+    let clipper = LineClipper::new(region);
+    let place =
+        Place { region, clipper: &clipper, spacing_mm: 1.0, least_mm: 2.0, onward_mm: 0.0, needed_mm };
+    joined(pieces, &place)
+}
+
+fn long_mm(paths: &[Toolpath], needed_mm: f64) -> f64 {
+    paths.iter().map(Toolpath::length_mm).filter(|&mm| mm >= needed_mm).sum()
+}
+
+#[test]
+fn a_short_line_goes_on_in_its_neighbour() {
+    // Far from the border, so that nothing turns there.
+    let region = Region::rectangle(DVec2::new(-20.0, -20.0), DVec2::new(180.0, 20.0));
+    let line = |y: f64, x: [f64; 2]| x.map(|x| DVec2::new(x, y)).to_vec();
+    for short in [line(1.0, [60.0, 100.0]), line(-1.0, [100.0, 60.0])] {
+        let paths = joined_in(&region, vec![line(0.0, [0.0, 160.0]), short], 50.0);
+        assert_eq!(paths.len(), 2, "{paths:?}");
+        assert!(long_mm(&paths, 50.0) > 195.0, "{paths:?}");
+        // The change of lanes is no steeper than 15 degrees, and nothing comes nearer than a spacing.
+        let beads = |half_mm: f64| {
+            let all = paths.iter().map(|p| Region::around_line(&p.points, false, half_mm));
+            let alone: f64 = all.clone().map(|bead| bead.area_mm2()).sum();
+            alone - all.fold(Region::default(), |sum, bead| sum.union(&bead)).area_mm2()
+        };
+        assert!(beads(0.45) < 0.01, "{}", beads(0.45));
+        for w in paths.iter().flat_map(|p| p.points.windows(2)) {
+            let way = (w[1] - w[0]).normalize();
+            assert!(way.x.abs() > 0.965, "{way}");
+        }
+    }
+    // What it leaves would be too short: nothing changes.
+    let lines = vec![line(0.0, [0.0, 80.0]), line(1.0, [5.0, 40.0])];
+    assert_eq!(long_mm(&joined_in(&region, lines, 50.0), 50.0), 80.0);
+}
+
+#[test]
+fn ends_on_a_curve_face_each_other() {
+    let arc = |from_rad: f64, to_rad: f64| -> Vec<DVec2> {
+        (0..=60).map(|k| 10.0 * direction(from_rad + (to_rad - from_rad) * f64::from(k) / 60.0)).collect()
+    };
+    let region = Region::rectangle(DVec2::splat(-30.0), DVec2::splat(30.0));
+    let paths = joined_in(&region, vec![arc(0.0, 1.5), arc(1.7, 3.1)], 50.0);
+    assert_eq!(paths.len(), 1);
+    assert!(paths[0].length_mm() > 30.8, "{}", paths[0].length_mm());
+}
+
+#[test]
+fn short_lines_of_a_strip_become_long_paths() {
+    // No line of 20 mm is long enough; in groups of fifteen, each but the innermost returns.
+    for n in [15, 18, 24, 40] {
+        let region = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, f64::from(n)));
+        let grown = region.offset(2e-3, Join::Miter(3.0));
+        let lines = (0..n).map(|k| [0.1, 19.9].map(|x| DVec2::new(x, f64::from(k) + 0.5)).to_vec()).collect();
+        let paths = joined_in(&grown, lines, 50.0);
+        let share = long_mm(&paths, 50.0) / (19.8 * f64::from(n));
+        assert!(share > 0.85, "{n}: {share}");
+    }
+}
+
+/// Pairs of segments of paths that cross.
+fn crossings(paths: &[Vec<DVec2>]) -> Vec<[[DVec2; 2]; 2]> {
+    let segments: Vec<[DVec2; 2]> = paths.iter().flat_map(|p| p.windows(2).map(|w| [w[0], w[1]])).collect();
+    let pairs = |(k, a): (usize, &[DVec2; 2])| {
+        let crossed = segments[k + 1..].iter().filter(|b| segment::meeting(*a, **b) == Meeting::Cross);
+        crossed.map(|b| [*a, *b]).collect::<Vec<_>>()
+    };
+    segments.iter().enumerate().flat_map(pairs).collect()
+}
+
+/// Zigzag over a slanted rectangle of 100 mm by `n` lines, cut at its hairpins, joined and rounded.
+fn rounded_on_slant(slant: f64, n: i32, [least_mm, onward_mm]: [f64; 2]) -> Vec<Vec<DVec2>> {
+    let spacing_mm = 0.557;
+    let high = f64::from(n) * spacing_mm;
+    let corners = [(0.0, 0.0), (100.0, 0.0), (100.0 + slant * high, high), (slant * high, high)];
+    let region = Region::from(Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() });
+    let clipper = LineClipper::new(&region);
+    let place =
+        Place { region: &region, clipper: &clipper, spacing_mm, least_mm, onward_mm, needed_mm: 20.0 };
+    let line = |k: i32| {
+        let y = (f64::from(k) + 0.5) * spacing_mm;
+        [0.6, 99.4].map(|x| DVec2::new(x + slant * y, y)).to_vec()
+    };
+    let pieces = (0..n).map(|k| Toolpath::new(line(k), 0.6, Role::Fibre, false)).collect();
+    let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
+    let begun = |mut path: Toolpath| {
+        // A ring begins in the middle of a line and not at a corner, which would stay sharp.
+        if path.closed {
+            path.points.insert(1, 0.5 * (path.points[0] + path.points[1]));
+            path.rotate_to(1);
+        }
+        rounded(&path.opened().points, least_mm, least_mm, &inside).0
+    };
+    joined(pieces, &place).into_iter().map(begun).collect()
+}
+
+#[test]
+fn lines_change_lanes_and_not_into_turns_beside_them() {
+    // A line ends beside the corner at which its neighbour turns along the border: what follows there is no lane.
+    let cases = [(-0.5, 60, [2.0, 0.0]), (0.5, 60, [3.0, 0.0]), (1.0, 45, [3.0, 0.0]), (1.0, 60, [4.5, 0.0])];
+    for (slant, n, turns) in cases {
+        let crossed = crossings(&rounded_on_slant(slant, n, turns));
+        assert!(crossed.is_empty(), "{slant} {n} {turns:?}: {crossed:?}");
+    }
+}
