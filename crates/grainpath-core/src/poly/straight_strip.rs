@@ -61,6 +61,7 @@ pub fn straight_strip(void: &Polygon, axis: DVec2, [least_mm, most_mm]: [f64; 2]
             for end in &chords[i + 1..] {
                 let ends = [start, end].map(|[p, q]| 0.5 * (*p + *q));
                 let way = ends[1] - ends[0];
+                // A strip shorter than it is wide lies across the direction that is tried.
                 if way.length_squared() < least_mm * least_mm {
                     continue;
                 }

@@ -11,8 +11,7 @@
 
 use std::collections::BTreeSet;
 
-use super::HAIRPIN_COS;
-use super::place::{Obstacles, Path, Place, STEEPEST_RAD, STRAIGHT, onward};
+use super::place::{HAIRPIN_COS, Obstacles, Path, Place, STEEPEST_RAD, STRAIGHT, onward};
 use crate::DVec2;
 use crate::math::{cos, sin, tan};
 use crate::polyline::{length_mm, shorten_start};
@@ -74,6 +73,12 @@ fn worth_mm(mm: f64, place: &Place<'_>) -> f64 {
 /// All changes that gain something.
 fn changes(paths: &[Path], place: &Place<'_>) -> Vec<Change> {
     let spacing_mm = place.spacing_mm;
+    let is_short: Vec<bool> =
+        paths.iter().map(|(points, closed)| length_mm(points, *closed) < place.needed_mm).collect();
+    // Nothing is gained between two lines that are long enough, and looking around large rings takes long.
+    if !is_short.contains(&true) {
+        return Vec::new();
+    }
     let whole = |(points, closed): &Path| {
         if *closed { [&points[..], &points[..1]].concat() } else { points.clone() }
     };
@@ -97,6 +102,10 @@ fn changes(paths: &[Path], place: &Place<'_>) -> Vec<Change> {
             near.sort_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)).then(a.1.cmp(&b.1)));
             near.dedup_by_key(|near| near.0);
             for (other, i, _) in near {
+                // One of both has to gain by it.
+                if !is_short[l] && !is_short[other] {
+                    continue;
+                }
                 let at = i - first_segment[other];
                 out.extend(change([l, other], (&line, path.1), u, &paths[other], at, &obstacles, place));
             }
@@ -146,6 +155,7 @@ fn change(
     if along.dot(u).abs() < PARALLEL_COS {
         return None;
     }
+    // A ring is opened beside the end; all of it is then the rest.
     let (mut after, mut before): (Vec<DVec2>, Vec<DVec2>) = if *closed {
         let mut ring = points[at + 1..].to_vec();
         ring.extend(&points[..=at]);
@@ -167,6 +177,7 @@ fn change(
         return None;
     }
     shorten_start(&mut after, slope_mm);
+    // What is left of the other line ends before the slope; of a ring that is the far end of its rest.
     if *closed {
         after.reverse();
         shorten_start(&mut after, back_mm);
@@ -220,6 +231,7 @@ fn bends_wide(line: &[DVec2], after: &[DVec2], before: &[DVec2], place: &Place<'
         }
         out
     };
+    // The way around the slope: the end of the line, backwards, and the beginning of the rest.
     let mut points = head(line);
     points.reverse();
     points.extend(head(after));

@@ -44,12 +44,8 @@ use crate::turns::{rounded, sharp_turns};
 use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
 pub use place::Place;
-use place::{Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
+use place::{HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
 
-/// A segment within the first of [`STRETCH`] belongs to a hairpin if it deviates from the direction of the piece by more
-/// than this, and a change of lanes is one if it deviates less; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`],
-/// with ten degrees for the curve of a line.
-const HAIRPIN_COS: f64 = 0.906;
 /// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
 /// slope and the curve of the lines are added to it.
 const OPPOSITE_COS: f64 = 0.94;

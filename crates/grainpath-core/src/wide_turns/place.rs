@@ -8,6 +8,10 @@ use crate::{DVec2, Region};
 /// The direction of a piece at its end is that of the stretch between these two distances from the end, in spacings.
 /// Source: derived; a hairpin between two beads is over after one spacing and a half.
 pub(super) const STRETCH: [f64; 2] = [2.0, 4.0];
+/// A segment within the first of [`STRETCH`] belongs to a hairpin if it deviates from the direction of the piece by more
+/// than this, and a change of lanes is one if it deviates less; the cosine of 25 degrees. Source: derived from [`STEEPEST_RAD`],
+/// with ten degrees for the curve of a line.
+pub(super) const HAIRPIN_COS: f64 = 0.906;
 /// Steepest slope by which two ends that face each other are joined: 15 degrees. Source: chosen; the angle within which a
 /// path counts as along the load in the report.
 pub(super) const STEEPEST_RAD: f64 = 0.2618;

@@ -644,6 +644,7 @@ pub(crate) fn fit_layers(
         // The volume that each window asks for over the one that it holds, where it holds any.
         let ratio = |k: usize| if in_area[k] && laid[k] > 1e-6 { asked[k] / laid[k] } else { 0.0 };
         let short: Vec<f32> = (0..laid.len()).map(ratio).collect();
+        // A window that holds nothing has no ratio, and is left out of the means.
         let holds_any: Vec<bool> = short.iter().map(|ratio| *ratio > 0.0).collect();
         if holds != holds_any {
             counted =

@@ -129,6 +129,7 @@ impl Steps<'_> {
         // The density at which the sampled layers have this mass.
         let of_mass = |from: f64, wanted_g: f64| {
             let mut density = from;
+            // All steps together lay half as much as one over all layers.
             for _ in 0..SAMPLED / 2 {
                 let ratio = of_sampled(density.clamp(least, most)) / wanted_g;
                 // Without infill in the sampled layers the ratio is no number.

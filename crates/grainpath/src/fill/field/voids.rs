@@ -56,6 +56,7 @@ pub(super) fn short_beads(
         if open_mm2 < SHORT_VOID * square_mm2 {
             continue;
         }
+        // The largest piece comes first: what it closes may leave the rest too small for a bead.
         let mut pieces =
             Region::from(void.clone()).offset(-half_slit_mm, MITER).offset(half_slit_mm, MITER).polygons;
         pieces.sort_by(|a, b| b.area_mm2().total_cmp(&a.area_mm2()));
