@@ -11,7 +11,7 @@
 
 use std::collections::BTreeSet;
 
-use super::place::{HAIRPIN_COS, Obstacles, Path, Place, STEEPEST_RAD, STRAIGHT, onward};
+use super::surroundings::{HAIRPIN_COS, Obstacles, Path, Place, STEEPEST_RAD, STRAIGHT, onward};
 use crate::DVec2;
 use crate::math::{cos, sin, tan};
 use crate::polyline::{length_mm, shorten_start};

@@ -30,7 +30,7 @@
 //! curve is tighter than the least radius, and where fewer lie side by side than a turn is wide.
 
 mod hang;
-mod place;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 
@@ -43,8 +43,8 @@ use crate::segment;
 use crate::turns::{rounded, sharp_turns};
 use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
-pub use place::Place;
-use place::{HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
+pub use surroundings::Place;
+use surroundings::{HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
 
 /// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
 /// slope and the curve of the lines are added to it.
