@@ -14,6 +14,7 @@
 //!
 //! Units: mm and MPa. Cost: linear in the nodes, at most about `MOST_NODES`, times the number of masses tried.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use grainpath_core::isolines::isolines;
@@ -114,7 +115,28 @@ pub struct DensityMap {
     values: Vec<f32>,
     /// The values before the growth of the distance between lines was limited; empty where it was not.
     given: Vec<f32>,
+    plans: Plans,
 }
+
+/// The last plans of a map that is the same at all heights: the layers of a plate ask for the same ones. A copy of a map
+/// begins without plans, and maps with the same values are equal whatever plans they hold.
+#[derive(Debug, Default)]
+struct Plans(Mutex<VecDeque<(Bounds2, Arc<PlanDensity>)>>);
+
+impl Clone for Plans {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for Plans {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Most plans that a map keeps. Source: chosen; a plan has at most 5 MB, and the layers of a plate ask for those of its islands.
+const MOST_PLANS: usize = 4;
 
 impl DensityMap {
     /// A map over a box; `at` gives the density of each node. A `flat` map has a single layer of nodes.
@@ -129,6 +151,7 @@ impl DensityMap {
             n,
             values: Vec::new(),
             given: Vec::new(),
+            plans: Plans::default(),
         };
         map.values = (0..n[0] * n[1] * n[2]).map(|i| at(map.node(i)) as f32).collect();
         map
@@ -195,7 +218,25 @@ impl DensityMap {
     }
 
     /// The densities at height `z_mm` within `bounds`, for the regions of several densities.
-    pub(crate) fn in_plan(&self, bounds: Bounds2, z_mm: f64) -> PlanDensity {
+    pub(crate) fn in_plan(&self, bounds: Bounds2, z_mm: f64) -> Arc<PlanDensity> {
+        if !self.is_upright() {
+            return Arc::new(self.new_plan(bounds, z_mm));
+        }
+        let kept = || self.plans.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, plan)) = kept().iter().find(|(of, _)| *of == bounds) {
+            return plan.clone();
+        }
+        // Layers that ask at the same time each make the plan; all are alike.
+        let plan = Arc::new(self.new_plan(bounds, z_mm));
+        let mut kept = kept();
+        kept.push_back((bounds, plan.clone()));
+        if kept.len() > MOST_PLANS {
+            kept.pop_front();
+        }
+        plan
+    }
+
+    fn new_plan(&self, bounds: Bounds2, z_mm: f64) -> PlanDensity {
         // Around the bounds lies a margin of lower density, so that every contour is closed.
         let bounds = bounds.grown(2.0);
         let size = bounds.size();
@@ -209,11 +250,13 @@ impl DensityMap {
             let p = bounds.min + cell_mm * DVec2::new(i as f64, j as f64);
             is_inner.then(|| self.at(p.extend(z_mm)))
         };
-        PlanDensity { low: bounds.min, cell_mm, n, values: (0..nx * ny).map(value).collect() }
+        let values = (0..nx * ny).map(value).collect();
+        PlanDensity { low: bounds.min, cell_mm, n, values, regions: Mutex::new(Vec::new()) }
     }
 
     /// Limits the growth of the distance between lines to `STEEPEST`, by raising the density where it is exceeded.
     pub(crate) fn limit(&mut self, spacing_mm: f64) {
+        self.plans = Plans::default();
         self.given = self.values.clone();
         let [nx, ny, nz] = self.n;
         let mut far: Vec<f64> = self.values.iter().map(|v| spacing_mm / f64::from(*v)).collect();
@@ -249,17 +292,30 @@ impl DensityMap {
 }
 
 /// Densities at one height of a map.
+#[derive(Debug)]
 pub(crate) struct PlanDensity {
     low: DVec2,
     cell_mm: f64,
     n: [usize; 2],
     /// Densities at the nodes; `None` at those of the border.
     values: Vec<Option<f64>>,
+    /// The regions that were asked for, each with its least density.
+    regions: Mutex<Vec<(f64, Region)>>,
 }
 
 impl PlanDensity {
     /// The region in which the density is at least `density`.
     pub(crate) fn at_least(&self, density: f64) -> Region {
+        let kept = || self.regions.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, region)) = kept().iter().find(|(least, _)| *least == density) {
+            return region.clone();
+        }
+        let region = self.new_region(density);
+        kept().push((density, region.clone()));
+        region
+    }
+
+    fn new_region(&self, density: f64) -> Region {
         let off = |value: &Option<f64>| value.map_or(-1.0, |value| (value - density) as f32);
         let values: Vec<f32> = self.values.iter().map(off).collect();
         let lines = isolines(self.n, self.low, self.cell_mm, &values);
