@@ -26,12 +26,15 @@ pub fn density_png(laid: &LaidDensity, size_px: u32) -> Vec<u8> {
     let all = Bounds2 { min: bounds.min, max: bounds.max + DVec2::new(apart, 0.0) };
     let mut canvas = Canvas::over(all, size_px);
     let ramp = Ramp { low: laid.min, high: laid.max.max(laid.min + 1e-3) };
+    let coloured = |what: usize| -> Vec<Option<_>> {
+        sums.iter().map(|sum| (sum[0] > 0.0).then(|| ramp.colour(sum[what] / sum[0]))).collect()
+    };
+    let colours = [coloured(1), coloured(2)];
     let colour = |p: DVec2| {
         let right = p.x - bounds.min.x >= apart;
         let q = (p - bounds.min - if right { DVec2::new(apart, 0.0) } else { DVec2::ZERO }) / CELL_MM;
         let inside = q.x >= 0.0 && q.y >= 0.0 && q.x < nx as f64 && q.y < ny as f64;
-        let [n, asked, laid] = inside.then(|| sums[q.y as usize * nx + q.x as usize])?;
-        (n > 0.0).then(|| ramp.colour(if right { laid } else { asked } / n))
+        inside.then(|| colours[usize::from(right)][q.y as usize * nx + q.x as usize])?
     };
     let colours: Vec<_> = canvas.pixels().map(colour).collect();
     canvas.paint(colours.into_iter());

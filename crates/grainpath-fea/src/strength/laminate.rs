@@ -16,7 +16,6 @@
 //! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
 //! ribbons cover, once for all layers with the same beads (`Repeated`).
 
-use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
 
 use grainpath_core::DVec2;
@@ -25,6 +24,8 @@ use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::segment;
 use grainpath_core::tuned::Tuned;
 use rayon::prelude::*;
+
+use super::joined_beads::{joined_mm, sides};
 
 /// A straight piece of bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +75,7 @@ pub(super) struct Repeated {
 
 /// A layer that other layers are copies of.
 pub(super) struct DistinctLayer {
-    height_mm: f64,
+    pub(super) height_mm: f64,
     /// Its paths, sorted by their ends. Open ones begin at the end with the lower coordinates, closed ones at their lowest
     /// corner: each layer may begin a loop somewhere else.
     paths: Vec<Vec<BeadPiece>>,
@@ -301,7 +302,7 @@ impl CellGrid {
     /// The neighbours of a cell and the directions to them; those that share a side come first.
     pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec2, usize)> {
         let (nx, ny) = (self.nx, self.ny);
-        let (i, j) = (cell % nx, cell / nx);
+        let [i, j] = self.place(cell);
         let all = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
         all.into_iter().filter_map(move |(di, dj)| {
             let (a, b) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
@@ -309,9 +310,14 @@ impl CellGrid {
         })
     }
 
+    /// Which cell this is along x and along y.
+    pub(super) fn place(&self, cell: usize) -> [usize; 2] {
+        [cell % self.nx, cell / self.nx]
+    }
+
     /// The middle of a cell, mm.
     pub fn centre(&self, cell: usize) -> DVec2 {
-        let (i, j) = (cell % self.nx, cell / self.nx);
+        let [i, j] = self.place(cell);
         self.low + self.cell_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
     }
 }
@@ -444,8 +450,11 @@ impl Laminate {
                     let joined = joined / t;
                     // How much the cells beside the beads hold, over this one: nothing where no layer fills them.
                     let beside = || {
-                        let sides = sides_mm(&grid, cell, direction(angle_rad), width_mm);
-                        sides.map(|at| held_at(&grid, &held, at) / f64::from(held[cell])).fold(1.0, f64::min)
+                        let sides = sides(&grid, direction(angle_rad), width_mm);
+                        let least = sides
+                            .map(|side| side.read(&grid, &held, grid.place(cell)))
+                            .fold(held[cell], f32::min);
+                        f64::from(least / held[cell])
                     };
                     let more = if joined < 1.0 { (1.0 - joined) * (1.0 - beside()) } else { 0.0 };
                     let joined = (joined + more).clamp(LEAST_JOINED, 1.0);
@@ -508,116 +517,13 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Ve
 }
 
 /// The mean width of the beads of some layers, mm.
-fn mean_width_mm(layers: &[DistinctLayer]) -> f64 {
+pub(super) fn mean_width_mm(layers: &[DistinctLayer]) -> f64 {
     let beads = layers.iter().flat_map(|l| l.paths.iter().flatten().map(move |b| (l, b)));
     let (area, length) = beads.fold((0.0, 0.0), |(area, length), (l, b)| {
         let long = l.copies * b.a.distance(b.b);
         (area + long * width(b, l.height_mm), length + long)
     });
     if length > 0.0 { area / length } else { 0.0 }
-}
-
-/// The two places at this distance on either side of a bead along `axis` through the middle of a cell, mm.
-fn sides_mm(grid: &CellGrid, cell: usize, axis: DVec2, off_mm: f64) -> impl Iterator<Item = DVec2> {
-    let (middle, across) = (grid.centre(cell), axis.perp() * off_mm);
-    [middle - across, middle + across].into_iter()
-}
-
-/// What cells hold at a place, linear between the middles of cells and nothing outside.
-fn held_at(grid: &CellGrid, held: &[f32], at_mm: DVec2) -> f64 {
-    let at = (at_mm - grid.low) / grid.cell_mm - 0.5;
-    // Rounding down to an integer is faster than to a number, which is a call on processors of the oldest kind.
-    let down = |v: f64| v as i64 - i64::from((v as i64) as f64 > v);
-    let (i, j) = (down(at.x), down(at.y));
-    let part = at - DVec2::new(i as f64, j as f64);
-    let mix = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
-        let row = |a: f64, b: f64| a * (1.0 - part.x) + b * part.x;
-        row(a, b) * (1.0 - part.y) + row(c, d) * part.y
-    };
-    let (nx, ny) = (grid.nx as i64, grid.ny as i64);
-    if i >= 0 && j >= 0 && i + 1 < nx && j + 1 < ny {
-        // Nearly every place lies between four cells.
-        let first = j as usize * grid.nx + i as usize;
-        let (low, high) = (&held[first..first + 2], &held[first + grid.nx..first + grid.nx + 2]);
-        return mix([low[0], low[1]].map(f64::from), [high[0], high[1]].map(f64::from));
-    }
-    let value = |i: i64, j: i64| {
-        let is_inside = (0..nx).contains(&i) && (0..ny).contains(&j);
-        if is_inside { f64::from(held[j as usize * grid.nx + i as usize]) } else { 0.0 }
-    };
-    mix([value(i, j), value(i + 1, j)], [value(i, j + 1), value(i + 1, j + 1)])
-}
-
-/// Places on each side of a bead, in bead widths from it, of which the emptiest tells whether the bead is joined. Source:
-/// derived. The middle of a cell may lie half a width off the bead's line; from there the first place still lies in a gap
-/// of half a width, and the last reaches past the bead.
-const BESIDE_WIDTHS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// A place beside a bead joins nothing when it is filled to less than this share, and all when filled to twice as much.
-/// Source: derived. Cells as wide as a bead are half filled where its edge runs through their middle.
-const GAP_FILL: f64 = 0.25;
-
-/// The thickness of each share of a layer that has material on both sides of its beads, in its own layer or in one beside
-/// it that rests on them, mm. `beside` are the layers below and above.
-fn joined_mm(
-    grid: &CellGrid,
-    n_fans: usize,
-    layers: &[DistinctLayer],
-    shares: &[Vec<Share>],
-    at: usize,
-    beside: [Option<usize>; 2],
-) -> Vec<f32> {
-    // How full each cell of a layer is, 0 to 1.
-    let filled = |k: usize| {
-        let mut filled = vec![0f32; grid.nx * grid.ny];
-        let height_mm = layers[k].height_mm as f32;
-        shares[k].iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
-        filled
-    };
-    let own = filled(at);
-    let width_mm = mean_width_mm(std::slice::from_ref(&layers[at]));
-    // Where no place beside a bead can lie in a gap, none is looked at: nearly everywhere in dense layers.
-    let reach = (width_mm / grid.cell_mm).ceil() as usize;
-    let is_dense = |cell: usize| {
-        let (i, j) = (cell % grid.nx, cell / grid.nx);
-        let is_inside = i >= reach && j >= reach && i + reach < grid.nx && j + reach < grid.ny;
-        is_inside
-            && (j - reach..=j + reach).all(|j| {
-                let row = &own[j * grid.nx + i - reach..=j * grid.nx + i + reach];
-                row.iter().all(|filled| f64::from(*filled) >= 2.0 * GAP_FILL)
-            })
-    };
-    // The least fill of the places beside a bead, which is `axis`.
-    let least = |filled: &[f32], cell: usize, axis: DVec2| {
-        // The places furthest away come first, as they lie in gaps most often. Below the fill of a gap no value counts.
-        let places = BESIDE_WIDTHS.into_iter().rev().flat_map(|w| sides_mm(grid, cell, axis, w * width_mm));
-        let mut least = f64::from(filled[cell]);
-        for at in places {
-            if least <= GAP_FILL {
-                break;
-            }
-            least = least.min(held_at(grid, filled, at));
-        }
-        least
-    };
-    let beside: Vec<(usize, OnceCell<Vec<f32>>)> =
-        beside.into_iter().flatten().map(|k| (k, OnceCell::new())).collect();
-    let most = |share: &Share| {
-        let cell = share.slot as usize / n_fans;
-        if is_dense(cell) {
-            return 1.0;
-        }
-        let axis = direction(0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1])));
-        let mut most = least(&own, cell, axis);
-        for (k, of_layer) in &beside {
-            if most >= 2.0 * GAP_FILL {
-                break;
-            }
-            most = most.max(least(of_layer.get_or_init(|| filled(*k)), cell, axis));
-        }
-        most
-    };
-    let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0) as f32;
-    shares[at].iter().map(joined).collect()
 }
 
 /// Passes in which overfull cells give to their neighbours. Measured: row `fea.strength.laminate.PASSES` of `cargo xtask
@@ -718,12 +624,12 @@ fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usi
     let (low, high) = (corners.iter().fold(f64::INFINITY, |m, p| m.min(p.y)), {
         corners.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.y))
     });
-    let whole = |v: f64, n: usize| (v.floor().max(0.0) as usize).min(n - 1);
+    let whole = |v: f64, n: usize| (v.max(0.0) as usize).min(n - 1);
     for j in whole(low, grid.ny)..=whole(high, grid.ny) {
         // The sides within the row: where each begins and ends along x, and how far it runs upwards.
-        let mut sides = [(0.0, 0.0, 0.0); 4];
+        let (mut sides, mut n_sides) = ([(0.0, 0.0, 0.0); 4], 0);
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (k, side) in sides.iter_mut().enumerate() {
+        for k in 0..4 {
             let (p, q) = (corners[k], corners[(k + 1) % 4]);
             let [begin, end] = [p.y, q.y].map(|y| y.clamp(j as f64, j as f64 + 1.0));
             if begin == end {
@@ -732,15 +638,17 @@ fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usi
             let slope = (q.x - p.x) / (q.y - p.y);
             let at = |y: f64| if y == q.y { q.x } else { p.x + (y - p.y) * slope };
             let (a, b) = (at(begin), at(end));
-            *side = (a.min(b), a.max(b), end - begin);
-            (from, to) = (from.min(side.0), to.max(side.1));
+            sides[n_sides] = (a.min(b), a.max(b), end - begin);
+            n_sides += 1;
+            (from, to) = (from.min(a.min(b)), to.max(a.max(b)));
         }
         if from > to || to < 0.0 || from > grid.nx as f64 {
             continue;
         }
         for i in whole(from, grid.nx)..=whole(to, grid.nx) {
             let left = i as f64;
-            let area: f64 = sides.iter().map(|(a, b, up)| up * mean_in_cell(a - left, b - left)).sum();
+            let area: f64 =
+                sides[..n_sides].iter().map(|(a, b, up)| up * mean_in_cell(a - left, b - left)).sum();
             if area > 0.0 {
                 each(j * grid.nx + i, area);
             }

@@ -18,6 +18,7 @@ pub mod squares;
 pub mod first_failure;
 pub mod grid_turn;
 mod fronts;
+mod joined_beads;
 pub mod laminate;
 mod load_stepping;
 pub mod plate_strength;

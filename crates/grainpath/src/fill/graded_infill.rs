@@ -481,21 +481,12 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
     for path in &mut *paths {
         divide(path);
     }
-    // The number of short pieces of each segment, and the cell and length of each piece. Places do not change while widths are
-    // fitted, and neither do the windows around vertices.
-    let (mut n_pieces, mut pieces): (Vec<usize>, Vec<(usize, f64)>) = (Vec::new(), Vec::new());
-    for path in &*paths {
-        for k in 0..path.n_segments() {
-            let (a, b, _) = path.segment(k);
-            let n = (a.distance(b) / (0.5 * cell_mm)).ceil().max(1.0);
-            for i in 0..n as usize {
-                let q = (a.lerp(b, (i as f64 + 0.5) / n) - origin) / cell_mm;
-                let (x, y) = (q.x.max(0.0) as usize, q.y.max(0.0) as usize);
-                pieces.push((y.min(ny - 1) * nx + x.min(nx - 1), a.distance(b) / n));
-            }
-            n_pieces.push(n as usize);
-        }
-    }
+    // Places do not change while widths are fitted, and neither do the windows around vertices.
+    let place = |p: DVec2| {
+        let q = ((p - origin) / cell_mm).max(DVec2::ZERO);
+        (q.y as usize).min(ny - 1) * nx + (q.x as usize).min(nx - 1)
+    };
+    let places = Places::of(paths.iter(), 0.5 * cell_mm, &place);
     let vertices = paths.iter().flat_map(|path| &path.points);
     let of_vertices: Vec<[u32; 4]> =
         vertices.map(|p| Sums::around([nx, ny], (*p - origin) / cell_mm, half)).collect();
@@ -503,14 +494,10 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
     let mut counted = (vec![0.0; nx * ny], None);
     for _ in 0..ROUNDS {
         let mut laid = vec![0.0; nx * ny];
-        let mut rest = &pieces[..];
-        let segments = paths.iter().flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k).2));
-        for (width, n) in segments.zip(&n_pieces) {
-            let (own, others) = rest.split_at(*n);
-            let strip_mm = bead_spacing_mm(width, h);
-            own.iter().for_each(|&(cell, mm)| laid[cell] += strip_mm * mm);
-            rest = others;
-        }
+        places.each(paths.iter(), |width, piece_mm, cells| {
+            let mm2 = bead_spacing_mm(width, h) * piece_mm;
+            cells.iter().for_each(|cell| laid[*cell as usize] += mm2);
+        });
         let laid = Sums::new([nx, ny], &laid);
         // The volume that each window asks for over the one that it holds, where it holds any.
         let mut short = vec![0.0; nx * ny];
@@ -524,9 +511,9 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
         }
         let short = Sums::new([nx, ny], &short);
         let counted = &*counted.1.get_or_insert_with(|| Sums::new([nx, ny], &counted.0));
-        let mut places = of_vertices.iter();
+        let mut around_vertices = of_vertices.iter();
         for path in &mut *paths {
-            let own = places.by_ref().take(path.points.len());
+            let own = around_vertices.by_ref().take(path.points.len());
             let BeadWidth::PerVertex(widths) = &mut path.width else { continue };
             for (around, width) in own.zip(widths) {
                 let n = counted.of(*around);
@@ -623,21 +610,20 @@ pub(crate) fn fit_layers(
     let in_area: Vec<bool> = asked.iter().map(|asked| *asked > 0.0).collect();
     let asked = in_windows(asked, n, half);
     // Beads stay where they are while their widths are fitted.
-    let places: Vec<Places> =
-        layers.par_iter().map(|l| Places::of(&l.paths, 0.5 * cell_mm, &place)).collect();
+    let places: Vec<Places> = layers
+        .par_iter()
+        .map(|l| Places::of(l.paths.iter().map(|path| &**path), 0.5 * cell_mm, &place))
+        .collect();
     // The windows that hold any volume are the same in nearly all rounds.
     let (mut holds, mut counted) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let laid = summed(layers, &|layers, first, laid| {
             for (layer, places) in layers.iter().zip(&places[first..]) {
-                let (h, mut cells) = (layer.height_mm, &places.pieces[..]);
-                let widths = layer.paths.iter().flat_map(|p| (0..p.n_segments()).map(|k| p.segment(k).2));
-                for (width, (length_mm, n)) in widths.zip(&places.segments) {
-                    let (own, others) = cells.split_at(*n as usize);
-                    let mm3 = (bead_spacing_mm(width, h) * h * length_mm / f64::from(*n)) as f32;
-                    own.iter().for_each(|cell| laid[*cell as usize] += mm3);
-                    cells = others;
-                }
+                let h = layer.height_mm;
+                places.each(layer.paths.iter().map(|path| &**path), |width, piece_mm, cells| {
+                    let mm3 = (bead_spacing_mm(width, h) * h * piece_mm) as f32;
+                    cells.iter().for_each(|cell| laid[*cell as usize] += mm3);
+                });
             }
         });
         let laid = in_windows(laid, n, half);
@@ -675,9 +661,9 @@ pub(crate) fn fit_layers(
 /// Adds what layers of one slab hold to its cells; the number is the index of the first of them.
 type AddLayers<'a> = dyn Fn(&[FittedLayer<'_>], usize, &mut [f32]) + Sync + 'a;
 
-/// The cells of a slab that the beads of a layer lie in.
+/// The cells of a grid that beads lie in.
 struct Places {
-    /// Length of each segment of each bead, mm, and the number of pieces it is divided into.
+    /// Length of the pieces of each segment of each bead, mm, and the number of pieces.
     segments: Vec<(f64, u32)>,
     /// The cell of the middle of each piece.
     pieces: Vec<u32>,
@@ -685,17 +671,36 @@ struct Places {
     vertices: Vec<u32>,
 }
 
+/// The segments of beads, one after the other.
+fn segments_of<'a>(paths: impl Iterator<Item = &'a Toolpath>) -> impl Iterator<Item = (DVec2, DVec2, f64)> {
+    paths.flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k)))
+}
+
 impl Places {
     /// The cells of beads; a piece is at most `piece_mm` long, and `place` tells the cell of a point.
-    fn of(paths: &[&mut Toolpath], piece_mm: f64, place: &dyn Fn(DVec2) -> usize) -> Self {
+    fn of<'a>(
+        paths: impl Iterator<Item = &'a Toolpath> + Clone,
+        piece_mm: f64,
+        place: &dyn Fn(DVec2) -> usize,
+    ) -> Self {
         let (mut segments, mut pieces) = (Vec::new(), Vec::new());
-        for (a, b, _) in paths.iter().flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k))) {
+        for (a, b, _) in segments_of(paths.clone()) {
             let n = (a.distance(b) / piece_mm).ceil().max(1.0);
             pieces.extend((0..n as usize).map(|i| place(a.lerp(b, (i as f64 + 0.5) / n)) as u32));
-            segments.push((a.distance(b), n as u32));
+            segments.push((a.distance(b) / n, n as u32));
         }
-        let vertices = paths.iter().flat_map(|path| &path.points).map(|p| place(*p) as u32).collect();
+        let vertices = paths.flat_map(|path| &path.points).map(|p| place(*p) as u32).collect();
         Self { segments, pieces, vertices }
+    }
+
+    /// Calls `add` with the width of each segment of the same beads, the length of its pieces, mm, and their cells.
+    fn each<'a>(&self, paths: impl Iterator<Item = &'a Toolpath>, mut add: impl FnMut(f64, f64, &[u32])) {
+        let mut rest = &self.pieces[..];
+        for ((.., width), (piece_mm, n)) in segments_of(paths).zip(&self.segments) {
+            let (own, others) = rest.split_at(*n as usize);
+            add(width, *piece_mm, own);
+            rest = others;
+        }
     }
 }
 

@@ -265,7 +265,8 @@ impl DensityMap {
         for (dz, dy, dx) in
             (-1..=0).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| (z, y, x))))
         {
-            if (dz, dy, dx) < (0, 0, 0) {
+            // A map that is the same at all heights has no nodes below.
+            if (dz, dy, dx) < (0, 0, 0) && (dz == 0 || nz > 1) {
                 let mm = (DVec3::new(f64::from(dx), f64::from(dy), f64::from(dz)) * self.cell_mm).length();
                 before.push(([dx as isize, dy as isize, dz as isize], STEEPEST * mm));
             }
