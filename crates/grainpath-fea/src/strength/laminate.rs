@@ -49,6 +49,9 @@ pub struct BeadSheet {
     pub beads: Vec<BeadPiece>,
 }
 
+/// The neighbours of a cell, by how far they lie along x and y; those that share a side come first.
+const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+
 /// Square cells over a rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellGrid {
@@ -303,8 +306,7 @@ impl CellGrid {
     pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec2, usize)> {
         let (nx, ny) = (self.nx, self.ny);
         let [i, j] = self.place(cell);
-        let all = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-        all.into_iter().filter_map(move |(di, dj)| {
+        AROUND.into_iter().filter_map(move |(di, dj)| {
             let (a, b) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
             (a < nx && b < ny).then_some((DVec2::new(di as f64, dj as f64), b * nx + a))
         })
@@ -544,18 +546,25 @@ const LEAST_TAKING: f32 = 0.02;
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     let mut asked = vec![0f32; held.len()];
     let nearly = 2.0 - OVERFULL.value();
+    // The outermost cells hold nothing (`CellGrid::over`), so every cell that gives has all its neighbours.
+    let inner = |j: usize| (j * grid.nx + 1)..((j + 1) * grid.nx - 1);
+    let around = AROUND.map(|(di, dj)| dj * grid.nx as isize + di);
+    // Each gift: the giver's place in `over`, the receiver, and the thickness.
+    let (mut over, mut gifts): (Vec<usize>, Vec<(u32, u32, f32)>) = (Vec::new(), Vec::new());
+    // What each giver holds before it gives: most cells hold beads of one or two directions.
+    let (mut owned, mut givers): (Vec<(usize, [f32; 3])>, Vec<(usize, f32)>) = (Vec::new(), Vec::new());
     for _ in 0..PASSES.value() {
-        let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * OVERFULL.value()).collect();
+        over.clear();
+        over.extend((1..grid.ny - 1).flat_map(inner).filter(|&c| held[c] > full * OVERFULL.value()));
         if over.is_empty() {
             return;
         }
-        // Each gift: the giver's place in `over`, the receiver, and the thickness.
-        let mut gifts: Vec<(usize, usize, f32)> = Vec::new();
+        gifts.clear();
         for (i, &cell) in over.iter().enumerate() {
             let excess = held[cell] - full;
             // The neighbours that take, and how much room each has.
             let (mut near, mut n) = ([(0, 0.0); 8], 0);
-            for (_, other) in grid.around(cell) {
+            for other in around.map(|off| cell.wrapping_add_signed(off)) {
                 let held = held[other];
                 // Empty neighbours lie outside the part, and no material leaves the part.
                 if held > full * LEAST_TAKING {
@@ -570,42 +579,44 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
                 let share = (excess / space).min(1.0);
                 for &(other, free) in near.iter().filter(|(_, free)| *free > 0.0) {
                     asked[other] += share * free;
-                    gifts.push((i, other, share * free));
+                    gifts.push((i as u32, other as u32, share * free));
                 }
             } else {
                 // If no neighbour has free space, half of the excess is spread over all; a later pass moves it on.
-                gifts.extend(near.iter().map(|(other, _)| (i, *other, 0.5 * excess / n as f32)));
+                let gift = 0.5 * excess / n as f32;
+                gifts.extend(near.iter().map(|(other, _)| (i as u32, *other as u32, gift)));
             }
         }
         // A cell that is asked to take more than it has room for takes the same share of each gift.
         for (_, other, gift) in &mut gifts {
-            let free = full - held[*other];
-            if asked[*other] > free && free > 0.0 {
-                *gift *= free / asked[*other];
+            let free = full - held[*other as usize];
+            if asked[*other as usize] > free && free > 0.0 {
+                *gift *= free / asked[*other as usize];
             }
         }
-        // What each giver holds before it gives: most cells hold beads of one or two directions.
-        let mut owned: Vec<(usize, [f32; 3])> = Vec::new();
-        let mut givers: Vec<(usize, f32)> = Vec::with_capacity(over.len());
+        owned.clear();
+        givers.clear();
         for &cell in &over {
             let own = fans[cell * n_fans..(cell + 1) * n_fans].iter().enumerate();
             owned.extend(own.filter(|(_, fan)| **fan != [0.0; 3]).map(|(k, fan)| (k, *fan)));
             givers.push((owned.len(), held[cell]));
         }
         for of_giver in gifts.chunk_by(|a, b| a.0 == b.0) {
-            let i = of_giver[0].0;
+            let i = of_giver[0].0 as usize;
             let (cell, (end, before)) = (over[i], givers[i]);
             let owned = &owned[if i > 0 { givers[i - 1].0 } else { 0 }..end];
+            let mut given = 0.0;
             for &(_, other, gift) in of_giver {
+                let (other, share) = (other as usize, gift / before);
                 for (k, own) in owned {
                     let to = &mut fans[other * n_fans + k];
-                    to.iter_mut().zip(own).for_each(|(to, own)| *to += own * (gift / before));
+                    to.iter_mut().zip(own).for_each(|(to, own)| *to += own * share);
                 }
                 held[other] += gift;
                 asked[other] = 0.0;
+                given += gift;
             }
             // The giver loses at once what all its gifts took from what it held before.
-            let given: f32 = of_giver.iter().map(|(.., gift)| gift).sum();
             for (k, own) in owned {
                 let from = &mut fans[cell * n_fans + k];
                 from.iter_mut().zip(own).for_each(|(from, own)| *from -= own * (given / before));
