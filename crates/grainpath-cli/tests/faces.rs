@@ -214,7 +214,12 @@ fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
                 number(&seen["stress"]["loads"][0]["area_mm2"]),
                 number(&seen["stress"]["max_displacement_mm"]),
             ];
-            let first = *unturned.get_or_insert(found);
+            let elements = number(&seen["stress"]["elements"]);
+            let (first, of_first) = *unturned.get_or_insert((found, elements));
+            assert!(
+                analysis == "solid" || elements == of_first,
+                "{turn_deg}: {elements}, {of_first} triangles"
+            );
             for (value, wanted) in found.iter().zip(first) {
                 assert!(
                     (value / wanted - 1.0).abs() < tolerance,
@@ -222,6 +227,34 @@ fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
                 );
             }
         }
+    }
+}
+
+/// Where the triangles of the stress or the nodes of its directions do not turn with a part, its seed lines are others: the
+/// first failure of this bar then moves by a third.
+#[test]
+fn seed_lines_turn_with_the_part() {
+    let dir = folder("faces-seed-lines");
+    std::fs::write(dir.join("bar.stl"), box_stl([60.0, 12.0, 2.0])).expect("a mesh");
+    let found = [0.0, 15.0, 37.0, 90.0].map(|turn_deg| {
+        let job = format!(
+            "[shape]\nmesh = \"bar.stl\"\nrotate_deg = [0, 0, {turn_deg}]\n[fill]\npattern = \"seed-lines\"\n\
+             [process]\nlayer_height_mm = 0.4\nwalls = 1\n\
+             [guide]\nkind = \"stress\"\nframe = \"part\"\nfollow = \"tension\"\n\
+             [[guide.fixture]]\non = {{ box_mm = [[0, 0, 0], [2, 0, 2]] }}\nfix = \"xyz\"\n\
+             [[guide.fixture]]\non = {{ box_mm = [[58, 0, 0], [60, 0, 2]] }}\nfix = \"yz\"\n\
+             [[guide.load]]\non = {{ box_mm = [[28, 12, 0], [32, 12, 2]] }}\nforce_n = [0, -50, 0]\n\
+             [output]\ngcode = \"bar.gcode\"\n"
+        );
+        std::fs::write(dir.join("job.toml"), job).expect("a job");
+        let seen = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+        let number = |v: &Value| v.as_f64().unwrap_or_else(|| panic!("{turn_deg}: {seen}"));
+        [number(&seen["quality"]["gap"]), number(&seen["reserve"]["first_failure"][1])]
+    });
+    println!("{found:?}");
+    for [gap, reserve] in &found {
+        assert!((gap - found[0][0]).abs() < 0.003, "{found:?}");
+        assert!((reserve / found[0][1] - 1.0).abs() < 0.03, "{found:?}");
     }
 }
 

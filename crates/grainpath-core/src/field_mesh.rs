@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
+use crate::math::{rotated, turned_back};
 use crate::poly::{Join, LineClipper};
 use crate::{DVec2, Region, lanes};
 
@@ -34,6 +35,9 @@ pub struct FieldMesh {
     pub nodes: Vec<DVec2>,
     /// Side of a square of the grid, mm.
     pub cell_mm: f64,
+    /// Unit vector along the rows of the grid.
+    along: DVec2,
+    /// The first place of the grid, in a frame whose X axis is `along`.
     origin: DVec2,
     nx: usize,
     ny: usize,
@@ -81,6 +85,12 @@ pub struct Triangle {
 impl FieldMesh {
     /// Covers the region with a margin of one and a half cells; `None` for an empty region.
     pub fn over(region: &Region, cell_mm: f64) -> Option<Self> {
+        Self::along(region, cell_mm, DVec2::X)
+    }
+
+    /// [`FieldMesh::over`] on a grid whose rows lie along a unit vector.
+    pub fn along(region: &Region, cell_mm: f64, along: DVec2) -> Option<Self> {
+        let region = &region.turned(DVec2::new(along.x, -along.y));
         let bounds = region.bounds()?;
         let size = bounds.size();
         // The first line limits the places in the bounding box, of which a thin diagonal region fills
@@ -102,12 +112,12 @@ impl FieldMesh {
             for i in 0..nx {
                 if inside.contains(place(i, j)) {
                     index[j * nx + i] = nodes.len() as u32;
-                    nodes.push(place(i, j));
+                    nodes.push(rotated(place(i, j), along));
                 }
             }
         }
         let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
-        let mut mesh = Self { nodes, cell_mm, origin, nx, ny, index, edges, runs, triangles };
+        let mut mesh = Self { nodes, cell_mm, along, origin, nx, ny, index, edges, runs, triangles };
         mesh.connect();
         Some(mesh)
     }
@@ -125,7 +135,7 @@ impl FieldMesh {
     /// The nodes around a point and their interpolation weights, which add up to 1. Missing nodes get weight
     /// zero; far outside the mesh, the nearest node alone has weight 1.
     pub fn around(&self, p: DVec2) -> ([u32; 4], [f64; 4]) {
-        let q = (p - self.origin) / self.cell_mm;
+        let q = (turned_back(p, self.along) - self.origin) / self.cell_mm;
         // The position is kept a little below the last node, so that the upper corners of its square exist.
         let clamp = |v: f64, n: usize| v.clamp(0.0, n as f64 - 1.001);
         let q = DVec2::new(clamp(q.x, self.nx), clamp(q.y, self.ny));
@@ -316,6 +326,28 @@ impl<'a> GridMatrix<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mesh_turns_with_its_region() {
+        let l = Region::rectangle(DVec2::ZERO, DVec2::new(7.0, 5.0))
+            .difference(&Region::rectangle(DVec2::new(3.0, 2.0), DVec2::new(8.0, 6.0)));
+        let mesh = FieldMesh::over(&l, 0.7).expect("a mesh");
+        for deg in [15.0, 37.0, 90.0, 200.0_f64] {
+            let by = crate::math::direction(deg.to_radians());
+            let turned = FieldMesh::along(&l.turned(by), 0.7, by).expect("a mesh");
+            assert_eq!(
+                (turned.nodes.len(), turned.edges.len()),
+                (mesh.nodes.len(), mesh.edges.len()),
+                "{deg}"
+            );
+            for p in [DVec2::new(0.3, 0.2), DVec2::new(6.1, 1.4), DVec2::new(2.9, 4.8), DVec2::new(-3.0, 9.0)]
+            {
+                let ((nodes, shares), (of_turned, their)) = (mesh.around(p), turned.around(rotated(p, by)));
+                assert_eq!(nodes, of_turned, "{deg}");
+                assert!(shares.iter().zip(their).all(|(a, b)| (a - b).abs() < 1e-9), "{deg}");
+            }
+        }
+    }
 
     #[test]
     fn products_hold_every_entry_once_for_either_end_of_its_edge() {

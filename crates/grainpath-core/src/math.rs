@@ -19,6 +19,11 @@ pub fn direction(angle_rad: f64) -> DVec2 {
     DVec2::new(c, s)
 }
 
+/// `p` turned clockwise by the angle whose unit vector is `by`: what [`rotated`] turned is turned back.
+pub fn turned_back(p: DVec2, by: DVec2) -> DVec2 {
+    rotated(p, DVec2::new(by.x, -by.y))
+}
+
 /// `p` turned counter-clockwise by the angle whose unit vector is `by` (see [`direction`]).
 pub fn rotated(p: DVec2, by: DVec2) -> DVec2 {
     DVec2::new(p.x * by.x - p.y * by.y, p.x * by.y + p.y * by.x)

@@ -34,7 +34,7 @@ pub use straight_strip::{StraightStrip, straight_strip};
 pub use stretch::stretched_to;
 pub use tangle::crosses_more_than;
 
-use crate::math::cross;
+use crate::math::{cross, rotated};
 
 /// The grid that booleans and offsets round to, mm. Source: derived: a tenth of the last digit of a
 /// G-code coordinate, 1 um, so that rounding to the grid does not show in a program.
@@ -180,6 +180,14 @@ impl Region {
     /// All contours: each polygon's outline followed by its holes.
     pub fn contours(&self) -> impl Iterator<Item = &Contour> {
         self.polygons.iter().flat_map(Polygon::contours)
+    }
+
+    /// The region turned about zero, counter-clockwise by the angle whose unit vector is `by`.
+    pub fn turned(&self, by: DVec2) -> Self {
+        let contour = |c: &Contour| c.iter().map(|p| rotated(*p, by)).collect();
+        let polygon =
+            |p: &Polygon| Polygon { outer: contour(&p.outer), holes: p.holes.iter().map(contour).collect() };
+        Self { polygons: self.polygons.iter().map(polygon).collect() }
     }
 
     /// Area in mm2, without the holes.

@@ -44,6 +44,8 @@ pub struct DirectionSettings {
     pub tangent: bool,
     /// Distance between the field's nodes, mm.
     pub cell_mm: f64,
+    /// Unit vector along the rows of the nodes.
+    pub rows: DVec2,
     /// Whether to find the degenerate points of the layer.
     pub find_degenerate: bool,
 }
@@ -88,7 +90,7 @@ impl<'a> StressedSection<'a> {
         free: &dyn Fn(DVec3) -> bool,
         settings: &DirectionSettings,
     ) -> Self {
-        let mesh = FieldMesh::over(region, settings.cell_mm).map(Arc::new);
+        let mesh = FieldMesh::along(region, settings.cell_mm, settings.rows).map(Arc::new);
         let nodes = mesh.as_ref().map_or(&[][..], |m| &m.nodes);
         let stresses =
             nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();

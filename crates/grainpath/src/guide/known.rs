@@ -17,6 +17,7 @@ use grainpath_fea::load_case::BoundaryConditions;
 
 use super::plane::constant_section;
 use super::{Follow, GuideError, GuidedPart, Solved, StressSettings};
+use crate::shape::Standing;
 use grainpath_job::choices::Analysis;
 
 /// The stress of the last part that was solved.
@@ -30,6 +31,7 @@ pub struct KnownStress {
 struct Known {
     settings: StressSettings,
     mesh: TriMesh,
+    standing: Standing,
     section: Option<Region>,
     conditions: BoundaryConditions,
     solved: Solved,
@@ -81,6 +83,7 @@ impl KnownStress {
             known.settings == settings
                 && known.conditions == *conditions
                 && known.section == section
+                && known.standing == part.standing
                 && known.mesh == *part.mesh
         };
         if let Some(known) = last.filter(|known| is_same(known)) {
@@ -94,7 +97,8 @@ impl KnownStress {
         self.solved.fetch_add(1, Ordering::Relaxed);
         let warnings = diagnostics.warnings().into_iter().filter(|w| !before.contains(w)).collect();
         let (mesh, conditions) = (part.mesh.clone(), conditions.clone());
-        let known = Known { settings, mesh, section, conditions, solved: solved.clone(), warnings };
+        let standing = part.standing;
+        let known = Known { settings, mesh, standing, section, conditions, solved: solved.clone(), warnings };
         *self.last() = Some(Arc::new(known));
         Ok(solved)
     }

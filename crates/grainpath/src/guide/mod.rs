@@ -47,7 +47,7 @@ use grainpath_job::loads::{self, Place, Push};
 pub use plane::NotPlate;
 pub(crate) use plane::{check_flat, is_plate};
 
-use crate::shape::Standing;
+use crate::shape::{SliceSettings, Standing};
 pub use inside::{ResultVolume, StressLine};
 pub use known::KnownStress;
 use mix::{Family, Fields, LAYERS_OF_A_MIX, mixes_of};
@@ -565,6 +565,8 @@ pub struct GuidedPart<'a> {
     pub stack: &'a LayerStack,
     /// Position and rotation of the part on the plate.
     pub standing: Standing,
+    /// How its layers were cut.
+    pub slicing: SliceSettings,
     /// Stress of an earlier run, which is used again if part and loads are the same.
     pub known: Option<&'a KnownStress>,
 }
@@ -753,6 +755,7 @@ fn lay_directions(
         smoothing_mm: settings.smoothing_mm,
         tangent: settings.tangent,
         cell_mm: settings.cell_mm,
+        rows: part.standing.plan_axis(),
         find_degenerate: solved.summary.degenerate.is_none(),
     };
     let section = |i: usize| {

@@ -17,7 +17,8 @@
 
 use std::sync::Arc;
 
-use grainpath_core::{DVec2, DVec3, LayerStack, Region};
+use grainpath_core::math::{rotated, turned_back};
+use grainpath_core::{DVec2, DVec3, LayerStack, Region, TriMesh};
 use grainpath_fea::load_case::{BoundaryConditions, LoadCase, PartOfHeight};
 use grainpath_fea::plane::{PlaneProblem, PlaneStress, PlaneSystem, Plate, mesh_region};
 use grainpath_fea::resultant::CaseBalance;
@@ -27,6 +28,7 @@ use super::{
     CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSettings, StressSummary,
     degenerate_points,
 };
+use crate::shape::sections_at;
 
 /// Two sections count as equal if they differ by at most this share of their area.
 const SAME_SECTION: f64 = 2e-3;
@@ -106,10 +108,12 @@ pub(super) fn solve(
 ) -> Result<Solved, GuideError> {
     let section = constant_section(part.stack).ok_or(NotPlate::Section)?;
     check_flat(section, conditions)?;
+    let rows = part.standing.plan_axis();
     // Sections from slicing have many short edges, and each would force small triangles.
-    let section = section.simplified(SIMPLIFY_MM);
+    let section = turned_back_section(part, section, rows).simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));
-    let mesh = mesh_region(&section, longest, 0.05 * longest)?;
+    let mut mesh = mesh_region(&section, longest, 0.05 * longest)?;
+    mesh.nodes.iter_mut().for_each(|p| *p = rotated(*p, rows));
     let plate = Plate::new(&mesh, conditions);
     let holds = plate.holds()?;
     let c = settings.material.plane_stress(settings.bead_axis_rad)?;
@@ -166,6 +170,24 @@ pub(super) fn solve(
         stresses.push(CaseStress { name: case.name.clone(), weight: case.weight, stress: Arc::new(stress) });
     }
     Ok(Solved { cases: stresses, results, summary, constant: true })
+}
+
+/// The section of a plate, turned back until `rows` lie along X: a part that is turned on the plate gets the triangles of one
+/// that is not. It is cut from the turned mesh, because the corners of a section are rounded, and triangles follow from the
+/// last digits of corners. Layers that are no cuts of the mesh are turned themselves.
+fn turned_back_section(part: &GuidedPart<'_>, section: &Region, rows: DVec2) -> Region {
+    if rows == DVec2::X {
+        return section.clone();
+    }
+    let turned = section.turned(DVec2::new(rows.x, -rows.y));
+    let layers = part.stack.layers();
+    let Some(middle) = layers.get(layers.len() / 2) else { return turned };
+    let vertices = part.mesh.vertices.iter().map(|p| turned_back(p.truncate(), rows).extend(p.z)).collect();
+    let mesh = TriMesh { vertices, triangles: part.mesh.triangles.clone() };
+    let z_mm = middle.z_top_mm() - 0.5 * middle.height_mm();
+    let cut = sections_at(&mesh, &[z_mm], &part.slicing).pop().unwrap_or_default();
+    let off = cut.difference(&turned).area_mm2() + turned.difference(&cut).area_mm2();
+    if off > SAME_SECTION * turned.area_mm2() { turned } else { cut }
 }
 
 /// Default edge length of an element, which gives about ten thousand triangles for a simple section.

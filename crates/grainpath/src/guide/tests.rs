@@ -139,6 +139,7 @@ fn layer_of(region: &Region, stress: impl Fn(DVec2) -> [f64; 3] + Send + Sync + 
         smoothing_mm: 1.0,
         tangent: false,
         cell_mm: 0.45,
+        rows: DVec2::X,
         find_degenerate: true,
     };
     let cases = [case];
@@ -216,6 +217,7 @@ fn mix_of(cases: &[(f64, [f64; 3])], card: &StrengthCard) -> Vec<usize> {
         smoothing_mm: 1.0,
         tangent: false,
         cell_mm: 1.0,
+        rows: DVec2::X,
         find_degenerate: false,
     };
     let families = Family::of_cases(cases.len(), card);

@@ -252,6 +252,12 @@ mod tests {
     use crate::order::Island;
     use grainpath_core::{Layer, Toolpath};
 
+    /// Densities from 0.1 to 0.5 by the stress, in these areas of the layers beside other areas.
+    fn asked_by_stress<'a>(map: &'a DensityMap, areas: &'a [Region]) -> AskedDensity<'a> {
+        let by = DensityBy::Stress;
+        AskedDensity { map, range: [0.1, 0.5], by, fall_mm: 0.0, areas, beside_others: true }
+    }
+
     #[test]
     fn cells_compare_what_is_laid_with_what_is_asked_for() {
         let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
@@ -259,14 +265,7 @@ mod tests {
         let stack = LayerStack::new((0..25).map(layer).collect()).expect("a stack");
         let map = DensityMap::new(DVec3::ZERO, DVec3::new(20.0, 10.0, 5.0), 1.0, true, |_| 0.25);
         let areas = vec![section(); 25];
-        let asked = AskedDensity {
-            map: &map,
-            range: [0.1, 0.5],
-            by: DensityBy::Stress,
-            fall_mm: 0.0,
-            areas: &areas,
-            beside_others: true,
-        };
+        let asked = asked_by_stress(&map, &areas);
         // Lines 1 mm apart with a strip of 0.25 mm on the left half, none on the right.
         let width = grainpath_core::units::bead_width_mm(0.25, 0.2);
         let line = |k: usize| {
@@ -302,14 +301,7 @@ mod tests {
         let layers =
             [LayerPaths { islands: vec![Island { walls: Vec::new(), fills }], ..LayerPaths::default() }];
         let areas = [Region::rectangle(DVec2::ZERO, DVec2::new(border_mm, 5.0))];
-        let asked = AskedDensity {
-            map: &map,
-            range: [0.1, 0.5],
-            by: DensityBy::Stress,
-            fall_mm: 0.0,
-            areas: &areas,
-            beside_others: true,
-        };
+        let asked = asked_by_stress(&map, &areas);
         let found = LaidDensity::measure(&asked, &stack, &layers);
         assert!(found.cells == 2 && found.worst_error < 0.02, "{found:?}");
     }

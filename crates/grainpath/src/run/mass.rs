@@ -166,7 +166,7 @@ impl Steps<'_> {
             // Outside this range the mass is no longer proportional to the density: a line appears or
             // the infill becomes dense.
             if self.graded.is_some() {
-                // The sampled layers have to change as all layers should. These steps together cost half a step over all.
+                // The sampled layers have to change as all layers should.
                 let before = if self.leans() {
                     of_sampled(from)
                 } else {

@@ -186,7 +186,8 @@ pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostic
     warn_of_deck(deck.as_ref(), diagnostics);
     let loads = config::loads(&settings, deck.as_ref());
     let conditions = guide::boundary_conditions(&loads, &mesh, &standing)?;
-    let part = GuidedPart { mesh: &mesh, stack: &stack, standing, known: known.as_deref() };
+    let slicing = config::slicing(&settings);
+    let part = GuidedPart { mesh: &mesh, stack: &stack, standing, slicing, known: known.as_deref() };
     let wanted = config::stress(&settings, deck.as_ref()).expect("the kind is stress");
     Ok(guide::solved_only(&wanted, &part, &conditions, stress, diagnostics)?)
 }
@@ -551,7 +552,8 @@ fn plan_stack(
     // The strength test runs on the finished program. Its setup keeps the data that it needs from the mesh.
     let test_setup = || TestSetup::new(&config::strength(settings), &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test_setup).transpose()?;
-    let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, known: source.known.as_deref() };
+    let (slicing, known) = (config::slicing(settings), source.known.as_deref());
+    let guided = GuidedPart { mesh: &mesh, stack: &stack, standing, slicing, known };
     let stress_settings = config::stress(settings, deck.as_ref());
     config::warn_of_mix(settings, deck.as_ref(), diagnostics);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);

@@ -43,6 +43,14 @@ impl Standing {
         self.scale == 1.0 && self.rotation == DMat3::IDENTITY
     }
 
+    /// Unit vector in the plane of the layers along which the X axis of the file lies, or its Y axis where X stands upright:
+    /// grids along it turn with the part.
+    pub fn plan_axis(&self) -> DVec2 {
+        // Of the two, one lies at least half in the plane.
+        let [x, y] = [self.rotation.x_axis, self.rotation.y_axis].map(DVec3::truncate);
+        if x.length_squared() >= 0.5 { x } else { y }.normalize_or(DVec2::X)
+    }
+
     /// The shift after scale and rotation, mm.
     pub fn shift(&self) -> DVec3 {
         DVec3::new(0.0, 0.0, -self.lowered_mm)

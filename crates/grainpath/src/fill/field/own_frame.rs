@@ -11,9 +11,9 @@
 //! field has none either, any frame is as good as another. Lengths are in mm. Cost: linear in the vertices, and up to
 //! [`SAMPLES`] squared samples of the field for each of the `k` axes.
 
-use grainpath_core::math::{atan2, cross, direction, rotated};
+use grainpath_core::math::{atan2, cross, direction, rotated, turned_back};
 use grainpath_core::poly::{LineClipper, edges};
-use grainpath_core::{Bounds2, Contour, DVec2, Polygon, Region};
+use grainpath_core::{Bounds2, DVec2, Region};
 
 /// Powers of the moments that are tried. Source: derived. A region that turns into itself by a fifth of a turn or by less
 /// than a sixth is as good as round.
@@ -62,7 +62,7 @@ impl OwnFrame {
 
     /// A place or vector of the layer, as the frame sees it.
     pub(super) fn seen(self, p: DVec2) -> DVec2 {
-        rotated(p, DVec2::new(self.x.x, -self.x.y))
+        turned_back(p, self.x)
     }
 
     /// A place or vector of the frame, back in the layer.
@@ -72,10 +72,7 @@ impl OwnFrame {
 
     /// A region of the layer, as the frame sees it.
     pub(super) fn seen_region(self, region: &Region) -> Region {
-        let contour = |c: &Contour| c.iter().map(|p| self.seen(*p)).collect::<Contour>();
-        let polygon =
-            |p: &Polygon| Polygon { outer: contour(&p.outer), holes: p.holes.iter().map(contour).collect() };
-        Region { polygons: region.polygons.iter().map(polygon).collect() }
+        region.turned(DVec2::new(self.x.x, -self.x.y))
     }
 
     /// An axis of the layer, as the frame sees it, with the sign that belongs to the frame.
@@ -197,6 +194,8 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
+    use grainpath_core::Polygon;
+
     use super::*;
 
     /// The angle of the frame of a shape that is turned with a straight field, radians.
