@@ -230,15 +230,21 @@ fn a_box_that_ends_on_the_faces_of_a_part_catches_them_however_it_is_turned() {
     }
 }
 
-/// Where the triangles of the stress or the nodes of its directions do not turn with a part, its seed lines are others: the
-/// first failure of this bar then moves by a third.
+/// Where the triangles of the stress, the nodes of its directions or those of the phase do not turn with a part, its lines are
+/// others: the first failure of this bar then moved by a half with seed lines, and by 3 % with stripes.
 #[test]
-fn seed_lines_turn_with_the_part() {
-    let dir = folder("faces-seed-lines");
+fn lines_along_the_stress_turn_with_the_part() {
+    for (pattern, tolerance) in [("seed-lines", 0.03), ("stripes", 0.015)] {
+        turned_alike(pattern, tolerance);
+    }
+}
+
+fn turned_alike(pattern: &str, tolerance: f64) {
+    let dir = folder(&format!("faces-{pattern}"));
     std::fs::write(dir.join("bar.stl"), box_stl([60.0, 12.0, 2.0])).expect("a mesh");
     let found = [0.0, 15.0, 37.0, 90.0].map(|turn_deg| {
         let job = format!(
-            "[shape]\nmesh = \"bar.stl\"\nrotate_deg = [0, 0, {turn_deg}]\n[fill]\npattern = \"seed-lines\"\n\
+            "[shape]\nmesh = \"bar.stl\"\nrotate_deg = [0, 0, {turn_deg}]\n[fill]\npattern = \"{pattern}\"\n\
              [process]\nlayer_height_mm = 0.4\nwalls = 1\n\
              [guide]\nkind = \"stress\"\nframe = \"part\"\nfollow = \"tension\"\n\
              [[guide.fixture]]\non = {{ box_mm = [[0, 0, 0], [2, 0, 2]] }}\nfix = \"xyz\"\n\
@@ -251,10 +257,10 @@ fn seed_lines_turn_with_the_part() {
         let number = |v: &Value| v.as_f64().unwrap_or_else(|| panic!("{turn_deg}: {seen}"));
         [number(&seen["quality"]["gap"]), number(&seen["reserve"]["first_failure"][1])]
     });
-    println!("{found:?}");
+    println!("{pattern}: {found:?}");
     for [gap, reserve] in &found {
         assert!((gap - found[0][0]).abs() < 0.003, "{found:?}");
-        assert!((reserve / found[0][1] - 1.0).abs() < 0.03, "{found:?}");
+        assert!((reserve / found[0][1] - 1.0).abs() < tolerance, "{pattern}: {found:?}");
     }
 }
 

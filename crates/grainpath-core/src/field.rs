@@ -3,7 +3,7 @@
 //! A direction has no sign: an axis and its opposite are the same, so angles are in `[0, pi)`.
 //! Fields are evaluated at points in part coordinates (mm) and have a value everywhere, even outside the part.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The value of a direction field at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +40,12 @@ pub trait DirectionField: Send + Sync {
     /// The spacing of beads that the field asks for at `p`, mm; `None` if the infill density determines it.
     fn spacing_mm(&self, _p: DVec3) -> Option<f64> {
         None
+    }
+
+    /// Unit vector along which the rows of grids over the field lie. A field that turns with its part turns this too, so that
+    /// what is computed on a grid is the same however the part lies.
+    fn rows(&self) -> DVec2 {
+        DVec2::X
     }
 }
 

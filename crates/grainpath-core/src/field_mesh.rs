@@ -36,7 +36,7 @@ pub struct FieldMesh {
     /// Side of a square of the grid, mm.
     pub cell_mm: f64,
     /// Unit vector along the rows of the grid.
-    along: DVec2,
+    pub along: DVec2,
     /// The first place of the grid, in a frame whose X axis is `along`.
     origin: DVec2,
     nx: usize,

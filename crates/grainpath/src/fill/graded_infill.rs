@@ -388,6 +388,10 @@ impl DirectionField for Spaced<'_> {
     fn spacing_mm(&self, p: DVec3) -> Option<f64> {
         Some(self.spacing_mm / self.map.at(p))
     }
+
+    fn rows(&self) -> DVec2 {
+        self.field.rows()
+    }
 }
 
 /// Lays lines along the field: evenly spaced streamlines, and stripes where the density is high.

@@ -340,4 +340,8 @@ impl DirectionField for Widened<'_> {
     fn spacing_mm(&self, p: DVec3) -> Option<f64> {
         self.field.spacing_mm(p).map(|mm| mm.max(self.least_mm) * self.beads as f64)
     }
+
+    fn rows(&self) -> DVec2 {
+        self.field.rows()
+    }
 }

@@ -199,6 +199,10 @@ impl LayerField {
 }
 
 impl DirectionField for LayerField {
+    fn rows(&self) -> DVec2 {
+        self.mesh.as_ref().map_or(DVec2::X, |mesh| mesh.along)
+    }
+
     fn sample(&self, p: DVec3) -> DirectionSample {
         let Some(mesh) = &self.mesh else {
             return DirectionSample { axis_rad: 0.0, strength: 0.0, principal_mpa: None };

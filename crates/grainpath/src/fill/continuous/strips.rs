@@ -94,13 +94,11 @@ pub(super) fn outlines(
 ) -> Vec<Vec<DVec2>> {
     let region = Region::from(infill_region.clone());
     let whole = || vec![infill_region.outer.clone()];
-    if context.field.is_none() {
-        return whole();
-    }
+    let Some(field) = context.field else { return whole() };
     let cell_mm = (infill_region.area_mm2() / MANY_NODES.value()).sqrt();
     let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm)
         * context.shift.grid_factor();
-    let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
+    let Some(mesh) = FieldMesh::along(&region, cell_mm, field.rows()) else { return Vec::new() };
     let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh
         .nodes
         .iter()
