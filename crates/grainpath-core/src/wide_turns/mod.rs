@@ -11,7 +11,7 @@
 //!      1   2   3   4   5   6   7  8  9    lines 3 to 7 end: their turns would be narrower than two radii
 //! ```
 //!
-//! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes four steps:
+//! The pieces are those of a fill that was cut at its sharp turns. [`joined`] takes five steps:
 //!
 //! 1. what is left of a hairpin goes from the ends of the pieces;
 //! 2. ends that face each other are joined again, by a slope of `STEEPEST_RAD` at most: there a path had changed from one
@@ -19,7 +19,8 @@
 //! 3. ends that meet the border side by side form groups. Lines of a group whose distance is two radii or more are joined
 //!    by turns along the border, a bead apart; the lines inside end before them. Where groups begin is chosen so that as much as
 //!    can be lies in paths that are long enough, one row of ends after the other until nothing changes;
-//! 4. lines that are still too short go on in their neighbours (`hang`).
+//! 4. lines that are still too short go on in their neighbours (`hang`);
+//! 5. rings take the place of lines that are too short even so, where they have room (`rings`).
 //!
 //! Turns that do not cross lie beside or inside each other, and the innermost has lines inside it that cannot turn. So of
 //! lines that end side by side some stay cut, here a fifth (`TURNS_PER_LINE`). The steps are this project's own.
@@ -30,6 +31,7 @@
 //! curve is tighter than the least radius, and where fewer lie side by side than a turn is wide.
 
 mod hang;
+mod rings;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -114,6 +116,7 @@ pub fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
     let lines = facing_joined(lines, rings(), place);
     let paths = turned_at_border(lines, rings(), place);
     let paths = hang::hung(paths, place);
+    let paths = rings::ringed(paths, place);
     let mut out: Vec<Toolpath> =
         paths.into_iter().map(|(points, closed)| Toolpath { points, closed, ..like.clone() }).collect();
     out.extend(closed);

@@ -38,6 +38,11 @@ pub struct Place<'a> {
 /// The points of a line, and whether it is closed.
 pub(super) type Path = (Vec<DVec2>, bool);
 
+/// All points of a path; those of a closed one end where they begin.
+pub(super) fn whole((points, closed): &Path) -> Vec<DVec2> {
+    if *closed { [&points[..], &points[..1]].concat() } else { points.clone() }
+}
+
 /// Unit vector in which a line goes on beyond its first point; `None` if the line is too short to tell.
 pub(super) fn onward(line: &[DVec2], spacing_mm: f64) -> Option<DVec2> {
     direction_of(line, STRETCH.map(|beads| beads * spacing_mm))

@@ -2,7 +2,7 @@ use super::{Place, joined};
 use crate::math::direction;
 use crate::poly::{Join, LineClipper};
 use crate::segment::{self, Meeting};
-use crate::turns::rounded;
+use crate::turns::{rounded, sharp_turns};
 use crate::{DVec2, Polygon, Region, Role, Toolpath};
 
 fn joined_in(region: &Region, lines: Vec<Vec<DVec2>>, needed_mm: f64) -> Vec<Toolpath> {
@@ -44,6 +44,17 @@ fn a_short_line_goes_on_in_its_neighbour() {
 }
 
 #[test]
+fn a_line_that_gives_too_much_takes_of_the_next() {
+    let region = Region::rectangle(DVec2::new(-20.0, -20.0), DVec2::new(180.0, 20.0));
+    let line = |y: f64, x: [f64; 2]| x.map(|x| DVec2::new(x, y)).to_vec();
+    // The second is too short without what the first takes of it, but not with as much of the third.
+    let lines = vec![line(0.0, [0.0, 42.0]), line(1.0, [0.0, 58.0]), line(2.0, [-12.0, 74.0])];
+    let paths = joined_in(&region, lines, 50.0);
+    assert!(long_mm(&paths, 50.0) > 175.0, "{paths:?}");
+    assert!(crossings(&paths.into_iter().map(|p| p.points).collect::<Vec<_>>()).is_empty());
+}
+
+#[test]
 fn ends_on_a_curve_face_each_other() {
     let arc = |from_rad: f64, to_rad: f64| -> Vec<DVec2> {
         (0..=60).map(|k| 10.0 * direction(from_rad + (to_rad - from_rad) * f64::from(k) / 60.0)).collect()
@@ -65,6 +76,49 @@ fn short_lines_of_a_strip_become_long_paths() {
         let share = long_mm(&paths, 50.0) / (19.8 * f64::from(n));
         assert!(share > 0.85, "{n}: {share}");
     }
+}
+
+#[test]
+fn rings_take_the_place_of_short_lines() {
+    // A strip between two long lines.
+    let region = Region::rectangle(DVec2::ZERO, DVec2::new(80.0, 14.0));
+    let strip = |lines: Vec<Vec<DVec2>>| {
+        let beside = [0.1, 13.9].map(|y| [0.1, 79.9].map(|x| DVec2::new(x, y)).to_vec());
+        joined_in(&region, [beside.to_vec(), lines].concat(), 50.0)
+    };
+    // Across lines that are two spacings apart, so that they do not turn, rings would lead nowhere.
+    let across =
+        (0..40).map(|k| [1.1, 12.9].map(|y| DVec2::new(2.0 * f64::from(k) + 1.0, y)).to_vec()).collect();
+    assert!(long_mm(&strip(across), 50.0) < 160.0);
+    // Lines of 31 mm that cross it at 22 degrees, two spacings apart.
+    let slanted = (-6..16).filter_map(|k| {
+        let [x0, y0, y1] = [5.34 * f64::from(k), 1.1, 12.9];
+        let at = |y: f64| DVec2::new(x0 + 2.475 * (y - y0), y);
+        let low = y0.max(y0 + (1.1 - x0) / 2.475);
+        let high = y1.min(y0 + (78.9 - x0) / 2.475);
+        (high > low + 1.0).then(|| vec![at(low), at(high)])
+    });
+    let paths = strip(slanted.collect());
+    assert!(long_mm(&paths, 50.0) > 160.0 + 600.0, "{}", long_mm(&paths, 50.0));
+    let clipper = LineClipper::new(&region.offset(1e-3, Join::Miter(2.0)));
+    for path in &paths {
+        let points = path.clone().opened().points;
+        assert!(points.windows(2).all(|w| clipper.segment_inside(w[0], w[1])));
+        // What is rounded afterwards are the ends of the slopes between rings.
+        if path.length_mm() >= 50.0 {
+            let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
+            let points = rounded(&points, 2.0, 2.0, &inside).0;
+            assert!(sharp_turns(&points, false, 2.0).is_empty(), "{points:?}");
+        }
+    }
+    // Where lines lay apart, loops fill the middle of the rings.
+    let around = |half_mm: f64| paths.iter().map(move |p| Region::around_line(&p.points, p.closed, half_mm));
+    let together =
+        |half_mm: f64| around(half_mm).fold(Region::default(), |sum, bead| sum.union(&bead)).area_mm2();
+    assert!(together(0.5) > 0.9 * 81.0 * 15.0, "{}", together(0.5) / 81.0 / 15.0);
+    let alone: f64 = around(0.4).map(|bead| bead.area_mm2()).sum();
+    assert!(alone < 1.01 * together(0.4), "{alone} {}", together(0.4));
+    assert!(crossings(&paths.iter().map(|p| p.clone().opened().points).collect::<Vec<_>>()).is_empty());
 }
 
 /// Pairs of segments of paths that cross.

@@ -322,7 +322,7 @@ impl FibreSettings {
             tally.rounded += n_rounded;
             path.points = points;
         }
-        if cuts && !sharp_turns(&path.points, false, self.min_radius_mm).is_empty() {
+        if cuts && !self.sharp_where_cut(&path.points).is_empty() {
             return self.cut_at_sharp_turns(path);
         }
         if was_closed {
@@ -332,9 +332,20 @@ impl FibreSettings {
         vec![path]
     }
 
+    /// Sharp turns of an open path, as planned or as G-code has it: coordinates rounded to 0.001 mm tell the radius of short
+    /// chords to 2 %.
+    fn sharp_where_cut(&self, points: &[DVec2]) -> Vec<Turn> {
+        let planned = sharp_turns(points, false, self.min_radius_mm);
+        if !planned.is_empty() {
+            return planned;
+        }
+        let written: Vec<DVec2> = points.iter().map(|p| (1e3 * p).round() * 1e-3).collect();
+        sharp_turns(&written, false, self.min_radius_mm)
+    }
+
     /// Cuts an open path until no piece has a sharp turn. The end of a piece can show a turn that was part of a longer one.
     fn cut_at_sharp_turns(&self, path: Toolpath) -> Vec<Toolpath> {
-        let sharp = sharp_turns(&path.points, false, self.min_radius_mm);
+        let sharp = self.sharp_where_cut(&path.points);
         if sharp.is_empty() {
             return vec![path];
         }

@@ -157,6 +157,25 @@ fn fibre_is_cut_where_it_cannot_turn() {
 }
 
 #[test]
+fn fibre_is_cut_where_rounded_coordinates_turn_more_sharply() {
+    // Arcs above the radius that counts as sharp, in chords of 0.3 mm: coordinates with three decimals tell it to some percent.
+    let arc = |r_mm: f64| {
+        let points = (0..=30).map(|k| r_mm * direction(0.1 * f64::from(k)) + DVec2::X * 20.0 * r_mm);
+        Toolpath::new(points.collect(), 0.6, Role::SolidFill, false)
+    };
+    let paths: Vec<Toolpath> = (0..40).map(|k| arc(2.95 + 1e-2 * f64::from(k))).collect();
+    let f = FibreSettings { turns: FibreTurns::Cut, min_length_mm: 2.0, ..settings() };
+    let mut out = Vec::new();
+    f.lay(paths, &place(&Region::default(), 0.0), &mut out);
+    let fibre: Vec<&Toolpath> = out.iter().filter(|p| p.role == Role::Fibre).collect();
+    assert!(fibre.iter().map(|p| p.length_mm()).sum::<f64>() > 200.0);
+    for path in fibre {
+        let written: Vec<DVec2> = path.points.iter().map(|p| (p * 1e3).round() * 1e-3).collect();
+        assert!(sharp_bends(&written, false, f.min_radius_mm).is_empty(), "{}", smallest(&written, false));
+    }
+}
+
+#[test]
 fn rings_go_around_outlines_and_holes_before_the_rest() {
     let n = 360;
     let hole = (0..n).map(|k| direction(-f64::from(k) / f64::from(n) * std::f64::consts::TAU) * 5.0);
