@@ -11,7 +11,8 @@ use grainpath_fea::strength::Outcome;
 use grainpath_fea::strength::brick_strength::SolidTest;
 use grainpath_fea::strength::bricks::{BrickPly, Bricks};
 use grainpath_fea::strength::card::StrengthCard;
-use grainpath_fea::strength::laminate::{CellGrid, Laminate, Ply};
+use grainpath_fea::strength::cell_grid::CellGrid;
+use grainpath_fea::strength::laminate::{Laminate, Ply};
 use grainpath_fea::strength::plate_strength::PlateTest;
 use grainpath_fea::strength::squares::{GridHold, PlateElements};
 

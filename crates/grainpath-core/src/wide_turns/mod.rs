@@ -20,7 +20,7 @@
 //!    by turns along the border, a bead apart; the lines inside end before them. Where groups begin is chosen so that as much as
 //!    can be lies in paths that are long enough, one row of ends after the other until nothing changes;
 //! 4. lines that are still too short go on in their neighbours (`hang`);
-//! 5. rings take the place of lines that are too short even so, where they have room (`rings`).
+//! 5. rings take the place of lines that are too short even so, where they have room (`spirals`).
 //!
 //! Turns that do not cross lie beside or inside each other, and the innermost has lines inside it that cannot turn. So of
 //! lines that end side by side some stay cut, here a fifth (`TURNS_PER_LINE`). The steps are this project's own.
@@ -31,7 +31,7 @@
 //! curve is tighter than the least radius, and where fewer lie side by side than a turn is wide.
 
 mod hang;
-mod rings;
+mod spirals;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -116,7 +116,7 @@ pub fn joined(pieces: Vec<Toolpath>, place: &Place<'_>) -> Vec<Toolpath> {
     let lines = facing_joined(lines, rings(), place);
     let paths = turned_at_border(lines, rings(), place);
     let paths = hang::hung(paths, place);
-    let paths = rings::ringed(paths, place);
+    let paths = spirals::ringed(paths, place);
     let mut out: Vec<Toolpath> =
         paths.into_iter().map(|(points, closed)| Toolpath { points, closed, ..like.clone() }).collect();
     out.extend(closed);

@@ -14,7 +14,8 @@ use grainpath_core::DVec3;
 use grainpath_core::math::atan2;
 use rayon::prelude::*;
 
-use super::laminate::{BeadSheet, CellError, CellGrid, FANS, Repeated, layer};
+use super::cell_grid::CellGrid;
+use super::laminate::{BeadSheet, CellError, FANS, Repeated, grid_over, layer};
 
 /// Beads of one direction in a brick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +79,7 @@ impl Bricks {
     /// As [`Bricks::from_layers`].
     pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64, floor_mm: f64) -> Result<Self, CellError> {
         let Repeated { layers, of_layer } = Repeated::new(sheets);
-        let (grid, laid_mm3) = CellGrid::over(&layers, cell_mm, moved)?;
+        let (grid, laid_mm3) = grid_over(&layers, cell_mm, moved)?;
         let tall: f64 = sheets.iter().map(|s| s.height_mm).sum();
         let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
         heights.sort_unstable_by(f64::total_cmp);
@@ -212,7 +213,7 @@ impl Slab {
     /// Adds a part of a layer, and its contact with the layer `below` if that is given.
     fn add(
         &mut self,
-        shares: &[super::laminate::Share],
+        shares: &[super::joined_beads::Share],
         part: f64,
         own: &[f32],
         below: Option<&Vec<f32>>,

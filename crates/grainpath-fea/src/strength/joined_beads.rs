@@ -11,7 +11,7 @@ use std::cell::OnceCell;
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, direction};
 
-use super::laminate::{CellGrid, DistinctLayer, Share, mean_width_mm};
+use super::cell_grid::CellGrid;
 
 /// Places on each side of a bead, in bead widths from it, of which the emptiest tells whether the bead is joined. Source:
 /// derived. The middle of a cell may lie half a width off the bead's line; from there the first place still lies in a gap
@@ -23,6 +23,20 @@ const GAP_FILL: f32 = 0.25;
 /// Directions of a half turn to which beads are rounded when the places beside them are looked up. Source: derived. A direction
 /// is off by 0.7 degrees at most, which moves a place one bead width away by a hundredth of that width.
 const AXES: usize = 128;
+
+/// The material of a layer in one fan of a cell: thickness, and thickness times cosine and sine of twice the angle.
+pub(super) struct Share {
+    pub slot: u32,
+    pub sum: [f32; 3],
+}
+
+/// What one layer has laid.
+pub(super) struct LaidShares {
+    pub height_mm: f64,
+    /// Mean width of its beads, mm.
+    pub width_mm: f64,
+    pub shares: Vec<Share>,
+}
 
 /// A place between the middles of four cells: the lowest of them, from the cell that the place lies beside, and the share
 /// of each, along x first.
@@ -71,8 +85,7 @@ pub(super) fn sides(grid: &CellGrid, axis: DVec2, off_mm: f64) -> impl Iterator<
 pub(super) fn joined_mm(
     grid: &CellGrid,
     n_fans: usize,
-    layers: &[DistinctLayer],
-    shares: &[Vec<Share>],
+    layers: &[LaidShares],
     at: usize,
     beside: [Option<usize>; 2],
 ) -> Vec<f32> {
@@ -80,11 +93,11 @@ pub(super) fn joined_mm(
     let filled = |k: usize| {
         let mut filled = vec![0f32; grid.nx * grid.ny];
         let height_mm = layers[k].height_mm as f32;
-        shares[k].iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
+        layers[k].shares.iter().for_each(|s| filled[s.slot as usize / n_fans] += s.sum[0] / height_mm);
         filled
     };
     let own = filled(at);
-    let width_mm = mean_width_mm(std::slice::from_ref(&layers[at]));
+    let width_mm = layers[at].width_mm;
     // Where no place beside a bead can lie in a gap, none is looked at: nearly everywhere in dense layers.
     let reach = (width_mm / grid.cell_mm).ceil() as usize;
     let is_dense = |[i, j]: [usize; 2]| {
@@ -136,5 +149,5 @@ pub(super) fn joined_mm(
         most
     };
     let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0);
-    shares[at].iter().map(joined).collect()
+    layers[at].shares.iter().map(joined).collect()
 }

@@ -25,7 +25,8 @@ use grainpath_core::segment;
 use grainpath_core::tuned::Tuned;
 use rayon::prelude::*;
 
-use super::joined_beads::{joined_mm, sides};
+use super::cell_grid::{AROUND, CellGrid};
+use super::joined_beads::{LaidShares, Share, joined_mm, sides};
 
 /// A straight piece of bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,22 +50,6 @@ pub struct BeadSheet {
     pub beads: Vec<BeadPiece>,
 }
 
-/// The neighbours of a cell, by how far they lie along x and y; those that share a side come first.
-const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-
-/// Square cells over a rectangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellGrid {
-    /// Lowest corner, mm.
-    pub low: DVec2,
-    /// Side of a cell, mm.
-    pub cell_mm: f64,
-    /// Cells along x.
-    pub nx: usize,
-    /// Cells along y.
-    pub ny: usize,
-}
-
 /// The layers of a part, those with the same beads once.
 ///
 /// Most layers of a plate are copies of a few, whatever the order and the direction in which their paths are laid. Volumes
@@ -78,7 +63,7 @@ pub(super) struct Repeated {
 
 /// A layer that other layers are copies of.
 pub(super) struct DistinctLayer {
-    pub(super) height_mm: f64,
+    height_mm: f64,
     /// Its paths, sorted by their ends. Open ones begin at the end with the lower coordinates, closed ones at their lowest
     /// corner: each layer may begin a loop somewhere else.
     paths: Vec<Vec<BeadPiece>>,
@@ -267,61 +252,42 @@ fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
     (0..n).map(piece).collect()
 }
 
-impl CellGrid {
-    /// A grid that covers all beads and one empty cell around them, and the volume of the beads, mm3. The grid is moved by a
-    /// share of a cell, 0 to 1, towards lower x and y.
-    pub(super) fn over(layers: &[DistinctLayer], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
-        // Ribbons end where paths end. With a margin the cells there would be half empty.
-        let of_layer = |layer: &DistinctLayer| {
-            let begin = (DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0);
-            ribbons(layer).fold(begin, |(low, high, laid_mm3), ribbon| {
-                let reach = |f: fn(DVec2, DVec2) -> DVec2, from| ribbon.corners.into_iter().fold(from, f);
-                (reach(DVec2::min, low), reach(DVec2::max, high), laid_mm3 + layer.copies * ribbon.volume_mm3)
-            })
-        };
-        let of_layers: Vec<(DVec2, DVec2, f64)> = layers.par_iter().map(of_layer).collect();
-        let (low, high, laid_mm3) = of_layers
-            .into_iter()
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0), |(low, high, laid_mm3), own| {
-                (low.min(own.0), high.max(own.1), laid_mm3 + own.2)
-            });
-        if !(low.is_finite() && high.is_finite()) {
-            return Err(CellError::NoBeads);
-        }
-        // The grid is centred, so that a symmetric part gets symmetric cells. 1e-6 of a cell keeps rounding from adding
-        // a row.
-        let size = (high - low) / cell_mm - 1e-6;
-        let more = if moved > 0.0 { 3.0 } else { 2.0 };
-        let (nx, ny) = (size.x.ceil() + more, size.y.ceil() + more);
-        if nx * ny > MAX_CELLS as f64 {
-            return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_CELLS });
-        }
-        // The third extra cell has already moved the grid by half a cell.
-        let off = if moved > 0.0 { 0.5 - moved } else { 0.0 };
-        let low = 0.5 * (low + high) - cell_mm * (0.5 * DVec2::new(nx, ny) - off);
-        Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
-    }
-
-    /// The neighbours of a cell and the directions to them; those that share a side come first.
-    pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec2, usize)> {
-        let (nx, ny) = (self.nx, self.ny);
-        let [i, j] = self.place(cell);
-        AROUND.into_iter().filter_map(move |(di, dj)| {
-            let (a, b) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
-            (a < nx && b < ny).then_some((DVec2::new(di as f64, dj as f64), b * nx + a))
+/// A grid that covers all beads and one empty cell around them, and the volume of the beads, mm3. The grid is moved by a
+/// share of a cell, 0 to 1, towards lower x and y.
+pub(super) fn grid_over(
+    layers: &[DistinctLayer],
+    cell_mm: f64,
+    moved: f64,
+) -> Result<(CellGrid, f64), CellError> {
+    // Ribbons end where paths end. With a margin the cells there would be half empty.
+    let of_layer = |layer: &DistinctLayer| {
+        let begin = (DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0);
+        ribbons(layer).fold(begin, |(low, high, laid_mm3), ribbon| {
+            let reach = |f: fn(DVec2, DVec2) -> DVec2, from| ribbon.corners.into_iter().fold(from, f);
+            (reach(DVec2::min, low), reach(DVec2::max, high), laid_mm3 + layer.copies * ribbon.volume_mm3)
         })
+    };
+    let of_layers: Vec<(DVec2, DVec2, f64)> = layers.par_iter().map(of_layer).collect();
+    let (low, high, laid_mm3) = of_layers
+        .into_iter()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY, 0.0), |(low, high, laid_mm3), own| {
+            (low.min(own.0), high.max(own.1), laid_mm3 + own.2)
+        });
+    if !(low.is_finite() && high.is_finite()) {
+        return Err(CellError::NoBeads);
     }
-
-    /// Which cell this is along x and along y.
-    pub(super) fn place(&self, cell: usize) -> [usize; 2] {
-        [cell % self.nx, cell / self.nx]
+    // The grid is centred, so that a symmetric part gets symmetric cells. 1e-6 of a cell keeps rounding from adding
+    // a row.
+    let size = (high - low) / cell_mm - 1e-6;
+    let more = if moved > 0.0 { 3.0 } else { 2.0 };
+    let (nx, ny) = (size.x.ceil() + more, size.y.ceil() + more);
+    if nx * ny > MAX_CELLS as f64 {
+        return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_CELLS });
     }
-
-    /// The middle of a cell, mm.
-    pub fn centre(&self, cell: usize) -> DVec2 {
-        let [i, j] = self.place(cell);
-        self.low + self.cell_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
-    }
+    // The third extra cell has already moved the grid by half a cell.
+    let off = if moved > 0.0 { 0.5 - moved } else { 0.0 };
+    let low = 0.5 * (low + high) - cell_mm * (0.5 * DVec2::new(nx, ny) - off);
+    Ok((CellGrid { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
 }
 
 /// Number of fans into which the directions of a half turn are sorted, for each material; the first fan lies around x.
@@ -406,10 +372,15 @@ impl Laminate {
     /// As [`Laminate::from_layers`].
     pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<Self, CellError> {
         let Repeated { layers, of_layer } = Repeated::new(sheets);
-        let (grid, laid_mm3) = CellGrid::over(&layers, cell_mm, moved)?;
+        let (grid, laid_mm3) = grid_over(&layers, cell_mm, moved)?;
         let all = layers.iter().flat_map(|l| l.paths.iter().flatten());
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
-        let shares: Vec<Vec<Share>> = layers.par_iter().map(|l| layer(&grid, n_fans, l)).collect();
+        let laid = |l: &DistinctLayer| LaidShares {
+            height_mm: l.height_mm,
+            width_mm: mean_width_mm(std::slice::from_ref(l)),
+            shares: layer(&grid, n_fans, l),
+        };
+        let laid: Vec<LaidShares> = layers.par_iter().map(laid).collect();
         // What is joined depends on the layers beside a layer, so it is found once for each three that follow each other.
         let mut threes: BTreeMap<(Option<usize>, usize, Option<usize>), f32> = BTreeMap::new();
         for (k, own) in of_layer.iter().enumerate() {
@@ -419,7 +390,7 @@ impl Laminate {
         let joined: Vec<(usize, f32, Vec<f32>)> = threes
             .into_par_iter()
             .map(|((below, own, above), copies)| {
-                (own, copies, joined_mm(&grid, n_fans, &layers, &shares, own, [below, above]))
+                (own, copies, joined_mm(&grid, n_fans, &laid, own, [below, above]))
             })
             .collect();
         let n = grid.nx * grid.ny;
@@ -428,7 +399,7 @@ impl Laminate {
         let mut fans = vec![[0f32; 4]; n * n_fans];
         let mut held = vec![0f32; n];
         for (own, copies, joined) in &joined {
-            for (share, joined) in shares[*own].iter().zip(joined) {
+            for (share, joined) in laid[*own].shares.iter().zip(joined) {
                 let fan = &mut fans[share.slot as usize];
                 (0..3).for_each(|k| fan[k] += copies * share.sum[k]);
                 fan[3] += copies * joined;
@@ -485,12 +456,6 @@ impl Laminate {
     }
 }
 
-/// The material of a layer in one fan of a cell: thickness, and thickness times cosine and sine of twice the angle.
-pub(super) struct Share {
-    pub slot: u32,
-    pub sum: [f32; 3],
-}
-
 pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Vec<Share> {
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
@@ -519,7 +484,7 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Ve
 }
 
 /// The mean width of the beads of some layers, mm.
-pub(super) fn mean_width_mm(layers: &[DistinctLayer]) -> f64 {
+fn mean_width_mm(layers: &[DistinctLayer]) -> f64 {
     let beads = layers.iter().flat_map(|l| l.paths.iter().flatten().map(move |b| (l, b)));
     let (area, length) = beads.fold((0.0, 0.0), |(area, length), (l, b)| {
         let long = l.copies * b.a.distance(b.b);
@@ -546,13 +511,14 @@ const LEAST_TAKING: f32 = 0.02;
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     let mut asked = vec![0f32; held.len()];
     let nearly = 2.0 - OVERFULL.value();
-    // The outermost cells hold nothing (`CellGrid::over`), so every cell that gives has all its neighbours.
+    // The outermost cells hold nothing (`grid_over`), so every cell that gives has all its neighbours.
     let inner = |j: usize| (j * grid.nx + 1)..((j + 1) * grid.nx - 1);
     let around = AROUND.map(|(di, dj)| dj * grid.nx as isize + di);
     // Each gift: the giver's place in `over`, the receiver, and the thickness.
     let (mut over, mut gifts): (Vec<usize>, Vec<(u32, u32, f32)>) = (Vec::new(), Vec::new());
     // What each giver holds before it gives: most cells hold beads of one or two directions.
-    let (mut owned, mut givers): (Vec<(usize, [f32; 3])>, Vec<(usize, f32)>) = (Vec::new(), Vec::new());
+    let mut owned: Vec<(usize, [f32; 3])> = Vec::new();
+    let mut givers: Vec<(usize, f32)> = Vec::new();
     for _ in 0..PASSES.value() {
         over.clear();
         over.extend((1..grid.ny - 1).flat_map(inner).filter(|&c| held[c] > full * OVERFULL.value()));

@@ -12,6 +12,7 @@
 
 pub mod brick_strength;
 pub mod bricks;
+pub mod cell_grid;
 pub mod card;
 pub mod damage;
 pub mod squares;

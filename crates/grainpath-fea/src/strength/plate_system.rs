@@ -121,7 +121,7 @@ impl PlateSystem {
 mod tests {
     use grainpath_core::DVec2;
 
-    use super::super::laminate::CellGrid;
+    use super::super::cell_grid::CellGrid;
     use super::super::squares::square;
     use super::*;
     use crate::material::Orthotropic;

@@ -15,7 +15,7 @@
 
 use grainpath_core::DVec2;
 
-use super::laminate::CellGrid;
+use super::cell_grid::CellGrid;
 use crate::plane::PlaneStiffness;
 
 /// A node held along a direction.
