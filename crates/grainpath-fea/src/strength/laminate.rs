@@ -75,6 +75,10 @@ pub(super) struct DistinctLayer {
 /// heights above the plate, which rounding moves by 1e-13; programs are written to 1e-3.
 const SAME_HEIGHT_MM: f64 = 1e-6;
 
+/// A piece no longer than this counts for nothing, and paths go on across it, mm. Source: derived. Programs are written to
+/// 1e-3 mm, and what is extruded along such a piece is rounded to nothing in one copy of a layer and to something in another.
+const ROUNDED_MM: f64 = 2e-3;
+
 impl Repeated {
     pub(super) fn new(sheets: &[BeadSheet]) -> Self {
         // Sorting each layer by itself is most of the work, and it makes copies in another order equal.
@@ -109,9 +113,17 @@ impl DistinctLayer {
     /// length or volume are left out.
     fn new(sheet: &BeadSheet) -> Self {
         let is_usable = |b: &&BeadPiece| {
-            b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && sheet.height_mm > 0.0
+            let is_long = b.a.distance(b.b) > ROUNDED_MM;
+            b.a.is_finite() && b.b.is_finite() && is_long && b.volume_mm3 > 0.0 && sheet.height_mm > 0.0
         };
-        let beads: Vec<BeadPiece> = sheet.beads.iter().filter(is_usable).copied().collect();
+        let mut beads: Vec<BeadPiece> = sheet.beads.iter().filter(is_usable).copied().collect();
+        for k in 1..beads.len() {
+            let end = beads[k - 1].b;
+            if beads[k].a.distance(end) <= ROUNDED_MM {
+                beads[k].a = end;
+            }
+        }
+        beads.retain(|b| b.a != b.b);
         let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
         let mut paths: Vec<Vec<BeadPiece>> = paths.map(<[_]>::to_vec).collect();
         let order = |p: DVec2, q: DVec2| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y));
@@ -836,8 +848,8 @@ mod tests {
         }
     }
 
-    /// Copies may be laid in another order and direction, their loops may begin elsewhere, and their volumes and heights are
-    /// rounded; a layer of another height is none.
+    /// Copies may be laid in another order and direction, their loops may begin elsewhere, a path may hold a piece as short as
+    /// what coordinates are rounded to, and volumes and heights are rounded; a layer of another height is none.
     #[test]
     fn layers_with_the_same_beads_are_made_into_cells_once() {
         let zigzag = |k: i32| {
@@ -855,7 +867,11 @@ mod tests {
             path(&(0..=4).map(|k| corners[(begin + k) % 4]).collect::<Vec<_>>(), 0.08).beads
         };
         let first = BeadSheet { height_mm: 0.2, beads: [zigzag(0), zigzag(1), round(0)].concat() };
-        let beads = [backwards(round(2)), backwards(zigzag(1)), zigzag(0)].concat();
+        let mut crumbed = zigzag(0);
+        let (end, crumb) = (crumbed[7].b, DVec2::new(0.0, -1e-3));
+        crumbed[8].a = end + crumb;
+        crumbed.insert(8, BeadPiece { a: end, b: end + crumb, volume_mm3: 1e-14, ..crumbed[7] });
+        let beads = [backwards(round(2)), backwards(zigzag(1)), crumbed].concat();
         let mut other = BeadSheet { height_mm: 0.2 + 1e-13, beads };
         other.beads.iter_mut().for_each(|b| b.volume_mm3 *= 1.0001);
         let thick = BeadSheet { height_mm: 0.3, ..first.clone() };
