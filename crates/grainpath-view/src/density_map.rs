@@ -26,6 +26,7 @@ pub fn density_png(laid: &LaidDensity, size_px: u32) -> Vec<u8> {
     let all = Bounds2 { min: bounds.min, max: bounds.max + DVec2::new(apart, 0.0) };
     let mut canvas = Canvas::over(all, size_px);
     let ramp = Ramp { low: laid.min, high: laid.max.max(laid.min + 1e-3) };
+    // All pixels of a cell have one colour, which is found once.
     let coloured = |what: usize| -> Vec<Option<_>> {
         sums.iter().map(|sum| (sum[0] > 0.0).then(|| ramp.colour(sum[what] / sum[0]))).collect()
     };

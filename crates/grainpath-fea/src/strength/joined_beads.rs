@@ -51,6 +51,7 @@ impl Between {
     fn new(off: DVec2) -> Self {
         let (low, part) = (off.floor(), (off - off.floor()).as_vec2());
         let (x, y) = ([1.0 - part.x, part.x], [1.0 - part.y, part.y]);
+        // The lower row first, as a row of cells lies in memory.
         let shares = [x[0] * y[0], x[1] * y[0], x[0] * y[1], x[1] * y[1]];
         Self { first: low.to_array().map(|v| v as isize), shares }
     }
@@ -66,6 +67,7 @@ impl Between {
             let (low, high) = (&held[at..at + 2], &held[at + grid.nx..at + grid.nx + 2]);
             return a * low[0] + b * low[1] + (c * high[0] + d * high[1]);
         }
+        // At the edge of the grid some of the four cells are missing.
         let value = |di: usize, dj: usize| {
             let (i, j) = (i.wrapping_add(di), j.wrapping_add(dj));
             if i < grid.nx && j < grid.ny { held[j * grid.nx + i] } else { 0.0 }
@@ -130,6 +132,7 @@ pub(super) fn joined_mm(
         }
         least
     };
+    // Layers beside this one are looked at where it is not joined by itself, which dense layers are.
     let beside: Vec<(usize, OnceCell<Vec<f32>>)> =
         beside.into_iter().flatten().map(|k| (k, OnceCell::new())).collect();
     let most = |share: &Share| {
@@ -148,6 +151,7 @@ pub(super) fn joined_mm(
         }
         most
     };
+    // Between the two limits the share grows evenly, so that a plan that is moved a little keeps its strength.
     let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0);
     layers[at].shares.iter().map(joined).collect()
 }

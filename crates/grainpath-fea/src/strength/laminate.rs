@@ -117,6 +117,7 @@ impl DistinctLayer {
             b.a.is_finite() && b.b.is_finite() && is_long && b.volume_mm3 > 0.0 && sheet.height_mm > 0.0
         };
         let mut beads: Vec<BeadPiece> = sheet.beads.iter().filter(is_usable).copied().collect();
+        // What is left out leaves no gap: the path goes on from where it was.
         for k in 1..beads.len() {
             let end = beads[k - 1].b;
             if beads[k].a.distance(end) <= ROUNDED_MM {
@@ -583,6 +584,7 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
             let i = of_giver[0].0 as usize;
             let (cell, (end, before)) = (over[i], givers[i]);
             let owned = &owned[if i > 0 { givers[i - 1].0 } else { 0 }..end];
+            // Receivers get the directions of the giver's beads in the shares that it held before.
             let mut given = 0.0;
             for &(_, other, gift) in of_giver {
                 let (other, share) = (other as usize, gift / before);

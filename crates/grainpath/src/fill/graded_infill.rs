@@ -700,6 +700,7 @@ impl Places {
     /// Calls `add` with the width of each segment of the same beads, the length of its pieces, mm, and their cells.
     fn each<'a>(&self, paths: impl Iterator<Item = &'a Toolpath>, mut add: impl FnMut(f64, f64, &[u32])) {
         let mut rest = &self.pieces[..];
+        // Pieces stand in the order of the segments, each with the number that belongs to it.
         for ((.., width), (piece_mm, n)) in segments_of(paths).zip(&self.segments) {
             let (own, others) = rest.split_at(*n as usize);
             add(width, *piece_mm, own);

@@ -83,6 +83,7 @@ impl KnownStress {
             known.settings == settings
                 && known.conditions == *conditions
                 && known.section == section
+                // A part with equal sides may be turned into itself, but its triangles turn with it.
                 && known.standing == part.standing
                 && known.mesh == *part.mesh
         };

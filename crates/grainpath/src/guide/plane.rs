@@ -113,6 +113,7 @@ pub(super) fn solve(
     let section = turned_back_section(part, section, rows).simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));
     let mut mesh = mesh_region(&section, longest, 0.05 * longest)?;
+    // Fixtures and loads lie on the plate as the part does.
     mesh.nodes.iter_mut().for_each(|p| *p = rotated(*p, rows));
     let plate = Plate::new(&mesh, conditions);
     let holds = plate.holds()?;
@@ -184,8 +185,10 @@ fn turned_back_section(part: &GuidedPart<'_>, section: &Region, rows: DVec2) -> 
     let Some(middle) = layers.get(layers.len() / 2) else { return turned };
     let vertices = part.mesh.vertices.iter().map(|p| turned_back(p.truncate(), rows).extend(p.z)).collect();
     let mesh = TriMesh { vertices, triangles: part.mesh.triangles.clone() };
+    // The section of a layer is that of the middle of its height.
     let z_mm = middle.z_top_mm() - 0.5 * middle.height_mm();
     let cut = sections_at(&mesh, &[z_mm], &part.slicing).pop().unwrap_or_default();
+    // Layers of a scan, or mended ones, differ from the mesh.
     let off = cut.difference(&turned).area_mm2() + turned.difference(&cut).area_mm2();
     if off > SAME_SECTION * turned.area_mm2() { turned } else { cut }
 }

@@ -98,6 +98,7 @@ pub(super) fn outlines(
     let cell_mm = (infill_region.area_mm2() / MANY_NODES.value()).sqrt();
     let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm)
         * context.shift.grid_factor();
+    // The rows turn with the part, and so do the strips.
     let Some(mesh) = FieldMesh::along(&region, cell_mm, field.rows()) else { return Vec::new() };
     let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh
         .nodes

@@ -197,6 +197,7 @@ pub(crate) fn spaced(
     // The mesh has to resolve the field, not single beads. The growth of the phase along an edge follows
     // from the field, so an edge may cross one or two levels.
     let cell_mm = MESH.value() * context.shift.grid_factor() * spacing;
+    // The rows lie along the part, wherever it lies: a phase on another grid lays other lines.
     let Some(mesh) = FieldMesh::along(&border, cell_mm, field.rows()) else { return };
     let (levels, axes) = {
         let input = phase_input(&mesh, field, context, &border, spacing);
