@@ -6,6 +6,9 @@ mod support;
 use std::fs;
 use std::path::Path;
 
+use grainpath_core::Role;
+use grainpath_core::segments::Segments;
+use grainpath_gcode::{Limits, simulate};
 use serde_json::Value;
 use support::{box_stl, folder, grainpath, json};
 
@@ -187,6 +190,40 @@ fn wide_turns_keep_the_fibre_along_the_stress() {
     assert!(number(&wide["min_radius_mm"]) >= 0.98 * 2.0, "{wide}");
     let along = |fibre: &Value| number(&fibre["length_mm"]) * number(&fibre["within_15_deg"]);
     assert!(along(&wide) >= 0.95 * along(&one), "{} of {} mm", along(&wide), along(&one));
+}
+
+/// Wide turns in the corners of an angle, and rounded lines that end beside each other.
+#[test]
+fn fibre_does_not_cross_fibre() {
+    let dir = folder("fibre crossings");
+    assert!(grainpath(&dir, &["new", "continuous", "."]).status.success());
+    let angle = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\">\
+                 <path d=\"M0 0H40V60H100V100H0Z\"/></svg>";
+    fs::write(dir.join("angle.svg"), angle).expect("a file");
+    let wide = fs::read_to_string(dir.join("plate-wide.toml")).expect("a job");
+    let (common, _) = wide.split_once("[[guide.fixture]]").expect("fixtures");
+    let job = format!(
+        "{}[[guide.fixture]]\non = {{ box_mm = [[0, 90, 0], [40, 100, 1]] }}\nfix = \"xyz\"\n\
+         [[guide.load]]\non = {{ box_mm = [[90, 0, 0], [100, 40, 1]] }}\nforce_n = [0, -500, 0]\n",
+        common.replace("mesh = \"plate.stl\"", "outline = \"angle.svg\"\nthickness_mm = 0.4")
+    );
+    fs::write(dir.join("angle.toml"), job.replace("out/plate-wide", "out/angle")).expect("a file");
+    for (name, least_mm) in [("angle", 10_000.0), ("plate-stripes", 40_000.0)] {
+        let out = grainpath(&dir, &["run", &format!("{name}.toml"), "--json"]);
+        assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));
+        assert!(number(&json(&out)["fibre"]["length_mm"]) > least_mm, "{}", json(&out)["fibre"]);
+        let gcode = fs::read(dir.join(format!("out/{name}.gcode"))).expect("G-code");
+        let program = simulate(&gcode, 1.75, &Limits::default()).expect("a program");
+        for layer in &program.layers {
+            let beads: Vec<_> = layer.beads.iter().filter(|b| b.role == Role::Fibre).collect();
+            let ends = beads.iter().map(|b| [b.start(), b.end()]).collect();
+            let crossed = Segments::new(ends, 2.0).meetings().into_iter().find(|&[i, j]| {
+                // A bead begins where the one before it ends.
+                beads[i].end().distance(beads[j].start()) > 1e-3
+            });
+            assert_eq!(crossed.map(|pair| pair.map(|i| beads[i].start())), None, "{name}, z {}", layer.z_mm);
+        }
+    }
 }
 
 #[test]

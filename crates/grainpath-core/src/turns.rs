@@ -88,13 +88,9 @@ pub fn sharp_bends(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
         cross(t.at - a, b - t.at).signum()
     };
     let mut out: Vec<Turn> = Vec::new();
-    // The previous vertex, if it belongs to the last bend.
+    // The last vertex that is sharp.
     let mut before: Option<Turn> = None;
-    for turn in all {
-        if turn.radius_mm >= SHY * least_mm {
-            before = None;
-            continue;
-        }
+    for turn in all.into_iter().filter(|turn| turn.radius_mm < SHY * least_mm) {
         let joins = |b: &Turn| b.at.distance(turn.at) <= least_mm && side(b) == side(&turn);
         match out.last_mut().filter(|_| before.as_ref().is_some_and(joins)) {
             Some(bend) if turn.radius_mm < bend.radius_mm => *bend = turn,
@@ -112,7 +108,9 @@ pub fn turns(points: &[DVec2], closed: bool) -> Vec<Turn> {
     if closed && !line.is_empty() {
         line.push(line[0]);
     }
-    let kept = without_straight(simplify_line(&line, ROUNDING_MM));
+    // The vertices of divided moves go first, since the line that is simplified could keep one of them instead of the end of a
+    // chord beside it.
+    let kept = without_straight(simplify_line(&without_straight(line.clone()), ROUNDING_MM));
     if kept.len() < 3 {
         return Vec::new();
     }

@@ -30,6 +30,7 @@
 //! the border twice as wide as the least turn; lines stay cut where they meet the border at less than 30 degrees, where its
 //! curve is tighter than the least radius, and where fewer lie side by side than a turn is wide.
 
+mod crossings;
 mod hang;
 mod spirals;
 mod surroundings;
@@ -45,6 +46,7 @@ use crate::segment;
 use crate::turns::{rounded, sharp_turns};
 use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
+pub use crossings::uncrossed;
 pub use surroundings::Place;
 use surroundings::{HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
 

@@ -1,4 +1,6 @@
-use super::{Place, joined};
+use proptest::prelude::*;
+
+use super::{Place, joined, uncrossed};
 use crate::math::direction;
 use crate::poly::{Join, LineClipper};
 use crate::segment::{self, Meeting};
@@ -165,4 +167,76 @@ fn lines_change_lanes_and_not_into_turns_beside_them() {
         let crossed = crossings(&rounded_on_slant(slant, n, turns));
         assert!(crossed.is_empty(), "{slant} {n} {turns:?}: {crossed:?}");
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Whatever crosses is cut, nothing is added, and paths that cross nothing stay as they are.
+    #[test]
+    fn paths_end_before_those_that_they_would_cross(
+        all in prop::collection::vec(
+            (prop::collection::vec((0.0..60.0f64, 0.0..60.0f64), 2..7), any::<bool>()), 1..7)
+    ) {
+        let path = |(points, closed): (Vec<(f64, f64)>, bool)| {
+            let points: Vec<DVec2> = points.into_iter().map(DVec2::from).collect();
+            let closed = closed && points.len() > 2;
+            Toolpath::new(points, 1.0, Role::Fibre, closed)
+        };
+        let paths: Vec<Toolpath> = all.into_iter().map(path).collect();
+        let opened = |paths: &[Toolpath]| -> Vec<Vec<DVec2>> {
+            paths.iter().map(|p| p.clone().opened().points).collect()
+        };
+        let before = opened(&paths);
+        let cut = uncrossed(paths.clone(), 1.0, 20.0);
+        prop_assert!(crossings(&opened(&cut)).is_empty());
+        let length_mm = |paths: &[Toolpath]| paths.iter().map(Toolpath::length_mm).sum::<f64>();
+        prop_assert!(length_mm(&cut) <= length_mm(&paths) + 1e-6);
+        for (k, path) in paths.iter().enumerate() {
+            let others = before.iter().enumerate().filter(|(l, _)| *l != k).map(|(_, line)| line.clone());
+            let alone = crossings(&before[k..=k]).len();
+            let met = crossings(&others.clone().collect::<Vec<_>>()).len() + alone;
+            if crossings(&before).len() == met && alone == 0 {
+                prop_assert!(cut.contains(path), "{path:?}");
+            }
+        }
+        // Each piece lies on one of the paths.
+        for p in cut.iter().flat_map(|piece| &piece.points) {
+            let on = before.iter().flat_map(|line| line.windows(2));
+            let off_mm2 = on.map(|w| segment::distance_squared_mm2(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+            prop_assert!(off_mm2 < 1e-12, "{p}");
+        }
+    }
+}
+
+#[test]
+fn of_two_paths_that_cross_the_one_that_loses_less_is_cut() {
+    let line = |points: &[(f64, f64)]| {
+        Toolpath::new(points.iter().map(|p| DVec2::from(*p)).collect(), 1.0, Role::Fibre, false)
+    };
+    let across = line(&[(0.0, 0.0), (100.0, 0.0)]);
+    // 40 and 45 mm on either side of the crossing: either part would be too short for fibre, while 70 mm of the other are enough.
+    let upright = line(&[(30.0, -40.0), (30.0, 45.0)]);
+    let cut = uncrossed(vec![across.clone(), upright.clone()], 1.0, 50.0);
+    assert_eq!(cut.len(), 3);
+    assert_eq!(cut[2], upright);
+    assert!((cut[1].length_mm() - 69.0).abs() < 0.05 && (cut[0].length_mm() - 29.0).abs() < 0.05, "{cut:?}");
+    // A ring is opened where that takes less than the end of a line.
+    let ring = Toolpath { closed: true, ..line(&[(20.0, -5.0), (80.0, -5.0), (80.0, 40.0), (20.0, 40.0)]) };
+    let into = line(&[(70.0, 100.0), (70.0, 20.0)]);
+    let cut = uncrossed(vec![ring.clone(), into.clone()], 1.0, 50.0);
+    assert_eq!((cut.len(), cut[0].closed), (2, false), "{cut:?}");
+    assert_eq!(cut[1], into);
+    assert!((cut[0].length_mm() - 208.0).abs() < 0.1, "{}", cut[0].length_mm());
+    // Less than a bead of the line lies in the ring. At a slant of 45 degrees more goes than a spacing.
+    let touching = line(&[(70.0, 100.0), (70.0, 50.0), (60.2, 39.8)]);
+    let cut = uncrossed(vec![ring.clone(), touching.clone()], 1.0, 50.0);
+    assert_eq!((cut.len(), &cut[0]), (2, &ring), "{cut:?}");
+    let lost_mm = touching.length_mm() - cut[1].length_mm();
+    assert!((1.4..2.0).contains(&lost_mm), "{lost_mm}");
+    // A path that crosses itself.
+    let loops = line(&[(0.0, 0.0), (60.0, 0.0), (60.0, 30.0), (50.0, 30.0), (50.0, -3.0)]);
+    let cut = uncrossed(vec![loops], 1.0, 50.0);
+    assert_eq!(cut.len(), 2, "{cut:?}");
+    assert!((cut[0].length_mm() + cut[1].length_mm() - 131.0).abs() < 0.1, "{cut:?}");
 }

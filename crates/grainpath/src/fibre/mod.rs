@@ -9,7 +9,7 @@
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::polyline;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::wide_turns::{Place, joined};
+use grainpath_core::wide_turns::{Place, joined, uncrossed};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
@@ -262,7 +262,7 @@ impl FibreSettings {
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
         paths.iter_mut().for_each(|path| path.width = BeadWidth::Constant(self.bead_width_mm));
-        if self.turns == FibreTurns::Wide && !place.rings && self.min_radius_mm > 0.0 {
+        if self.turns == FibreTurns::Wide && !place.rings && self.rounds() {
             let pieces = paths.into_iter().flat_map(|path| self.turned(path, &inside, &mut tally)).collect();
             let there = Place {
                 region: &grown,
@@ -274,29 +274,47 @@ impl FibreSettings {
             };
             paths = joined(pieces, &there);
         }
+        let mut pieces = Vec::new();
         for path in paths {
             let length = path.length_mm();
             tally.longest_mm = tally.longest_mm.max(length);
-            // Short paths are sorted out before their turns are rounded, since rounding only shortens a path.
+            // Short paths keep their turns, since they are laid without fibre.
             if length < self.min_length_mm || path.points.len() < 2 {
-                tally.short += 1;
-                tally.short_mm += length;
-                out.push(path);
-                continue;
-            }
-            for mut piece in self.turned(path, &inside, &mut tally) {
-                let length = piece.length_mm();
-                if length < self.min_length_mm {
-                    tally.short += 1;
-                    tally.short_mm += length;
-                } else {
-                    piece.role = Role::Fibre;
-                    self.begin(&mut piece, place);
-                }
-                out.push(piece);
+                pieces.push(path);
+            } else {
+                pieces.extend(self.turned(path, &inside, &mut tally));
             }
         }
+        // An arc in a corner can cross the end of a line inside the corner.
+        if self.rounds() {
+            pieces = uncrossed(pieces, place.spacing_mm, self.min_length_mm);
+        }
+        if self.cuts() {
+            // The new end of a path can show a turn as well.
+            pieces = pieces.into_iter().flat_map(|piece| self.without_sharp_ends(piece)).collect();
+        }
+        for mut piece in pieces {
+            let length = piece.length_mm();
+            if length < self.min_length_mm || piece.points.len() < 2 {
+                tally.short += 1;
+                tally.short_mm += length;
+            } else {
+                piece.role = Role::Fibre;
+                self.begin(&mut piece, place);
+            }
+            out.push(piece);
+        }
         tally
+    }
+
+    /// Whether sharp turns become arcs.
+    fn rounds(&self) -> bool {
+        self.turns != FibreTurns::Report && self.min_radius_mm > 0.0
+    }
+
+    /// Whether fibre is cut at turns that no arc of the least radius fits.
+    fn cuts(&self) -> bool {
+        matches!(self.turns, FibreTurns::Cut | FibreTurns::Wide)
     }
 
     /// Rounds or cuts the sharp turns of a path, as the settings say. The result is one piece or several.
@@ -306,7 +324,6 @@ impl FibreSettings {
         inside: &dyn Fn(DVec2, DVec2) -> bool,
         tally: &mut Tally,
     ) -> Vec<Toolpath> {
-        let cuts = matches!(self.turns, FibreTurns::Cut | FibreTurns::Wide);
         if path.closed {
             // The path is opened at the middle of its longest straight piece, because no rounded turn
             // reaches that point.
@@ -315,14 +332,14 @@ impl FibreSettings {
             path.points.push(first);
         }
         let was_closed = std::mem::take(&mut path.closed);
-        if self.turns != FibreTurns::Report && self.min_radius_mm > 0.0 {
+        if self.rounds() {
             // A turn that does not fit the least radius is cut later, so it gets no smaller arc.
-            let smallest_mm = if cuts { self.min_radius_mm } else { SMALLEST_MM };
+            let smallest_mm = if self.cuts() { self.min_radius_mm } else { SMALLEST_MM };
             let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, smallest_mm, inside);
             tally.rounded += n_rounded;
             path.points = points;
         }
-        if cuts && !self.sharp_where_cut(&path.points).is_empty() {
+        if self.cuts() && !self.sharp_where_cut(&path.points).is_empty() {
             return self.cut_at_sharp_turns(path);
         }
         if was_closed {
@@ -332,15 +349,28 @@ impl FibreSettings {
         vec![path]
     }
 
-    /// Sharp turns of an open path, as planned or as G-code has it: coordinates rounded to 0.001 mm tell the radius of short
-    /// chords to 2 %.
+    /// Sharp turns of an open path, as planned or as G-code has it in either direction: coordinates rounded to 0.001 mm tell the
+    /// radius of short chords to 2 %, and the direction decides which vertices count as straight. The print order chooses it.
     fn sharp_where_cut(&self, points: &[DVec2]) -> Vec<Turn> {
         let planned = sharp_turns(points, false, self.min_radius_mm);
         if !planned.is_empty() {
             return planned;
         }
-        let written: Vec<DVec2> = points.iter().map(|p| (1e3 * p).round() * 1e-3).collect();
-        sharp_turns(&written, false, self.min_radius_mm)
+        let mut written: Vec<DVec2> = points.iter().map(|p| (1e3 * p).round() * 1e-3).collect();
+        let forwards = sharp_turns(&written, false, self.min_radius_mm);
+        if !forwards.is_empty() {
+            return forwards;
+        }
+        written.reverse();
+        let backwards = sharp_turns(&written, false, self.min_radius_mm);
+        let turned = |turn: Turn| Turn { vertex: points.len() - 1 - turn.vertex, ..turn };
+        backwards.into_iter().rev().map(turned).collect()
+    }
+
+    /// Cuts an open path that is long enough for fibre as [`Self::cut_at_sharp_turns`].
+    fn without_sharp_ends(&self, piece: Toolpath) -> Vec<Toolpath> {
+        let is_fibre = !piece.closed && piece.length_mm() >= self.min_length_mm;
+        if is_fibre { self.cut_at_sharp_turns(piece) } else { vec![piece] }
     }
 
     /// Cuts an open path until no piece has a sharp turn. The end of a piece can show a turn that was part of a longer one.

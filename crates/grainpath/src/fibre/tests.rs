@@ -159,11 +159,13 @@ fn fibre_is_cut_where_it_cannot_turn() {
 #[test]
 fn fibre_is_cut_where_rounded_coordinates_turn_more_sharply() {
     // Arcs above the radius that counts as sharp, in chords of 0.3 mm: coordinates with three decimals tell it to some percent.
-    let arc = |r_mm: f64| {
-        let points = (0..=30).map(|k| r_mm * direction(0.1 * f64::from(k)) + DVec2::X * 20.0 * r_mm);
+    let arc = |n: f64| {
+        // Each lies beside the one before.
+        let (r_mm, middle) = (2.95 + 1e-2 * n, DVec2::X * 8.1 * n);
+        let points = (0..=30).map(|k| r_mm * direction(0.1 * f64::from(k)) + middle);
         Toolpath::new(points.collect(), 0.6, Role::SolidFill, false)
     };
-    let paths: Vec<Toolpath> = (0..40).map(|k| arc(2.95 + 1e-2 * f64::from(k))).collect();
+    let paths: Vec<Toolpath> = (0..40).map(|n| arc(f64::from(n))).collect();
     let f = FibreSettings { turns: FibreTurns::Cut, min_length_mm: 2.0, ..settings() };
     let mut out = Vec::new();
     f.lay(paths, &place(&Region::default(), 0.0), &mut out);
@@ -172,6 +174,28 @@ fn fibre_is_cut_where_rounded_coordinates_turn_more_sharply() {
     for path in fibre {
         let written: Vec<DVec2> = path.points.iter().map(|p| (p * 1e3).round() * 1e-3).collect();
         assert!(sharp_bends(&written, false, f.min_radius_mm).is_empty(), "{}", smallest(&written, false));
+    }
+}
+
+#[test]
+fn arcs_in_corners_do_not_cross_what_ends_there() {
+    // A line turns at the corner of a square. Another ends a bead inside the corner, beyond the arc by which it is rounded.
+    let line = |points: &[(f64, f64)]| {
+        Toolpath::new(points.iter().map(|p| DVec2::from(*p)).collect(), 0.6, Role::SolidFill, false)
+    };
+    let paths = vec![line(&[(0.0, 49.0), (49.0, 49.0), (49.0, 0.0)]), line(&[(0.0, 0.0), (48.5, 48.5)])];
+    let region = Region::rectangle(DVec2::ZERO, DVec2::splat(50.0));
+    for turns in [FibreTurns::Round, FibreTurns::Cut] {
+        let mut out = Vec::new();
+        FibreSettings { turns, ..settings() }.lay(paths.clone(), &place(&region, 0.0), &mut out);
+        assert!(out.iter().all(|p| p.role == Role::Fibre) && out.len() == 2, "{out:?}");
+        let [corner, inside] = [&out[0], &out[1]];
+        // The arc has 3.09 mm radius, so it passes the diagonal 1.28 mm before the corner.
+        let end = inside.points[inside.points.len() - 1];
+        let arc = corner.points.windows(2).map(|w| segment::distance_squared_mm2(end, w[0], w[1]).sqrt());
+        let apart_mm = arc.fold(f64::INFINITY, f64::min);
+        assert!((apart_mm / bead_spacing_mm(0.6, 0.2) - 0.98).abs() < 0.03, "{apart_mm}");
+        assert!(inside.length_mm() > 65.0, "{inside:?}");
     }
 }
 
