@@ -12,7 +12,7 @@
 //!   levels meet, so that the walls continue;
 //! - `honeycomb` is laid level by level, cut where levels meet, and leans too. Its levels lie closer to each other;
 //! - `stripes` and `streamlines` are evenly spaced streamlines, whose distance follows the local density, and
-//!   stripes where the density is high;
+//!   stripes where the density is high, and single lines where these leave a place empty (`gap_lines`);
 //! - `continuous` has a band for each level, filled with strips at its distance, and rings of neighbouring bands are
 //!   joined to one path.
 //!
@@ -50,6 +50,7 @@ use rayon::prelude::*;
 use super::continuous::necks;
 use super::field::streamlines;
 use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
+use super::gap_lines::lines_in_gaps;
 use super::hatch::{Hatch, Joints, Lines};
 use super::rectilinear::sparse;
 use super::{Continuous, FillContext, Honeycomb, Infill, Note, Solid, gyroid};
@@ -81,7 +82,7 @@ const CELLS_ACROSS: usize = 5;
 const MOST_CELLS: f64 = 2e6;
 /// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
 /// lines of sparse infill have no support between their ends.
-const SHORTEST: f64 = 4.0;
+pub(super) const SHORTEST: f64 = 4.0;
 
 /// Pieces of honeycomb shorter than this, in beads, are left out. Source: derived. The shortest piece that `stripes` lay;
 /// longer ones hold their neighbours.
@@ -135,8 +136,11 @@ pub fn fill(
         let context = FillContext { density: Density::Dense, angle_rad, ..*context };
         dense.polygons.iter().for_each(|polygon| Solid.fill(&context, polygon, out));
     }
-    if !leans(pattern) {
-        fit(&mut out[first..], context, map, infill_region);
+    if let Some(windows) = (!leans(pattern)).then(|| Windows::of(context, map, infill_region)).flatten() {
+        if pattern.follows_field() {
+            lines_in_gaps(context, &windows, infill_region, first, out);
+        }
+        fit(&mut out[first..], context, &windows);
     }
 }
 
@@ -156,7 +160,9 @@ pub fn one_path(
         // Rings of different bands become one path before widths are fitted, so that joints get their share too.
         let bands = bands_of_strips(context, map, infill_region);
         continuous.lay_bands(context, infill_region, &bands, out, notes);
-        fit(&mut out[first..], context, map, infill_region);
+        if let Some(windows) = Windows::of(context, map, infill_region) {
+            fit(&mut out[first..], context, &windows);
+        }
     }
 }
 
@@ -421,10 +427,10 @@ fn along_field(
 }
 
 /// Table from which the sum over any rectangle of a grid is read.
-struct Sums(Vec<f64>);
+pub(super) struct Sums(Vec<f64>);
 
 impl Sums {
-    fn new([nx, ny]: [usize; 2], values: &[f64]) -> Self {
+    pub(super) fn new([nx, ny]: [usize; 2], values: &[f64]) -> Self {
         let mut sums = vec![0.0; (nx + 1) * (ny + 1)];
         for j in 0..ny {
             let mut row = 0.0;
@@ -446,65 +452,132 @@ impl Sums {
     }
 
     /// The sum over a square.
-    fn of(&self, around: [u32; 4]) -> f64 {
+    pub(super) fn of(&self, around: [u32; 4]) -> f64 {
         let [a, b, c, d] = around.map(|place| self.0[place as usize]);
         a - b - c + d
     }
 }
 
+/// The volume that the windows of an infill region ask for in one layer.
+pub(super) struct Windows<'a> {
+    map: &'a DensityMap,
+    z_mid_mm: f64,
+    pub(super) grid: MaskGrid,
+    /// The cells of the area that beads fill.
+    mask: Mask,
+    /// Half the side of a window, in cells.
+    half: f64,
+    /// The volume that windows ask for, as the area it would take in this layer, mm2.
+    pub(super) asked: Sums,
+}
+
+impl<'a> Windows<'a> {
+    fn of(context: &FillContext<'_>, map: &'a DensityMap, infill_region: &Polygon) -> Option<Self> {
+        let area = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
+        let grid = MaskGrid::over(area.bounds()?, 0.5);
+        let mask = Mask::from_region(grid, &area);
+        let half = 0.5 * WINDOW_MM / grid.cell_mm();
+        let mut windows = Self { map, z_mid_mm: context.z_mid_mm, grid, mask, half, asked: Sums(Vec::new()) };
+        windows.asked = windows.sums(|k| {
+            if windows.is_in_area(k) {
+                windows.density(windows.middle_mm(k)) * windows.cell_mm2()
+            } else {
+                0.0
+            }
+        });
+        Some(windows)
+    }
+
+    pub(super) fn n_cells(&self) -> usize {
+        let [nx, ny] = self.grid.size();
+        nx * ny
+    }
+
+    pub(super) fn cell_mm2(&self) -> f64 {
+        self.grid.cell_mm() * self.grid.cell_mm()
+    }
+
+    /// Column and row of a cell.
+    fn at(&self, k: usize) -> [usize; 2] {
+        [k % self.grid.size()[0], k / self.grid.size()[0]]
+    }
+
+    pub(super) fn is_in_area(&self, k: usize) -> bool {
+        let [i, j] = self.at(k);
+        self.mask.get(i, j)
+    }
+
+    /// The middle of a cell, mm.
+    pub(super) fn middle_mm(&self, k: usize) -> DVec2 {
+        let [i, j] = self.at(k);
+        self.grid.origin() + self.grid.cell_mm() * DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
+    }
+
+    /// The cell of a point.
+    pub(super) fn cell_of(&self, p: DVec2) -> usize {
+        let [nx, ny] = self.grid.size();
+        let q = ((p - self.grid.origin()) / self.grid.cell_mm()).max(DVec2::ZERO);
+        (q.y as usize).min(ny - 1) * nx + (q.x as usize).min(nx - 1)
+    }
+
+    /// The density asked for at a point.
+    pub(super) fn density(&self, p: DVec2) -> f64 {
+        self.map.at(p.extend(self.z_mid_mm))
+    }
+
+    /// The window around a point.
+    pub(super) fn around(&self, p: DVec2) -> [u32; 4] {
+        Sums::around(self.grid.size(), (p - self.grid.origin()) / self.grid.cell_mm(), self.half)
+    }
+
+    /// The cells of the window around the middle of a cell.
+    pub(super) fn cells_in(&self, k: usize) -> impl Iterator<Item = usize> + use<> {
+        let ([nx, ny], [i, j], half) = (self.grid.size(), self.at(k), self.half as usize);
+        let rows = j.saturating_sub(half)..(j + half + 1).min(ny);
+        let columns = i.saturating_sub(half)..(i + half + 1).min(nx);
+        rows.flat_map(move |j| columns.clone().map(move |i| j * nx + i))
+    }
+
+    /// Sums over windows of a value of each cell.
+    pub(super) fn sums(&self, of: impl Fn(usize) -> f64) -> Sums {
+        Sums::new(self.grid.size(), &(0..self.n_cells()).map(of).collect::<Vec<f64>>())
+    }
+}
+
 /// Sets the widths of beads so that the volume in the windows around each of their points matches the density map, within the
 /// printable widths. The correction of Richardson and Lucy: for lines at an even distance below the window's side it is exact.
-fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infill_region: &Polygon) {
-    let area = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0));
-    let Some(bounds) = area.bounds() else { return };
+fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, all: &Windows<'_>) {
     let (h, nominal) = (context.height_mm, context.bead_width_mm);
     let narrowest_mm = narrowest_mm(nominal, context.min_bead_width_mm);
-    let mask = Mask::from_region(MaskGrid::over(bounds, 0.5), &area);
-    let grid = MaskGrid::over(bounds, 0.5);
-    let ([nx, ny], cell_mm, origin) = (grid.size(), grid.cell_mm(), grid.origin());
-    let at = |p: DVec2| map.at(p.extend(context.z_mid_mm));
-    let asked = |k: usize| {
-        let (i, j) = (k % nx, k / nx);
-        if !mask.get(i, j) {
-            return 0.0;
-        }
-        at(origin + cell_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5)) * cell_mm * cell_mm
-    };
-    let asked = Sums::new([nx, ny], &(0..nx * ny).map(asked).collect::<Vec<f64>>());
-    let half = 0.5 * WINDOW_MM / cell_mm;
-    let middle = |k: usize| DVec2::new((k % nx) as f64 + 0.5, (k / nx) as f64 + 0.5);
     // The windows, by the cell in their middle, where they lie and what each asks for. Every other cell suffices: they are
     // then 1 mm apart.
-    let in_area =
-        |&k: &usize| (k % nx).is_multiple_of(2) && (k / nx).is_multiple_of(2) && mask.get(k % nx, k / nx);
-    let window = |k: usize| {
-        let around = Sums::around([nx, ny], middle(k), half);
-        (k, around, asked.of(around))
+    let is_window = |&k: &usize| {
+        let [i, j] = all.at(k);
+        i.is_multiple_of(2) && j.is_multiple_of(2) && all.mask.get(i, j)
     };
-    let windows: Vec<(usize, [u32; 4], f64)> = (0..nx * ny).filter(in_area).map(window).collect();
+    let window = |k: usize| {
+        let around = all.around(all.middle_mm(k));
+        (k, around, all.asked.of(around))
+    };
+    let windows: Vec<(usize, [u32; 4], f64)> = (0..all.n_cells()).filter(is_window).map(window).collect();
     for path in &mut *paths {
         divide(path);
     }
     // Places do not change while widths are fitted, and neither do the windows around vertices.
-    let place = |p: DVec2| {
-        let q = ((p - origin) / cell_mm).max(DVec2::ZERO);
-        (q.y as usize).min(ny - 1) * nx + (q.x as usize).min(nx - 1)
-    };
-    let places = Places::of(paths.iter(), 0.5 * cell_mm, &place);
+    let places = Places::of(paths.iter(), 0.5 * all.grid.cell_mm(), &|p| all.cell_of(p));
     let vertices = paths.iter().flat_map(|path| &path.points);
-    let of_vertices: Vec<[u32; 4]> =
-        vertices.map(|p| Sums::around([nx, ny], (*p - origin) / cell_mm, half)).collect();
+    let of_vertices: Vec<[u32; 4]> = vertices.map(|p| all.around(*p)).collect();
     // The windows that hold any volume are the same in nearly all rounds.
-    let mut counted = (vec![0.0; nx * ny], None);
+    let mut counted = (vec![0.0; all.n_cells()], None);
     for _ in 0..ROUNDS {
-        let mut laid = vec![0.0; nx * ny];
+        let mut laid = vec![0.0; all.n_cells()];
         places.each(paths.iter(), |width, piece_mm, cells| {
             let mm2 = bead_spacing_mm(width, h) * piece_mm;
             cells.iter().for_each(|cell| laid[*cell as usize] += mm2);
         });
-        let laid = Sums::new([nx, ny], &laid);
+        let laid = Sums::new(all.grid.size(), &laid);
         // The volume that each window asks for over the one that it holds, where it holds any.
-        let mut short = vec![0.0; nx * ny];
+        let mut short = vec![0.0; all.n_cells()];
         for &(k, around, asked_mm2) in &windows {
             let laid_mm2 = laid.of(around);
             let (ratio, counts) = if laid_mm2 > 1e-9 { (asked_mm2 / laid_mm2, 1.0) } else { (0.0, 0.0) };
@@ -513,8 +586,8 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, map: &DensityMap, infi
                 (counted.0[k], counted.1) = (counts, None);
             }
         }
-        let short = Sums::new([nx, ny], &short);
-        let counted = &*counted.1.get_or_insert_with(|| Sums::new([nx, ny], &counted.0));
+        let short = Sums::new(all.grid.size(), &short);
+        let counted = &*counted.1.get_or_insert_with(|| Sums::new(all.grid.size(), &counted.0));
         let mut around_vertices = of_vertices.iter();
         for path in &mut *paths {
             let own = around_vertices.by_ref().take(path.points.len());

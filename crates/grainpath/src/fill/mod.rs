@@ -8,6 +8,7 @@ mod concentric;
 mod continuous;
 pub mod curves;
 mod field;
+mod gap_lines;
 #[cfg(test)]
 #[path = "../../../../tests/figure.rs"]
 mod figure;

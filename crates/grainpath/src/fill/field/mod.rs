@@ -29,7 +29,7 @@ pub(super) mod levels;
 mod line_ends;
 mod one_width;
 mod own_frame;
-mod seed_lines;
+pub(super) mod seed_lines;
 pub(super) mod streamlines;
 pub(super) mod stripes;
 mod voids;

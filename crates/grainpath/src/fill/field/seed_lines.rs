@@ -66,11 +66,11 @@ const DRAWN_OUT: f64 = 2.0;
 /// Measured: row `fill.field.seed_lines.KEPT_FREE` of `cargo xtask bench constants`.
 static KEPT_FREE: Tuned<f64> = Tuned::new("fill.field.seed_lines.KEPT_FREE", 0.8);
 /// Accuracy of lines, mm. Source: derived. A hundredth of a usual bead.
-pub(super) const TOLERANCE_MM: f64 = 0.005;
+pub(crate) const TOLERANCE_MM: f64 = 0.005;
 /// No line is longer than this multiple of the sum of both sides of its region, since a line could circle for ever.
 /// Source: derived. A spiral whose turns lie a bead apart in a region of 40 x 40 beads is as long; a line along a field
 /// that does not turn round is shorter than both sides.
-pub(super) const LONGEST_SIDES: f64 = 20.0;
+pub(crate) const LONGEST_SIDES: f64 = 20.0;
 /// Streamlines that fill what is open start this far inside of it, in beads. Source: derived. That is 0.008 mm at a
 /// bead of 0.4 mm, eighty times the grid that regions are rounded to.
 const INWARDS: f64 = 0.02;
