@@ -649,6 +649,7 @@ impl VoxelCells {
         // Rows that wait to be copied are computed in chunks to bound the memory: 1024 rows take half a megabyte.
         if nodes.len() == self.nodes.len() {
             let mut rough = std::mem::take(&mut self.rough);
+            // A new part writes all rows in place.
             let rows = rough.par_iter_mut().enumerate().with_min_len(CHUNK / 4);
             rows.for_each(|(i, row)| *row = self.half_row(i));
             self.rough = rough;
@@ -802,6 +803,8 @@ impl VoxelCells {
         let children: Vec<Vec<[[DMat3; 8]; 8]>> = (self.elements.par_iter().zip(&used))
             .map(|(k, used)| (0..8).filter(|_| *used).map(|c| gathered(c, k)).collect())
             .collect();
+        // The stiffness of a coarse cell is computed once and added to the rows of its eight nodes below, each of which adds its
+        // cells in the same order whatever thread takes it.
         let of_hex = |h: usize| {
             let mut sum = [DMat3::ZERO; LOWER];
             for c in 0..8 {
@@ -884,6 +887,7 @@ fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> 
         (d.z as isize * ny + d.y as isize) * nx + d.x as isize
     });
     let neighbours = |(own, &p): (usize, &IVec3)| {
+        // Nearly all points have all their neighbours within the grid.
         let at = part.point_index(p);
         let within = p.cmpgt(IVec3::ZERO).all() && p.cmplt(part.size()).all();
         std::array::from_fn(|k| {

@@ -6,6 +6,14 @@
 //! take. Each slab adds up forces of its own, and these are added in the order of the slabs, so the sums do not depend on the
 //! number of threads. Forces are in N, displacements in mm; about seven digits of a force are correct, less what cancels.
 //! Cost: 528 bytes a node.
+//!
+//! Two products are offered. [`forces`] multiplies displacements that were rounded to single precision. That is enough for a
+//! preconditioner, but where a part moves far as a whole the forces of its strain drown in the rounding.
+//! [`forces_of_differences`] multiplies differences between neighbours and keeps their digits; it suits conjugate gradients that
+//! end at a few digits.
+//!
+//! Besides the finest matrix, coarser ones of grids can be kept in this form ([`HalfMatrix`]). A node with 26 neighbours
+//! takes 580 bytes there, with the numbers of its neighbours; whole rows in double precision take 2052.
 
 use std::ops::Range;
 
@@ -42,7 +50,9 @@ pub(crate) struct Slab {
 /// The upper half of a stored matrix in which a node is coupled to 26 others at most.
 pub(crate) struct HalfMatrix {
     rows: Vec<Row>,
+    /// Neighbours of higher number of each node; where one is missing, the node itself.
     after: Vec<[u32; AFTER]>,
+    /// What threads take.
     slabs: Vec<Slab>,
 }
 
@@ -50,6 +60,7 @@ impl HalfMatrix {
     /// `None` for a matrix that has a row with more blocks.
     pub(crate) fn new(matrix: &Blocks) -> Option<Self> {
         let row = |i: usize| {
+            // The blocks of a row are in the order of their nodes, so the node itself comes first.
             let (mut row, mut after, mut n) = (EMPTY, [i as u32; AFTER], 0);
             for (j, block) in matrix.row(i).filter(|(j, _)| *j >= i) {
                 let place = if j == i { 0 } else { n + 1 };
@@ -61,16 +72,19 @@ impl HalfMatrix {
             }
             Some((row, after))
         };
+        // One row with too many blocks is enough to refuse the matrix, which is then kept as it is.
         let all: Option<(Vec<Row>, Vec<[u32; AFTER]>)> = (0..matrix.n()).into_par_iter().map(row).collect();
         let (rows, after) = all?;
         let slabs = slabs(rows.len(), |i| &after[i]);
         Some(Self { rows, after, slabs })
     }
 
+    /// The product with displacements, in the digits of single precision.
     pub(crate) fn apply(&self, x: &[DVec3], y: &mut [DVec3]) {
         forces(&self.rows, |i| &self.after[i], &self.slabs, &rounded(x), y);
     }
 
+    /// Memory of its rows and of the numbers of their nodes.
     pub(crate) fn bytes(&self) -> usize {
         self.rows.len() * (size_of::<Row>() + size_of::<[u32; AFTER]>())
     }
@@ -130,7 +144,8 @@ pub(crate) fn forces_of_differences<'a>(
     add_up(slabs, &sums, forces);
 }
 
-/// Adds up what slabs cause, in their order.
+/// Adds up what slabs cause, in their order: that keeps the bits the same for any number of threads. Sums of slabs are in
+/// single precision, their total in double.
 fn add_up(slabs: &[Slab], sums: &[Vec<[f32; 4]>], forces: &mut [DVec3]) {
     forces.par_chunks_mut(SLAB_NODES).enumerate().for_each(|(c, forces)| {
         forces.fill(DVec3::ZERO);
@@ -192,6 +207,7 @@ fn slab_forces_of_differences<'a, F: Fn(usize) -> &'a [u32]>(
     let mut forces = vec![[0.0f32; 4]; slab.end - start];
     for i in slab.nodes.clone() {
         let (row, after, own) = (&rows[i], after(i), u[i]);
+        // The node does not move away from itself, so its own block does not count.
         let mut near = [0.0; LINE];
         // Each component of a difference once for every column of its block.
         let mut spread = [[0.0; LINE]; 3];
@@ -202,6 +218,7 @@ fn slab_forces_of_differences<'a, F: Fn(usize) -> &'a [u32]>(
         }
         let force = product(row, &near);
         (0..3).for_each(|k| forces[i - start][k] += force[k]);
+        // Seen from a neighbour, the node moves the other way, hence the minus below.
         let mut caused = [0.0; LINE];
         for (k, caused) in caused.iter_mut().enumerate() {
             *caused = row[0][k] * spread[0][k] + row[1][k] * spread[1][k] + row[2][k] * spread[2][k];
@@ -302,6 +319,7 @@ mod tests {
                 expected[j as usize] += block.transpose() * place(i);
             }
         }
+        // Some ten thousand times the differences: single precision would keep three of their digits.
         let moved: Vec<DVec3> = (0..n).map(|i| place(i) + DVec3::new(3e4, -2e4, 1e4)).collect();
         let mut found = vec![DVec3::ONE; n];
         forces_of_differences(&rows, |i| &after[i], &slabs, &moved, &mut found);

@@ -134,6 +134,7 @@ pub(crate) fn iterate(
         add(&mut before, -1.0, &r);
         let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };
         rz = dot(&r, &z);
+        // The next direction: what the preconditioner gives, made conjugate to the last one.
         p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK)).for_each(|(p, z)| {
             p.iter_mut().zip(z).for_each(|(p, z)| *p = *z + *p * beta);
         });
