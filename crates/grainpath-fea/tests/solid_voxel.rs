@@ -72,6 +72,39 @@ fn patch_test_of_turned_materials_and_scales() {
 }
 
 #[test]
+fn one_solution_with_few_digits_agrees_with_an_exact_one() {
+    // A long bar with a hollow, whose end moves by hundreds of times what the corners of a cell move apart.
+    let n = [160, 6, 5];
+    let mut part = block(n, DVec3::new(0.5, 0.4, 0.3));
+    for x in 20..140 {
+        (2..4).for_each(|y| part.material[(2 * n[1] + y) * n[0] + x] = VOID);
+    }
+    let mut exact = VoxelSystem::new(part.clone(), &clamp(n), &tight()).expect("held");
+    let mut load = vec![DVec3::ZERO; exact.n_nodes()];
+    let end = (0..=n[1]).flat_map(|y| (0..=n[2]).map(move |z| [n[0], y, z]));
+    end.for_each(|p| load[exact.node(p).expect("solid")] = DVec3::new(0.1, 0.2, -1.0));
+    let want = exact.solve(&load, &tight()).expect("converges").displacement;
+    let work = |u: &[DVec3]| load.iter().zip(u).map(|(f, u)| f.dot(*u)).sum::<f64>();
+    // 8 MiB leave no room for the matrix in single precision.
+    for max_mib in [1024.0, 8.0] {
+        let settings = SolveSettings { tolerance: 1e-2, max_mib, ..SolveSettings::default() };
+        let mut once = VoxelSystem::for_one_solution(part.clone(), &clamp(n), &settings).expect("held");
+        let solution = once.solve_once(&load, &settings).expect("converges");
+        println!("{max_mib} MiB: {} iterations", solution.iterations);
+        assert!(solution.residual <= 2e-2, "{}", solution.residual);
+        assert!((work(&solution.displacement) / work(&want) - 1.0).abs() < 1e-3);
+        let cell = 2 * n[0] + 30;
+        let [told, true_strain] = [once.displacement(), &want].map(|u| once.strain(u, cell).expect("solid"));
+        assert!((told[0] / true_strain[0] - 1.0).abs() < 0.02, "{told:?} {true_strain:?}");
+    }
+    // A tolerance that single precision cannot reach is reached with the whole matrix.
+    let settings = SolveSettings { tolerance: 1e-7, ..SolveSettings::default() };
+    let mut once = VoxelSystem::for_one_solution(part, &clamp(n), &settings).expect("held");
+    let solution = once.solve_once(&load, &settings).expect("converges");
+    assert!(solution.residual < 2e-7 && !once.displacement().is_empty(), "{}", solution.residual);
+}
+
+#[test]
 fn a_cantilever_of_voxels_bends_as_beams_do() {
     let n = [80, 8, 8];
     let mut part = block(n, DVec3::splat(1.0));

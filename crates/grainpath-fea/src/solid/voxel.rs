@@ -8,11 +8,12 @@
 //! width. It uses the matrix in single precision where memory allows. After a change of cells only the nodes
 //! around it are corrected first (`easing`), and the whole part is solved again where that is not enough. The
 //! preconditioner is kept through such changes. It is made again when a solution takes more than ten
-//! iterations above twice the usual number.
+//! iterations above twice the usual number. A part that is solved once, to a few digits, has a cheaper
+//! preconditioner and conjugate gradients in single precision ([`VoxelSystem::solve_once`]).
 //!
 //! Lengths are in mm, forces in N, stresses in MPa. Cells are numbered with x fastest, `n[0] * n[1] * n[2]`
 //! of them, each with a stiffness from the palette and a factor on it. Cost: linear in the nodes in use.
-//! Memory: 810 bytes a node in use, about 1700 with the matrix in single precision, and 10 bytes a cell of
+//! Memory: 860 bytes a node in use, about 1750 with the matrix in single precision, and 10 bytes a cell of
 //! the grid, refused above the limit before it is allocated.
 //!
 //! Limits: slanted surfaces are stair-stepped. Void cells stay void, and the factor of a changed cell stays
@@ -27,10 +28,10 @@ use super::model::constraints::Supports;
 use super::model::error::SolidError;
 use super::model::memory::fitting_edge_mm;
 use super::model::quadratic_tet::{self as element, Law};
-use super::solver::block_matrix::{assemble, dot};
+use super::solver::block_matrix::{Blocks, dot};
 use super::solver::easing::{self, RoughPart, Rows};
 use super::solver::half_matrix::{self, AFTER, SUM_BYTES, Slab};
-use super::solver::multigrid::{CoarseGrid, GRID, Multigrid, Transfer};
+use super::solver::multigrid::{CoarseGrid, GRID, Multigrid, Transfer, Use};
 use super::solver::operator::inverse;
 use super::solver::solution::{Solution, SolveSettings};
 use super::solver::solve::{Solved, iterate};
@@ -131,9 +132,11 @@ const MIDDLE: usize = 13;
 const ROW_BYTES: usize = size_of::<half_matrix::Row>();
 /// Bytes a node, with and without the matrix in single precision. The matrix takes its rows, and the sums of its
 /// forces. A correction takes rows of its own, with the numbers of their neighbours, for the nodes it moves.
-/// Measured: the strength test of a bracket with 459 000 nodes holds 1.1 GiB, and 1.3 GiB with whole rows.
+/// Measured: the strength test of a bracket with 459 000 nodes holds 1.1 GiB, and 1.3 GiB with whole rows. The weights of the
+/// first grid by its own nodes take 50 bytes more; derived: a node has weight at 27 / 8 nodes of the grid in the mean, of 16
+/// bytes each.
 const NODE_BYTES: [usize; 2] =
-    [810 + ROW_BYTES + SUM_BYTES + (2.0 * NEAR * (ROW_BYTES + 4 * AFTER) as f64) as usize, 810];
+    [860 + ROW_BYTES + SUM_BYTES + (2.0 * NEAR * (ROW_BYTES + 4 * AFTER) as f64) as usize, 860];
 
 fn corner(c: usize) -> IVec3 {
     IVec3::new((c & 1) as i32, (c >> 1 & 1) as i32, (c >> 2) as i32)
@@ -178,8 +181,29 @@ impl VoxelSystem {
         hold: &[([usize; 3], DVec3, f64)],
         settings: &SolveSettings,
     ) -> Result<Self, SolidError> {
+        Self::prepared_for(Use::Often, part, hold, settings)
+    }
+
+    /// [`VoxelSystem::new`] for [`VoxelSystem::solve_once`]: preparation and solution take less time and give fewer digits.
+    ///
+    /// # Errors
+    /// As [`VoxelSystem::new`].
+    pub fn for_one_solution(
+        part: VoxelPart,
+        hold: &[([usize; 3], DVec3, f64)],
+        settings: &SolveSettings,
+    ) -> Result<Self, SolidError> {
+        Self::prepared_for(Use::Once, part, hold, settings)
+    }
+
+    fn prepared_for(
+        usage: Use,
+        part: VoxelPart,
+        hold: &[([usize; 3], DVec3, f64)],
+        settings: &SolveSettings,
+    ) -> Result<Self, SolidError> {
         let cells = VoxelCells::new(part, hold, settings)?;
-        let multigrid = cells.multigrid();
+        let multigrid = cells.multigrid(usage);
         Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1, last: None, changed: Vec::new() })
     }
 
@@ -254,6 +278,34 @@ impl VoxelSystem {
         self.iterated(load, None, settings)
     }
 
+    /// Solves for forces on the nodes, N, with a matrix in single precision where memory allows it. The residual of the
+    /// whole matrix then tells whether that was enough; if it is more than twice the tolerance, the solution goes on with
+    /// the whole matrix.
+    ///
+    /// # Errors
+    /// No convergence, or a load that is not finite.
+    pub fn solve_once(&mut self, load: &[DVec3], settings: &SolveSettings) -> Result<Solution, SolidError> {
+        self.last = None;
+        let cells = &self.cells;
+        let Solved { mut solution, load_size, .. } =
+            iterate(&RoughCells(cells), &mut self.multigrid, load, None, settings)?;
+        let mut residual = vec![DVec3::ZERO; load.len()];
+        cells.forces(&solution.displacement, &mut residual, &mut []);
+        residual.iter_mut().zip(load).for_each(|(r, f)| *r = *f - *r);
+        cells.supports.project(&mut residual);
+        let size = dot(&residual, &residual).sqrt();
+        // Comparing this way round sends a size that is not a number on to the other matrix, which refuses it.
+        if size <= 2.0 * settings.tolerance * load_size {
+            solution.residual = if load_size > 0.0 { size / load_size } else { 0.0 };
+            let displacement = solution.displacement.clone();
+            self.last = Some(Last { load: load.to_vec(), displacement, residual, load_size });
+            return Ok(solution);
+        }
+        let from = Some((std::mem::take(&mut solution.displacement), residual));
+        let more = self.iterated(load, from, settings)?;
+        Ok(Solution { iterations: solution.iterations + more.iterations, ..more })
+    }
+
     /// Updates the last solution after cells have changed: first at the nodes around them with all
     /// others fixed, then, if the residual is still too large, at all nodes. The residual falls to
     /// `gain` times its value after the change, or to the tolerance times the load if that is less.
@@ -322,7 +374,7 @@ impl VoxelSystem {
             // it again.
             match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
                 Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {
-                    self.multigrid = self.cells.multigrid();
+                    self.multigrid = self.cells.multigrid(Use::Often);
                     self.prepared += 1;
                     self.stale = false;
                     self.usual = None;
@@ -445,6 +497,9 @@ fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
     // Blocks above the diagonal follow from symmetry.
     std::array::from_fn(|a| std::array::from_fn(|b| if b <= a { k[a][b] } else { k[b][a].transpose() }))
 }
+
+/// Blocks of the lower half of an element of eight nodes. Source: derived: 8 x 9 / 2.
+const LOWER: usize = 36;
 
 /// Weight of coarse corner `k` at corner `a` of child `c` of a coarse cell.
 fn weight(c: usize, a: usize, k: usize) -> f64 {
@@ -592,6 +647,14 @@ impl VoxelCells {
             return;
         }
         // Rows that wait to be copied are computed in chunks to bound the memory: 1024 rows take half a megabyte.
+        if nodes.len() == self.nodes.len() {
+            let mut rough = std::mem::take(&mut self.rough);
+            // A new part writes all rows in place.
+            let rows = rough.par_iter_mut().enumerate().with_min_len(CHUNK / 4);
+            rows.for_each(|(i, row)| *row = self.half_row(i));
+            self.rough = rough;
+            return;
+        }
         for nodes in nodes.chunks(CHUNK) {
             let rows: Vec<_> = nodes.par_iter().map(|&i| self.half_row(i as usize)).collect();
             nodes.iter().zip(rows).for_each(|(&i, row)| self.rough[i as usize] = row);
@@ -601,18 +664,19 @@ impl VoxelCells {
     /// Coupling of a node with itself and its neighbours of higher number, in single precision.
     fn half_row(&self, i: usize) -> half_matrix::Row {
         let p = self.nodes[i];
-        let mut blocks = [DMat3::ZERO; 27];
+        let mut blocks = [DMat3::ZERO; AFTER + 1];
         for a in 0..8 {
             let Some((material, scale)) = self.part.solid(p - corner(a)) else { continue };
             for (b, block) in self.elements[usize::from(material)][a].iter().enumerate() {
-                blocks[BETWEEN[a][b]] += *block * f64::from(scale);
+                // Blocks with nodes of lower number are those of the other half.
+                if BETWEEN[a][b] >= MIDDLE {
+                    blocks[BETWEEN[a][b] - MIDDLE] += *block * f64::from(scale);
+                }
             }
         }
         let mut row = half_matrix::EMPTY;
-        for (k, block) in blocks[MIDDLE..].iter().enumerate() {
-            for (line, numbers) in row.iter_mut().enumerate() {
-                (0..3).for_each(|j| numbers[3 * k + j] = block.col(j)[line] as f32);
-            }
+        for (k, block) in blocks.iter().enumerate() {
+            half_matrix::put(&mut row, k, block);
         }
         row
     }
@@ -668,7 +732,7 @@ impl VoxelCells {
 
     /// The preconditioner: a level of cells of twice the width, whose element matrices are the
     /// Galerkin products of the cells in them, and coarser grids below it.
-    fn multigrid(&self) -> Multigrid {
+    fn multigrid(&self, usage: Use) -> Multigrid {
         // An odd number of cells leaves one half of the last coarse cell empty.
         let coarse_n = (self.part.size() + 1) / 2;
         let points = coarse_n + 1;
@@ -712,6 +776,10 @@ impl VoxelCells {
         first.n_coarse = places.len();
         first.held =
             (0..self.nodes.len()).filter_map(|i| self.supports.free(i).map(|p| (i as u32, *p))).collect();
+        let cell_index = |c: IVec3| {
+            (c.z as usize * coarse_n.y as usize + c.y as usize) * coarse_n.x as usize + c.x as usize
+        };
+        let mut hex_of = vec![NONE; coarse_n.as_u64vec3().element_product() as usize];
         let mut hexes: Vec<[u32; 8]> = Vec::new();
         let mut origins = Vec::new();
         for z in 0..coarse_n.z {
@@ -721,6 +789,7 @@ impl VoxelCells {
                     if (0..8).any(|k| self.part.solid(c * 2 + corner(k)).is_some()) {
                         // The centre of a coarse cell is a corner of each of its children, so all
                         // eight corners of the coarse cell are in use.
+                        hex_of[cell_index(c)] = hexes.len() as u32;
                         hexes.push(std::array::from_fn(|k| id[index(c + corner(k))]));
                         origins.push(c * 2);
                     }
@@ -734,8 +803,10 @@ impl VoxelCells {
         let children: Vec<Vec<[[DMat3; 8]; 8]>> = (self.elements.par_iter().zip(&used))
             .map(|(k, used)| (0..8).filter(|_| *used).map(|c| gathered(c, k)).collect())
             .collect();
-        let matrix = assemble(places.len(), &hexes, |h| {
-            let mut sum = [[DMat3::ZERO; 8]; 8];
+        // The stiffness of a coarse cell is computed once and added to the rows of its eight nodes below, each of which adds its
+        // cells in the same order whatever thread takes it.
+        let of_hex = |h: usize| {
+            let mut sum = [DMat3::ZERO; LOWER];
             for c in 0..8 {
                 let child = origins[h] + corner(c);
                 let Some((material, scale)) = self.part.solid(child) else { continue };
@@ -761,16 +832,39 @@ impl VoxelCells {
                     with_held = gathered(c, &k);
                     own = &with_held;
                 }
-                for a in 0..8 {
-                    for b in 0..=a {
-                        sum[a][b] += own[a][b] * f64::from(scale);
-                    }
-                }
+                let blocks = (0..8).flat_map(|a| own[a][..=a].iter());
+                sum.iter_mut().zip(blocks).for_each(|(sum, own)| *sum += *own * f64::from(scale));
             }
             sum
-        });
+        };
+        let stiffness: Vec<[DMat3; LOWER]> = (0..hexes.len()).into_par_iter().map(of_hex).collect();
+        let row = |p: &DVec3| {
+            let p = p.as_ivec3();
+            let (mut sums, mut columns) = ([DMat3::ZERO; 27], [NONE; 27]);
+            // The coarse cells around the node in the order of their numbers: the last corner of a cell is the first to come.
+            for a in (0..8).rev() {
+                let c = p - corner(a);
+                let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(coarse_n).all();
+                let h = if inside { hex_of[cell_index(c)] } else { NONE };
+                if h == NONE {
+                    continue;
+                }
+                let k = &stiffness[h as usize];
+                for b in 0..8 {
+                    let slot = BETWEEN[a][b];
+                    columns[slot] = hexes[h as usize][b];
+                    sums[slot] +=
+                        if b <= a { k[a * (a + 1) / 2 + b] } else { k[b * (b + 1) / 2 + a].transpose() };
+                }
+            }
+            columns.into_iter().zip(sums).filter(|(column, _)| *column != NONE).collect()
+        };
+        let rows = places.par_iter().map(row).collect();
+        // Elements take as much memory as the rows that were made of them.
+        drop(stiffness);
+        let matrix = Blocks::from_rows(rows);
         let grid = CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
-        Multigrid::below(self, first, (matrix, GRID), grid)
+        Multigrid::below(self, first, (matrix, GRID), grid, usage)
     }
 }
 
@@ -785,11 +879,21 @@ fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
 }
 
 fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> {
+    let step = |k: usize| IVec3::new(k as i32 % 3, k as i32 / 3 % 3, k as i32 / 9) - 1;
+    // In memory the points around a point lie equally far from it everywhere.
+    let (nx, ny) = (part.n[0] as isize + 1, part.n[1] as isize + 1);
+    let off: [isize; 27] = std::array::from_fn(|k| {
+        let d = step(k);
+        (d.z as isize * ny + d.y as isize) * nx + d.x as isize
+    });
     let neighbours = |(own, &p): (usize, &IVec3)| {
+        // Nearly all points have all their neighbours within the grid.
+        let at = part.point_index(p);
+        let within = p.cmpgt(IVec3::ZERO).all() && p.cmplt(part.size()).all();
         std::array::from_fn(|k| {
-            let q = p + IVec3::new(k as i32 % 3, k as i32 / 3 % 3, k as i32 / 9) - 1;
-            let inside = q.cmpge(IVec3::ZERO).all() && q.cmple(part.size()).all();
-            let node = if inside { node_of[part.point_index(q)] } else { NONE };
+            let q = p + step(k);
+            let inside = within || (q.cmpge(IVec3::ZERO).all() && q.cmple(part.size()).all());
+            let node = if inside { node_of[at.wrapping_add_signed(off[k])] } else { NONE };
             if node == NONE { own as u32 } else { node }
         })
     };
@@ -809,11 +913,6 @@ const BETWEEN: [[usize; 8]; 8] = {
     }
     out
 };
-
-/// Displacements in single precision. Each is read many times, so it is rounded before.
-fn rounded(u: &[DVec3]) -> Vec<[f32; 3]> {
-    u.par_iter().with_min_len(CHUNK).map(|u| u.as_vec3().to_array()).collect()
-}
 
 fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
     let mut out = [DMat3::ZERO; 27];
@@ -861,7 +960,9 @@ impl Rows for VoxelCells {
         let (rows, after): (Vec<half_matrix::Row>, Vec<[u32; AFTER]>) =
             nodes.par_iter().enumerate().map(within_part).unzip();
         let slabs = half_matrix::slabs(nodes.len(), |i| &after[i]);
-        Box::new(move |u, forces| half_matrix::forces(&rows, |i| &after[i], &slabs, &rounded(u), forces))
+        Box::new(move |u, forces| {
+            half_matrix::forces(&rows, |i| &after[i], &slabs, &half_matrix::rounded(u), forces)
+        })
     }
 
     fn inverse_block(&self, node: usize) -> DMat3 {
@@ -870,6 +971,39 @@ impl Rows for VoxelCells {
 
     fn free(&self, node: usize) -> Option<&DMat3> {
         self.supports.free(node)
+    }
+}
+
+/// The cells with their matrix in single precision, in place of the whole one.
+struct RoughCells<'a>(&'a VoxelCells);
+
+impl System for RoughCells<'_> {
+    fn n_nodes(&self) -> usize {
+        self.0.n_nodes()
+    }
+
+    fn supports(&self) -> &Supports {
+        &self.0.supports
+    }
+
+    fn scratch(&self) -> Vec<DVec3> {
+        Vec::new()
+    }
+
+    fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
+        let cells = self.0;
+        if cells.rough.is_empty() {
+            return cells.forces(u, f, scratch);
+        }
+        half_matrix::forces_of_differences(&cells.rough, |i| cells.after(i), &cells.slabs, u, f);
+    }
+
+    fn rough_forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
+        self.0.rough_forces(u, f, scratch);
+    }
+
+    fn inverse_diagonal(&self) -> Vec<DMat3> {
+        self.0.inverse_diagonal()
     }
 }
 
@@ -898,7 +1032,7 @@ impl System for VoxelCells {
         if self.rough.is_empty() {
             return self.forces(u, f, scratch);
         }
-        half_matrix::forces(&self.rough, |i| self.after(i), &self.slabs, &rounded(u), f);
+        half_matrix::forces(&self.rough, |i| self.after(i), &self.slabs, &half_matrix::rounded(u), f);
     }
 
     fn inverse_diagonal(&self) -> Vec<DMat3> {

@@ -58,7 +58,7 @@ impl Blocks {
 
     pub(crate) fn inverse_diagonal(&self) -> Vec<DMat3> {
         let diagonal = |i: usize| self.row(i).find(|(j, _)| *j == i).map_or(DMat3::ZERO, |(_, a)| *a);
-        (0..self.n()).map(|i| super::operator::inverse(diagonal(i))).collect()
+        (0..self.n()).into_par_iter().map(|i| super::operator::inverse(diagonal(i))).collect()
     }
 
     pub(crate) fn bytes(&self) -> usize {

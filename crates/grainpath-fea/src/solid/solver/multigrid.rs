@@ -12,7 +12,8 @@
 //! polynomial of the matrix scaled by its block diagonal (`adams2003`, recurrence of `saad2003`), 3 to 8
 //! products with the matrix each time. Such a polynomial is symmetric and needs no order of the unknowns, so
 //! the result is the same for any number of threads. The polynomial needs the largest eigenvalue: 15 steps of
-//! power iteration estimate it, and a factor of 1.2 keeps the true one below.
+//! power iteration estimate it, and a factor of 1.2 keeps the true one below. Levels that serve one solution
+//! with few digits ([`Use::Once`]) take less work.
 //!
 //! Forces are in N, displacements in mm, vectors `n_nodes` of three numbers. Cost: linear in the nodes, for
 //! making the levels and for a cycle. Memory: 76 bytes for each 3 x 3 block of a stored level, up to 125
@@ -25,6 +26,7 @@ use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::block_matrix::{Blocks, add, assemble, dot};
+use super::half_matrix::HalfMatrix;
 use super::operator::CHUNK;
 use super::system::System;
 use crate::solid::model::constraints::Supports;
@@ -43,6 +45,10 @@ pub(crate) struct Smoothing {
 }
 
 const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
+/// Smoothing of the finest level for one solution with few digits. Measured: on bars of sparse `grid`, `triangles` and graded
+/// stripes (43 000 to 105 000 nodes) conjugate gradients take 12, 17, 36 and 91 iterations to a residual of 1e-2 instead of
+/// 9, 14, 25 and 56, each with two products with the finest matrix instead of six; other bands from 4 to 12 take as many.
+const FINEST_ONCE: Smoothing = Smoothing { steps: 1, band: 8.0 };
 /// For the linear elements. The first grid is as wide as the longest side, which is several times the
 /// width of elements halved at thin walls. Twice the steps damp a band four times as wide just as well.
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
@@ -52,10 +58,38 @@ pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
 /// factor of 4.5 MB and 70 million multiplications.
 const DENSE_NODES: usize = 250;
 
+/// How often the levels are used, which decides how much work goes into them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Use {
+    /// For many solutions or many digits.
+    Often,
+    /// For one solution with few digits: fewer products with each matrix, and those of the grids in single precision.
+    Once,
+}
+
+/// What [`Use`] decides.
+struct Effort {
+    finest: Smoothing,
+    /// Steps of power iteration for the largest eigenvalue of each level.
+    power_steps: usize,
+}
+
+impl Use {
+    fn effort(self) -> Effort {
+        match self {
+            Self::Often => Effort { finest: FINEST, power_steps: 15 },
+            // Measured: with five steps instead of 15 the bars of `FINEST_ONCE` take 12, 20, 35 and 90 iterations.
+            Self::Once => Effort { finest: FINEST_ONCE, power_steps: 5 },
+        }
+    }
+}
+
 enum Matrix {
     /// The matrix of the finest level, which is passed with every call.
     Finest,
     Stored(Blocks),
+    /// In single precision, for a preconditioner that is made for one solution with few digits.
+    Rough(HalfMatrix),
 }
 
 impl Matrix {
@@ -63,6 +97,7 @@ impl Matrix {
         match self {
             Self::Finest => finest.rough_apply(x, y, scratch),
             Self::Stored(blocks) => blocks.apply(x, y),
+            Self::Rough(half) => half.apply(x, y),
         }
     }
 }
@@ -90,6 +125,40 @@ pub(crate) struct Transfer {
     pub(crate) n_coarse: usize,
     /// Projections onto the free directions of supported fine nodes.
     pub(crate) held: Vec<(u32, DMat3)>,
+    /// The same weights by coarse nodes.
+    pub(crate) back: Transposed,
+}
+
+/// Weights of a transfer by coarse nodes. The fine nodes of each are in ascending order.
+#[derive(Default)]
+pub(crate) struct Transposed {
+    start: Vec<u32>,
+    fine: Vec<(u32, f64)>,
+}
+
+impl Transposed {
+    fn of(transfer: &Transfer) -> Self {
+        let mut start = vec![0u32; transfer.n_coarse + 1];
+        for &c in &transfer.coarse {
+            start[c as usize + 1] += 1;
+        }
+        for c in 0..transfer.n_coarse {
+            start[c + 1] += start[c];
+        }
+        let mut next = start.clone();
+        let mut fine = vec![(0u32, 0.0f64); transfer.coarse.len()];
+        for i in 0..transfer.n_fine() {
+            for (c, w) in transfer.row(i) {
+                fine[next[c] as usize] = (i as u32, w);
+                next[c] += 1;
+            }
+        }
+        Self { start, fine }
+    }
+
+    fn row(&self, c: usize) -> &[(u32, f64)] {
+        &self.fine[self.start[c] as usize..self.start[c + 1] as usize]
+    }
 }
 
 impl Transfer {
@@ -122,12 +191,12 @@ impl Transfer {
     /// The transposed transfer. `fine` serves as scratch and is overwritten.
     fn restrict(&self, fine: &mut [DVec3], coarse: &mut [DVec3]) {
         self.hold(fine);
-        coarse.fill(DVec3::ZERO);
-        for (i, f) in fine.iter().enumerate() {
-            for (j, w) in self.row(i) {
-                coarse[j] += *f * w;
+        coarse.par_chunks_mut(CHUNK / 4).enumerate().for_each(|(c, chunk)| {
+            for (j, coarse) in (c * CHUNK / 4..).zip(chunk) {
+                *coarse =
+                    self.back.row(j).iter().fold(DVec3::ZERO, |sum, (i, w)| sum + fine[*i as usize] * *w);
             }
-        }
+        });
     }
 }
 
@@ -190,28 +259,36 @@ impl Multigrid {
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
         let grid = CoarseGrid { origin: places[0] - 0.37 * width, width };
-        Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
+        Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held), Use::Often))
     }
 
     /// Makes the levels from the finest level, the transfer to it, the matrix of the next level with
     /// its smoothing, and the grid of the level after that.
     pub(crate) fn below(
         finest: &dyn System,
-        first: Transfer,
+        mut first: Transfer,
         (mut matrix, mut smoothing): (Blocks, Smoothing),
         (mut transfer, mut cells): (Transfer, Vec<IVec3>),
+        usage: Use,
     ) -> Self {
+        let effort = usage.effort();
+        first.back = Transposed::of(&first);
+        transfer.back = Transposed::of(&transfer);
         let diagonal = finest.inverse_diagonal();
-        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, FINEST)];
+        let mut levels =
+            vec![Level::new(finest, Matrix::Finest, diagonal, first, effort.finest, effort.power_steps)];
         while levels.len() < 2 || matrix.n() > DENSE_NODES {
             let coarse = galerkin(&matrix, &transfer, &cells);
             let diagonal = matrix.inverse_diagonal();
-            levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, smoothing));
+            let half = if usage == Use::Once { HalfMatrix::new(&matrix) } else { None };
+            let stored = half.map_or(Matrix::Stored(matrix), Matrix::Rough);
+            levels.push(Level::new(finest, stored, diagonal, transfer, smoothing, effort.power_steps));
             (matrix, smoothing) = (coarse, GRID);
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
             // The origin of each coarser grid is that of the finer one, so that every second node
             // coincides.
             (transfer, cells) = CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+            transfer.back = Transposed::of(&transfer);
         }
         let dense = CoarsestFactor::new(&matrix);
         let dense_x = vec![0.0; 3 * matrix.n()];
@@ -222,9 +299,10 @@ impl Multigrid {
     pub(crate) fn bytes(&self) -> usize {
         let stored = |l: &Level| match &l.matrix {
             Matrix::Stored(b) => b.bytes(),
+            Matrix::Rough(half) => half.bytes(),
             Matrix::Finest => 0,
         };
-        let level = |l: &Level| stored(l) + l.x.len() * (4 * 24 + 72 + 12 * 4);
+        let level = |l: &Level| stored(l) + l.x.len() * (4 * 24 + 72 + (12 + 16) * 4);
         self.levels.iter().map(level).sum::<usize>() + self.dense.factor.len() * 8
     }
 
@@ -287,23 +365,24 @@ impl Level {
         inverse_diagonal: Vec<DMat3>,
         transfer: Transfer,
         smoothing: Smoothing,
+        power_steps: usize,
     ) -> Self {
         let n = inverse_diagonal.len();
         let zero = || vec![DVec3::ZERO; n];
         let scratch = match &matrix {
             Matrix::Finest => finest.scratch(),
-            Matrix::Stored(_) => Vec::new(),
+            Matrix::Stored(_) | Matrix::Rough(_) => Vec::new(),
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
         let mut level = Self { matrix, inverse_diagonal, top: 1.0, smoothing, transfer, x, r, d, t, scratch };
         // Power iteration approaches the largest eigenvalue from below. The factor 1.2 keeps the
         // true one within the range of the polynomial.
-        level.top = 1.2 * level.largest_eigenvalue(finest);
+        level.top = 1.2 * level.largest_eigenvalue(finest, power_steps);
         level
     }
 
     /// Largest eigenvalue of the scaled matrix, by power iteration.
-    fn largest_eigenvalue(&mut self, finest: &dyn System) -> f64 {
+    fn largest_eigenvalue(&mut self, finest: &dyn System, steps: usize) -> f64 {
         let n = self.x.len();
         // A pseudorandom start contains all eigenvectors; the fixed seed makes it the same
         // everywhere.
@@ -315,13 +394,11 @@ impl Level {
         };
         let mut x: Vec<DVec3> = (0..n).map(|_| DVec3::new(next(), next(), next())).collect();
         let mut found = 1.0;
-        for _ in 0..15 {
+        for _ in 0..steps {
             let size = dot(&x, &x).sqrt();
-            x.iter_mut().for_each(|v| *v /= size);
+            x.par_chunks_mut(CHUNK).for_each(|x| x.iter_mut().for_each(|v| *v /= size));
             self.matrix.apply(finest, &x, &mut self.t, &mut self.scratch);
-            for ((x, t), m) in x.iter_mut().zip(&self.t).zip(&self.inverse_diagonal) {
-                *x = *m * *t;
-            }
+            scaled_into(&mut x, &self.t, &self.inverse_diagonal);
             found = dot(&x, &x).sqrt();
         }
         found
@@ -360,6 +437,14 @@ impl Level {
             rho = next;
         }
     }
+}
+
+/// `x = D^-1 r`.
+fn scaled_into(x: &mut [DVec3], r: &[DVec3], inverse: &[DMat3]) {
+    let chunks = x.par_chunks_mut(CHUNK).zip(r.par_chunks(CHUNK)).zip(inverse.par_chunks(CHUNK));
+    chunks.for_each(|((x, r), inverse)| {
+        x.iter_mut().zip(r).zip(inverse).for_each(|((x, r), m)| *x = *m * *r);
+    });
 }
 
 /// `d = keep * d + take * D^-1 r`.
@@ -427,16 +512,18 @@ impl CoarseGrid {
         };
         let key = |c: IVec3| (c.z, c.y, c.x);
         let mut used: Vec<(i32, i32, i32)> =
-            places.iter().flat_map(|p| weights(p).map(|(c, _)| key(c))).collect();
+            places.par_iter().flat_map_iter(|p| weights(p).map(|(c, _)| key(c))).collect();
         used.par_sort_unstable();
         used.dedup();
-        let mut transfer = Transfer { start: vec![0], n_coarse: used.len(), held, ..Transfer::default() };
-        for p in places {
-            for (cell, w) in weights(p) {
-                transfer.coarse.push(used.binary_search(&key(cell)).expect("listed above") as u32);
-                transfer.weight.push(w);
-            }
-            transfer.start.push(transfer.coarse.len() as u32);
+        let row = |p: &DVec3| {
+            weights(p).map(|(cell, w)| (used.binary_search(&key(cell)).expect("listed above") as u32, w))
+        };
+        let rows: Vec<u32> = places.par_iter().map(|p| weights(p).count() as u32).collect();
+        let (coarse, weight) = places.par_iter().flat_map_iter(row).unzip();
+        let mut transfer = Transfer { start: vec![0], coarse, weight, held, ..Transfer::default() };
+        transfer.n_coarse = used.len();
+        for n in rows {
+            transfer.start.push(transfer.start[transfer.start.len() - 1] + n);
         }
         (transfer, used.into_iter().map(|(z, y, x)| IVec3::new(x, y, z)).collect())
     }
@@ -450,27 +537,11 @@ const STENCIL: usize = 125;
 
 /// The product of transposed transfer, matrix and transfer.
 fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
-    // For each coarse node the fine nodes at which it has weight.
-    let mut start = vec![0u32; transfer.n_coarse + 1];
-    for &c in &transfer.coarse {
-        start[c as usize + 1] += 1;
-    }
-    for c in 0..transfer.n_coarse {
-        start[c + 1] += start[c];
-    }
-    let mut next = start.clone();
-    let mut support = vec![(0u32, 0.0f64); transfer.coarse.len()];
-    for i in 0..transfer.n_fine() {
-        for (c, w) in transfer.row(i) {
-            support[next[c] as usize] = (i as u32, w);
-            next[c] += 1;
-        }
-    }
     let row = |c: usize| {
         // Coupled nodes are at most two steps apart, so a full cube of slots replaces a search.
         let mut sums = [DMat3::ZERO; STENCIL];
         let mut used = [u32::MAX; STENCIL];
-        for &(i, wi) in &support[start[c] as usize..start[c + 1] as usize] {
+        for &(i, wi) in transfer.back.row(c) {
             for (j, a) in fine.row(i as usize) {
                 let a = *a * wi;
                 for (d, wj) in transfer.row(j) {

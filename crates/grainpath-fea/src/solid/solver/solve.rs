@@ -17,11 +17,12 @@
 //! iterations and a stop by the flag of the settings are errors, and so is a load that is not finite.
 
 use grainpath_core::DVec3;
+use rayon::prelude::*;
 
 use super::block_matrix::{add, dot, finite_size};
 use super::direct::Direct;
 use super::multigrid::Multigrid;
-use super::operator::Operator;
+use super::operator::{CHUNK, Operator};
 use super::solution::{Method, Solution, SolveInfo, SolveSettings};
 use super::system::System;
 use crate::solid::model::constraints::Supports;
@@ -133,9 +134,10 @@ pub(crate) fn iterate(
         add(&mut before, -1.0, &r);
         let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };
         rz = dot(&r, &z);
-        for (p, z) in p.iter_mut().zip(&z) {
-            *p = *z + *p * beta;
-        }
+        // The next direction: what the preconditioner gives, made conjugate to the last one.
+        p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK)).for_each(|(p, z)| {
+            p.iter_mut().zip(z).for_each(|(p, z)| *p = *z + *p * beta);
+        });
         operator.apply(&p, &mut q, &mut scratch);
         let alpha = rz / dot(&p, &q);
         before.copy_from_slice(&r);

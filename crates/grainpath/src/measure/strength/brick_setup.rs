@@ -190,8 +190,8 @@ impl TestSetup {
             }
         }
         let lost = lost / bricks.laid_mm3;
-        // The material is counted again, because loose cells no longer add to their corners.
-        let points = Points::new(&bricks, self.frame, &active);
+        // Loose cells no longer add to their corners, so the material is counted again where there are any.
+        let points = if lost > 0.0 { Points::new(&bricks, self.frame, &active) } else { points };
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
         for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
@@ -353,19 +353,25 @@ fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<boo
     let [nx, ny, nz] = bricks.n;
     let radius = UNBREAKABLE_MM + bricks.cell_mm.x;
     let mut near = vec![false; active.len()];
-    for i in (0..marked.len()).filter(|i| marked[*i]) {
-        let p = points.place_in_grid(i);
-        let cell =
-            |q: DVec3, k: usize, n: usize| (q[k] / bricks.cell_mm[k]).clamp(0.0, n as f64 - 1.0) as usize;
-        let (a, b) = (p - bricks.origin - radius, p - bricks.origin + radius);
-        for z in cell(a, 2, nz)..=cell(b, 2, nz) {
+    let marked: Vec<DVec3> =
+        (0..marked.len()).filter(|i| marked[*i]).map(|i| points.place_in_grid(i)).collect();
+    near.par_chunks_mut((nx * ny).max(1)).enumerate().for_each(|(z, near)| {
+        for &p in &marked {
+            let cell =
+                |q: DVec3, k: usize, n: usize| (q[k] / bricks.cell_mm[k]).clamp(0.0, n as f64 - 1.0) as usize;
+            let (a, b) = (p - bricks.origin - radius, p - bricks.origin + radius);
+            if !(cell(a, 2, nz)..=cell(b, 2, nz)).contains(&z) {
+                continue;
+            }
             for y in cell(a, 1, ny)..=cell(b, 1, ny) {
                 for x in cell(a, 0, nx)..=cell(b, 0, nx) {
-                    let at = (z * ny + y) * nx + x;
-                    near[at] |= active[at] && bricks.centre(at).distance(p) <= radius;
+                    let (at, in_layer) = ((z * ny + y) * nx + x, y * nx + x);
+                    // Most cells are near several points, and one suffices.
+                    near[in_layer] =
+                        near[in_layer] || (active[at] && bricks.centre(at).distance(p) <= radius);
                 }
             }
         }
-    }
+    });
     near
 }

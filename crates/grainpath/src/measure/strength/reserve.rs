@@ -50,7 +50,8 @@ const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
 const METHOD: [f64; 2] = [0.3, 0.15];
 /// Largest number of cells on which a part is solved, in a plate and in a solid, as the filled section or volume over that
 /// of a cell. Larger parts get larger cells than the virtual test gives them. Source: chosen, so that the solution takes
-/// about as long as the stress of the guide: 0.3 to 2 times on bars of 4000 to 8400 mm3 with cells of 0.45 mm.
+/// about as long as the stress of the guide: 0.3 to 0.8 times on bars of 3800 to 24 000 mm3 with cells of 0.45 mm, and 3.6
+/// times with closely spaced stripes.
 const MOST_CELLS: [f64; 2] = [40_000.0, 100_000.0];
 /// The first failure on larger cells is higher by this power of their size, because smaller cells show more of the notches
 /// where beads meet. Measured: with cells of 0.45 and 0.9 mm, first failure in the plane of ten bars and blocks of sparse grid,
