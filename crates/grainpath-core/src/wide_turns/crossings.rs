@@ -18,7 +18,7 @@
 
 use std::collections::BTreeSet;
 
-use super::CUT_SPACINGS;
+use super::surroundings::CUT_SPACINGS;
 use crate::polyline::resampled;
 use crate::segments::Segments;
 use crate::{DVec2, Toolpath, segment};

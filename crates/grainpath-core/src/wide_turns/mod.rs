@@ -48,7 +48,9 @@ use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
 pub use crossings::uncrossed;
 pub use surroundings::Place;
-use surroundings::{HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved};
+use surroundings::{
+    CUT_SPACINGS, HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved,
+};
 
 /// Two ends face each other if their directions are opposite within this; the cosine of 20 degrees. Source: chosen; the
 /// slope and the curve of the lines are added to it.
@@ -78,10 +80,6 @@ const CLOSER: f64 = 0.02;
 /// `grainpath new continuous`. With 2 they have 5.11 and 1.83 m of fibre in 45 and 23 pieces; where groups of 1 to 4 may be chosen
 /// as well they have 5.10 and 1.79 m in 49 and 22, since lines that return beside each other go on in each other less often.
 const TURNS_PER_LINE: usize = 2;
-/// What a cut is worth when groups are chosen, in spacings of fibre. Source: measured as `TURNS_PER_LINE`; with 1, 10 and
-/// 20 the plate has 5.11, 5.11 and 5.08 m of fibre in 45, 45 and 43 pieces a layer. With 0 lines that are long enough alone would
-/// not turn.
-const CUT_SPACINGS: f64 = 10.0;
 /// Most rounds in which groups are chosen. Source: chosen; rounds end when nothing changes, which takes three on both.
 const MOST_ROUNDS: usize = 10;
 /// Turns stay this far inside the area for centrelines, mm. Source: derived. A turn has a point on every line that it passes;

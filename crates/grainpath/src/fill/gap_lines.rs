@@ -22,10 +22,13 @@ use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use super::FillContext;
+use super::density_windows::{Sums, WINDOW_MM, Windows};
 use super::field::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
 use super::field::stripes::WIDEST;
-use super::graded_infill::{SHORTEST, Sums, WINDOW_MM, Windows};
 
+/// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
+/// lines of sparse infill have no support between their ends.
+pub(super) const SHORTEST: f64 = 4.0;
 /// A window gets a line where it would stay short by more than this share of full with the widest beads. Source: measured
 /// on the bracket of docs/gallery, 8 mm thick, at eight masses from 7 to 16.7 g: without such lines the worst cell is off by
 /// 10.1 % of full, with them by 9.2 %, for 2 % more paths. With usual beads in the place of the widest it is 8.5 % for 6 %

@@ -8,6 +8,7 @@ mod concentric;
 mod continuous;
 pub mod curves;
 mod field;
+pub(crate) mod density_windows;
 mod gap_lines;
 #[cfg(test)]
 #[path = "../../../../tests/figure.rs"]

@@ -14,7 +14,7 @@ use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack, Region, Role, Warning, W
 use grainpath_job::choices::{Choice, DensityBy};
 use serde::Serialize;
 
-use crate::fill::graded_infill::WINDOW_MM;
+use crate::fill::density_windows::WINDOW_MM;
 use crate::guide::graded_density::DensityMap;
 use crate::order::LayerPaths;
 
