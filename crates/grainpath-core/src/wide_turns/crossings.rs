@@ -20,8 +20,9 @@ use std::collections::BTreeSet;
 
 use super::surroundings::CUT_SPACINGS;
 use crate::polyline::resampled;
+use crate::segment::{self, Meeting};
 use crate::segments::Segments;
-use crate::{DVec2, Toolpath, segment};
+use crate::{DVec2, Toolpath};
 
 /// A cut path ends this far from the other, in spacings. Source: as `CLOSER` of the turns.
 const APART: f64 = 0.98;
@@ -79,6 +80,25 @@ pub fn uncrossed(mut paths: Vec<Toolpath>, spacing_mm: f64, needed_mm: f64) -> V
         paths =
             paths.into_iter().zip(pieces).flat_map(|(path, cut)| cut.unwrap_or_else(|| vec![path])).collect();
     }
+}
+
+/// Whether paths cross each other or themselves, as those of a pattern with several families of lines do.
+///
+/// ```
+/// use grainpath_core::wide_turns::any_cross;
+/// use grainpath_core::{DVec2, Role, Toolpath};
+///
+/// let line = |a, b| Toolpath::new(vec![DVec2::from(a), DVec2::from(b)], 1.0, Role::Fibre, false);
+/// let across = line((0.0, 0.0), (100.0, 0.0));
+/// assert!(any_cross(&[across.clone(), line((30.0, -80.0), (30.0, 10.0))], 1.0));
+/// // A path that ends on another does not cross it.
+/// assert!(!any_cross(&[across, line((30.0, -80.0), (30.0, 0.0))], 1.0));
+/// ```
+pub fn any_cross(paths: &[Toolpath], spacing_mm: f64) -> bool {
+    let segments = paths.iter().flat_map(|path| (0..path.n_segments()).map(|k| path.segment(k)));
+    let all = Segments::new(segments.map(|(a, b, _)| [a, b]).collect(), 2.0 * spacing_mm);
+    let crosses = |[i, j]: [usize; 2]| segment::meeting(all.ends(i), all.ends(j)) == Meeting::Cross;
+    all.meetings().into_iter().any(crosses)
 }
 
 /// A place on a path.

@@ -46,7 +46,7 @@ use crate::segment;
 use crate::turns::{rounded, sharp_turns};
 use crate::{Bounds2, Contour, DVec2, DisjointSets, Toolpath};
 
-pub use crossings::uncrossed;
+pub use crossings::{any_cross, uncrossed};
 pub use surroundings::Place;
 use surroundings::{
     CUT_SPACINGS, HAIRPIN_COS, Obstacles, STEEPEST_RAD, STRAIGHT, STRETCH, onward, onward_curved,

@@ -9,7 +9,7 @@
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::polyline;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::wide_turns::{Place, joined, uncrossed};
+use grainpath_core::wide_turns::{Place, any_cross, joined, uncrossed};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
@@ -257,6 +257,8 @@ impl FibreSettings {
     /// Turns the paths laid in a place into fibre where they are long enough.
     pub fn lay(&self, mut paths: Vec<Toolpath>, place: &FibrePlace<'_>, out: &mut Vec<Toolpath>) -> Tally {
         let mut tally = Tally::default();
+        // Lines of `grid` and `triangles` cross by design.
+        let crosses_by_design = self.rounds() && any_cross(&paths, place.spacing_mm);
         // The region is grown by 2 um, because paths may lie exactly on its edge.
         let grown = place.region.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
@@ -286,7 +288,7 @@ impl FibreSettings {
             }
         }
         // An arc in a corner can cross the end of a line inside the corner.
-        if self.rounds() {
+        if self.rounds() && !crosses_by_design {
             pieces = uncrossed(pieces, place.spacing_mm, self.min_length_mm);
         }
         if self.cuts() {

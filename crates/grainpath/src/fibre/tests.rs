@@ -201,6 +201,23 @@ fn arcs_in_corners_do_not_cross_what_ends_there() {
 }
 
 #[test]
+fn families_of_lines_that_cross_stay_whole() {
+    let line = |points: [(f64, f64); 2]| {
+        Toolpath::new(points.map(DVec2::from).to_vec(), 0.6, Role::SolidFill, false)
+    };
+    let families = (1..5).flat_map(|k| {
+        let at = 10.0 * f64::from(k);
+        [line([(1.0, at), (49.0, at)]), line([(at, 1.0), (at, 49.0)])]
+    });
+    let paths: Vec<Toolpath> = families.collect();
+    let mut out = Vec::new();
+    let region = Region::rectangle(DVec2::ZERO, DVec2::splat(50.0));
+    settings().lay(paths.clone(), &place(&region, 0.0), &mut out);
+    let laid: Vec<Vec<DVec2>> = out.into_iter().map(|p| p.points).collect();
+    assert_eq!(laid, paths.into_iter().map(|p| p.points).collect::<Vec<_>>());
+}
+
+#[test]
 fn rings_go_around_outlines_and_holes_before_the_rest() {
     let n = 360;
     let hole = (0..n).map(|k| direction(-f64::from(k) / f64::from(n) * std::f64::consts::TAU) * 5.0);
