@@ -10,7 +10,7 @@ const LAYERS = 900;
 let files, server, browser;
 before(async () => {
   const job = "[shape]\nmesh = \"high.stl\"\n[process]\nlayer_height_mm = 0.1\nfirst_layer_height_mm = 0.1\nskirt_loops = 0\n[fill]\npattern = \"gyroid\"\n";
-  files = folder({ "high.stl": boxStl([50, 50, LAYERS / 10]), "high.toml": job });
+  files = folder({ "high.stl": boxStl([50, 50, LAYERS / 10]), "high.toml": job, "long.toml": `${job}density = 0.4\n` });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -66,7 +66,8 @@ test("the first layer of a plan is on screen while the others are planned", asyn
 
 test("a page that is loaded anew during a run shows how far it is, and what came of it", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
-  await choose(page, "high.toml");
+  // Four times as long as the plan above, so that it still goes on when the page is there again.
+  await choose(page, "long.toml");
   await shaped(page);
   await page.click("#tab-job");
   await page.click("#panel-job >> text=Plan the paths");
@@ -76,7 +77,7 @@ test("a page that is loaded anew during a run shows how far it is, and what came
   // Its layers come first; then its file is opened, and its part is shown before its paths are.
   await page.waitForFunction(() => document.documentElement.dataset.shape, null, { timeout: 240_000 });
   await page.waitForSelector("#tab-paths[aria-selected=true]");
-  assert.match(await page.textContent("#title"), /high\.toml$/);
+  assert.match(await page.textContent("#title"), /long\.toml$/);
   await page.waitForFunction((n) => window.studio.viewer.beads?.index.layers.length === n, LAYERS);
   assert.match(await page.textContent("#panel-paths"), new RegExp(`Layers${LAYERS}`));
   assert.deepEqual(wrong, []);
