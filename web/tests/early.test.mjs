@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 import { boxStl, choose, colours, far, folder, launch, settle, shaped, studio, visit } from "./bench.mjs";
 
 const WALL = [214, 93, 32];
-// Planning takes some seconds, so that it still goes on when a busy browser asks for the first time.
+// Planning takes a second or more, so that it still goes on when a busy browser asks for the first time.
 const LAYERS = 900;
 let files, server, browser;
 before(async () => {

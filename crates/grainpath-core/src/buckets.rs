@@ -285,6 +285,22 @@ impl Buckets {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
+    /// Pairs of items that share a cell and for which `meet` is true, the lower number first, in ascending order. `meet` gets the
+    /// lower number first, and a pair that shares several cells once for each.
+    pub fn pairs(&self, meet: impl Fn(usize, usize) -> bool) -> Vec<[usize; 2]> {
+        let mut out = Vec::new();
+        for cell in 0..self.cells.nx * self.cells.ny {
+            let members = self.members(cell);
+            for (k, j) in members.iter().map(|&j| j as usize).enumerate() {
+                let before = members[..k].iter().map(|&i| i as usize);
+                out.extend(before.filter(|&i| meet(i, j)).map(|i| [i, j]));
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
     /// The items in the cells with the indices `first` to `last`, cell after cell.
     pub fn members_of_run(&self, first: usize, last: usize) -> &[u32] {
         &self.members[self.starts[first] as usize..self.starts[last + 1] as usize]

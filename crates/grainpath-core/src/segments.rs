@@ -56,19 +56,7 @@ impl Segments {
 
     /// Pairs of pieces that cross or touch, the lower number first.
     pub fn meetings(&self) -> Vec<[usize; 2]> {
-        let mut out = Vec::new();
-        for cell in 0..self.near.cells.nx * self.near.cells.ny {
-            let members = self.near.members(cell);
-            for (k, i) in members.iter().map(|&i| i as usize).enumerate() {
-                let before = members[..k].iter().map(|&j| j as usize);
-                let met = before.filter(|&j| meeting(self.all[i], self.all[j]) != Meeting::Apart);
-                out.extend(met.map(|j| [i.min(j), i.max(j)]));
-            }
-        }
-        // A pair that shares several cells is found in each of them.
-        out.sort_unstable();
-        out.dedup();
-        out
+        self.near.pairs(|i, j| meeting(self.all[i], self.all[j]) != Meeting::Apart)
     }
 
     /// The pieces within `distance_mm` of `place`, each with the share of its length at which its nearest point lies. A piece

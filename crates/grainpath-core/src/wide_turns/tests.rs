@@ -195,7 +195,7 @@ proptest! {
         for (k, path) in paths.iter().enumerate() {
             let others = before.iter().enumerate().filter(|(l, _)| *l != k).map(|(_, line)| line.clone());
             let alone = crossings(&before[k..=k]).len();
-            let met = crossings(&others.clone().collect::<Vec<_>>()).len() + alone;
+            let met = crossings(&others.collect::<Vec<_>>()).len() + alone;
             if crossings(&before).len() == met && alone == 0 {
                 prop_assert!(cut.contains(path), "{path:?}");
             }

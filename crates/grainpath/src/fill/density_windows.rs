@@ -136,3 +136,9 @@ impl<'a> Windows<'a> {
         Sums::new(self.grid.size(), &(0..self.n_cells()).map(of).collect::<Vec<f64>>())
     }
 }
+
+/// A segment in equal pieces that are at most `piece_mm` long: the length of a piece, mm, and the middles of all.
+pub(super) fn pieces(a: DVec2, b: DVec2, piece_mm: f64) -> (f64, impl ExactSizeIterator<Item = DVec2>) {
+    let n = (a.distance(b) / piece_mm).ceil().max(1.0);
+    (a.distance(b) / n, (0..n as usize).map(move |i| a.lerp(b, (i as f64 + 0.5) / n)))
+}

@@ -22,7 +22,7 @@ use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use super::FillContext;
-use super::density_windows::{Sums, WINDOW_MM, Windows};
+use super::density_windows::{Sums, WINDOW_MM, Windows, pieces};
 use super::field::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
 use super::field::stripes::WIDEST;
 
@@ -136,7 +136,7 @@ pub(super) fn lines_in_gaps(
 /// The middles of pieces of a path that are at most `piece_mm` long, and their lengths, mm.
 fn pieces_of(path: &Toolpath, piece_mm: f64) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     (0..path.n_segments()).map(|k| path.segment(k)).flat_map(move |(a, b, _)| {
-        let n = (a.distance(b) / piece_mm).ceil().max(1.0);
-        (0..n as usize).map(move |i| (a.lerp(b, (i as f64 + 0.5) / n), a.distance(b) / n))
+        let (length_mm, middles) = pieces(a, b, piece_mm);
+        middles.map(move |p| (p, length_mm))
     })
 }

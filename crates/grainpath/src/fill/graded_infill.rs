@@ -48,7 +48,7 @@ use grainpath_job::choices::Pattern;
 use rayon::prelude::*;
 
 use super::continuous::necks;
-use super::density_windows::{Sums, WINDOW_MM, Windows};
+use super::density_windows::{self, Sums, WINDOW_MM, Windows};
 use super::field::streamlines;
 use super::field::stripes::{self, NARROWEST, WIDEST, simplified};
 use super::gap_lines::{SHORTEST, lines_in_gaps};
@@ -639,9 +639,9 @@ impl Places {
     ) -> Self {
         let (mut segments, mut pieces) = (Vec::new(), Vec::new());
         for (a, b, _) in segments_of(paths.clone()) {
-            let n = (a.distance(b) / piece_mm).ceil().max(1.0);
-            pieces.extend((0..n as usize).map(|i| place(a.lerp(b, (i as f64 + 0.5) / n)) as u32));
-            segments.push((a.distance(b) / n, n as u32));
+            let (length_mm, middles) = density_windows::pieces(a, b, piece_mm);
+            segments.push((length_mm, middles.len() as u32));
+            pieces.extend(middles.map(|p| place(p) as u32));
         }
         let vertices = paths.flat_map(|path| &path.points).map(|p| place(*p) as u32).collect();
         Self { segments, pieces, vertices }

@@ -27,8 +27,10 @@ pub(crate) const AFTER: usize = 13;
 /// Numbers of a line: components of the node's own displacement and of its neighbours'. Source: derived: 42, filled up with
 /// zeros to a multiple of four, which one vector instruction takes.
 const LINE: usize = 44;
+/// Numbers for the nodes of a row.
+type Line = [f32; LINE];
 /// The row of a node in three lines, one for each component of the force.
-pub(crate) type Row = [[f32; LINE]; 3];
+pub(crate) type Row = [Line; 3];
 /// The row of a node without stiffness.
 pub(crate) const EMPTY: Row = [[0.0; LINE]; 3];
 /// The largest number of slabs. Source: chosen: more slabs can be shared by more threads, but each reaches as far into the
@@ -162,32 +164,23 @@ fn add_up(slabs: &[Slab], sums: &[Vec<[f32; 4]>], forces: &mut [DVec3]) {
 }
 
 /// What the nodes of a slab and their neighbours cause, from the first node of the slab to its end. The fourth number of a
-/// force has no meaning: four numbers are one vector instruction, and three are not.
-fn slab_forces<'a, F: Fn(usize) -> &'a [u32]>(
+/// force has no meaning: four numbers are one vector instruction, and three are not. `of_node` gets a node with its row and its
+/// neighbours. It writes the displacements that the row multiplies, and then what the node causes at its neighbours; the
+/// numbers for the node itself are left out of the latter. Both lines begin as zeros and are the same for all nodes of the slab.
+fn slab_sums<'a>(
     rows: &[Row],
-    after: &F,
+    after: &impl Fn(usize) -> &'a [u32],
     slab: &Slab,
-    u: &[[f32; 3]],
+    of_node: impl Fn(usize, &Row, &[u32], &mut Line, &mut Line),
 ) -> Vec<[f32; 4]> {
     let start = slab.nodes.start;
     let mut forces = vec![[0.0; 4]; slab.end - start];
+    let (mut near, mut caused) = ([0.0; LINE], [0.0; LINE]);
     for i in slab.nodes.clone() {
-        let (row, after, own) = (&rows[i], after(i), u[i]);
-        // The row itself: what the node's own displacement and those of its neighbours cause at the node.
-        let mut near = [0.0; LINE];
-        let (places, _) = near.as_chunks_mut::<3>();
-        places[0] = own;
-        for (place, &j) in places[1..].iter_mut().zip(after) {
-            *place = u[j as usize];
-        }
+        let (row, after) = (&rows[i], after(i));
+        of_node(i, row, after, &mut near, &mut caused);
         let force = product(row, &near);
         (0..3).for_each(|k| forces[i - start][k] += force[k]);
-        // The row transposed: what the displacement of the node causes at its neighbours. The product for the node itself is
-        // part of the sum above and is left out below.
-        let mut caused = [0.0; LINE];
-        for (k, caused) in caused.iter_mut().enumerate() {
-            *caused = row[0][k] * own[0] + row[1][k] * own[1] + row[2][k] * own[2];
-        }
         for (k, &j) in after.iter().enumerate() {
             let force = &mut forces[j as usize - start];
             (0..4).for_each(|c| force[c] += caused[3 + 3 * k + c]);
@@ -196,43 +189,53 @@ fn slab_forces<'a, F: Fn(usize) -> &'a [u32]>(
     forces
 }
 
-/// As [`slab_forces`], for [`forces_of_differences`].
-fn slab_forces_of_differences<'a, F: Fn(usize) -> &'a [u32]>(
+/// The forces of displacements on the nodes of a slab.
+fn slab_forces<'a>(
     rows: &[Row],
-    after: &F,
+    after: &impl Fn(usize) -> &'a [u32],
+    slab: &Slab,
+    u: &[[f32; 3]],
+) -> Vec<[f32; 4]> {
+    slab_sums(rows, after, slab, |i, row, after, near, caused| {
+        let own = u[i];
+        // The row itself: what the node's own displacement and those of its neighbours cause at the node.
+        let (places, _) = near.as_chunks_mut::<3>();
+        places[0] = own;
+        for (place, &j) in places[1..].iter_mut().zip(after) {
+            *place = u[j as usize];
+        }
+        // The row transposed: what the displacement of the node causes at its neighbours.
+        for (k, caused) in caused.iter_mut().enumerate() {
+            *caused = row[0][k] * own[0] + row[1][k] * own[1] + row[2][k] * own[2];
+        }
+    })
+}
+
+/// As [`slab_forces`], for [`forces_of_differences`].
+fn slab_forces_of_differences<'a>(
+    rows: &[Row],
+    after: &impl Fn(usize) -> &'a [u32],
     slab: &Slab,
     u: &[DVec3],
 ) -> Vec<[f32; 4]> {
-    let start = slab.nodes.start;
-    let mut forces = vec![[0.0f32; 4]; slab.end - start];
-    for i in slab.nodes.clone() {
-        let (row, after, own) = (&rows[i], after(i), u[i]);
-        // The node does not move away from itself, so its own block does not count.
-        let mut near = [0.0; LINE];
+    slab_sums(rows, after, slab, |i, row, after, near, caused| {
+        // The node does not move away from itself, so the numbers of its own block stay zero.
         // Each component of a difference once for every column of its block.
         let mut spread = [[0.0; LINE]; 3];
         for (k, &j) in after.iter().enumerate() {
-            let d = (u[j as usize] - own).as_vec3().to_array();
+            let d = (u[j as usize] - u[i]).as_vec3().to_array();
             near[3 + 3 * k..6 + 3 * k].copy_from_slice(&d);
             spread.iter_mut().zip(d).for_each(|(s, d)| s[3 + 3 * k..6 + 3 * k].fill(d));
         }
-        let force = product(row, &near);
-        (0..3).for_each(|k| forces[i - start][k] += force[k]);
-        // Seen from a neighbour, the node moves the other way, hence the minus below.
-        let mut caused = [0.0; LINE];
+        // Seen from a neighbour, the node moves the other way, hence the minus.
         for (k, caused) in caused.iter_mut().enumerate() {
-            *caused = row[0][k] * spread[0][k] + row[1][k] * spread[1][k] + row[2][k] * spread[2][k];
+            *caused = -(row[0][k] * spread[0][k] + row[1][k] * spread[1][k] + row[2][k] * spread[2][k]);
         }
-        for (k, &j) in after.iter().enumerate() {
-            let force = &mut forces[j as usize - start];
-            (0..4).for_each(|c| force[c] -= caused[3 + 3 * k + c]);
-        }
-    }
-    forces
+    })
 }
 
 /// A row times the displacements of its nodes.
-fn product(row: &Row, near: &[f32; LINE]) -> [f32; 3] {
+fn product(row: &Row, near: &Line) -> [f32; 3] {
     // Four sums a line match the width of a vector instruction, and the three lines advance together, because a sum
     // waits for its last addition.
     let mut sums = [[0.0f32; 4]; 3];

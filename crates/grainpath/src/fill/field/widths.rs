@@ -353,31 +353,16 @@ impl Neighbours {
 
     /// Pairs of segments that cross or touch and are not neighbours on a line, each given as line and segment.
     pub(crate) fn crossings(&self) -> Vec<[(usize, usize); 2]> {
-        let mut out = Vec::new();
-        let cells = &self.buckets.cells;
-        // Segments of the same cell that were visited before.
-        let mut met: Vec<BeadSegment> = Vec::new();
-        for cell in 0..cells.nx * cells.ny {
-            met.clear();
-            for &i in self.buckets.members(cell) {
-                let p = self.pieces[i as usize];
-                if p.line == BORDER {
-                    continue;
-                }
-                for q in &met {
-                    // A segment and its successor share a point on purpose.
-                    let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
-                    if !follows && segment::meeting([p.a, p.b], [q.a, q.b]) != Meeting::Apart {
-                        out.push([q, &p].map(|s| (s.line as usize, s.segment as usize)));
-                    }
-                }
-                met.push(p);
-            }
-        }
-        // A pair that shares several cells is found in each of them.
-        out.sort_unstable();
-        out.dedup();
-        out
+        let cross = |i: usize, j: usize| {
+            let (p, q) = (&self.pieces[i], &self.pieces[j]);
+            // A segment and its successor share a point on purpose.
+            let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
+            let is_border = p.line == BORDER || q.line == BORDER;
+            !is_border && !follows && segment::meeting([p.a, p.b], [q.a, q.b]) != Meeting::Apart
+        };
+        let place = |i: usize| (self.pieces[i].line as usize, self.pieces[i].segment as usize);
+        // Pieces are in the order of lines and segments, and so are the pairs.
+        self.buckets.pairs(cross).into_iter().map(|pair| pair.map(place)).collect()
     }
 
     /// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
