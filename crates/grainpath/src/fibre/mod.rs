@@ -26,6 +26,9 @@ pub struct FibreSettings {
     pub matrix_layers: [usize; 2],
     /// Number of layers of the part.
     pub n_layers: usize,
+    /// Vector from part coordinates to those of the G-code, mm. Turns are measured as they are written, and coordinates halfway
+    /// between two micrometres are rounded away from zero.
+    pub plate_from_part_mm: DVec2,
     /// Period in layers: 2 lays fibre in every other one of the chosen layers.
     pub every: usize,
     /// Boxes in which fill is laid with fibre, in part coordinates on the plate, mm; empty for the
@@ -358,7 +361,8 @@ impl FibreSettings {
         if !planned.is_empty() {
             return planned;
         }
-        let mut written: Vec<DVec2> = points.iter().map(|p| (1e3 * p).round() * 1e-3).collect();
+        let written = |p: &DVec2| (1e3 * (p + self.plate_from_part_mm)).round() * 1e-3;
+        let mut written: Vec<DVec2> = points.iter().map(written).collect();
         let forwards = sharp_turns(&written, false, self.min_radius_mm);
         if !forwards.is_empty() {
             return forwards;
@@ -403,6 +407,14 @@ impl FibreSettings {
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
         begin_onward(path, place.onward_mm);
+        // A start within an arc divides one of its chords, and the radius measured beside it is down to half that of the arc.
+        for _ in 0..path.points.len() {
+            let opened = [&path.points[..], &path.points[..1]].concat();
+            if !self.cuts() || self.sharp_where_cut(&opened).is_empty() {
+                break;
+            }
+            path.rotate_to(1);
+        }
         // The path is opened with both ends at its start, so that the print order does not move the start.
         path.points.push(path.points[0]);
         path.closed = false;

@@ -8,6 +8,7 @@ fn settings() -> FibreSettings {
         layers: Vec::new(),
         matrix_layers: [0, 0],
         n_layers: 15,
+        plate_from_part_mm: DVec2::ZERO,
         every: 1,
         rings: 0,
         boxes: Vec::new(),
@@ -159,22 +160,51 @@ fn fibre_is_cut_where_it_cannot_turn() {
 #[test]
 fn fibre_is_cut_where_rounded_coordinates_turn_more_sharply() {
     // Arcs above the radius that counts as sharp, in chords of 0.3 mm: coordinates with three decimals tell it to some percent.
+    // Half of the coordinates lie between two micrometres, and where the part stands decides to which they are rounded.
     let arc = |n: f64| {
-        // Each lies beside the one before.
-        let (r_mm, middle) = (2.95 + 1e-2 * n, DVec2::X * 8.1 * n);
+        // Each lies beside the one before, left and right of the origin.
+        let (r_mm, middle) = (2.95 + 1e-2 * n, DVec2::X * 8.1 * (n - 20.0));
         let points = (0..=30).map(|k| r_mm * direction(0.1 * f64::from(k)) + middle);
-        Toolpath::new(points.collect(), 0.6, Role::SolidFill, false)
+        Toolpath::new(points.map(|p| (p * 2e3).round() / 2e3).collect(), 0.6, Role::SolidFill, false)
     };
     let paths: Vec<Toolpath> = (0..40).map(|n| arc(f64::from(n))).collect();
-    let f = FibreSettings { turns: FibreTurns::Cut, min_length_mm: 2.0, ..settings() };
-    let mut out = Vec::new();
-    f.lay(paths, &place(&Region::default(), 0.0), &mut out);
-    let fibre: Vec<&Toolpath> = out.iter().filter(|p| p.role == Role::Fibre).collect();
-    assert!(fibre.iter().map(|p| p.length_mm()).sum::<f64>() > 200.0);
-    for path in fibre {
-        let written: Vec<DVec2> = path.points.iter().map(|p| (p * 1e3).round() * 1e-3).collect();
-        assert!(sharp_bends(&written, false, f.min_radius_mm).is_empty(), "{}", smallest(&written, false));
+    for plate_from_part_mm in [DVec2::ZERO, DVec2::new(200.309, 103.5)] {
+        let f =
+            FibreSettings { turns: FibreTurns::Cut, min_length_mm: 2.0, plate_from_part_mm, ..settings() };
+        let mut out = Vec::new();
+        f.lay(paths.clone(), &place(&Region::default(), 0.0), &mut out);
+        let fibre: Vec<&Toolpath> = out.iter().filter(|p| p.role == Role::Fibre).collect();
+        assert!(fibre.iter().map(|p| p.length_mm()).sum::<f64>() > 200.0);
+        for path in fibre {
+            let written: Vec<DVec2> = path.points.iter().map(|p| as_written(*p, &f)).collect();
+            assert!(sharp_bends(&written, false, f.min_radius_mm).is_empty(), "{}", smallest(&written, false));
+        }
     }
+}
+
+/// A point as G-code has it.
+fn as_written(p: DVec2, f: &FibreSettings) -> DVec2 {
+    ((p + f.plate_from_part_mm) * 1e3).round() * 1e-3
+}
+
+#[test]
+fn a_ring_that_starts_within_an_arc_has_no_sharp_turn() {
+    let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (0.0, 30.0)].map(DVec2::from);
+    let ring = Toolpath::new(corners.to_vec(), 0.6, Role::SolidFill, true);
+    let region = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0));
+    let f = FibreSettings { turns: FibreTurns::Cut, ..settings() };
+    let starts: Vec<DVec2> = (0..130)
+        .map(|onward_mm| {
+            let mut out = Vec::new();
+            f.lay(vec![ring.clone()], &place(&region, f64::from(onward_mm)), &mut out);
+            assert_eq!((out.len(), out[0].role), (1, Role::Fibre), "{onward_mm}");
+            let points: Vec<DVec2> = out[0].points.iter().map(|p| as_written(*p, &f)).collect();
+            assert_eq!(sharp_bends(&points, false, f.min_radius_mm), [], "{onward_mm}");
+            points[0]
+        })
+        .collect();
+    // The start still moves on all around.
+    assert!(starts.windows(2).filter(|w| w[0].distance(w[1]) > 0.5).count() > 100, "{starts:?}");
 }
 
 #[test]

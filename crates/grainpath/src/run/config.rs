@@ -710,12 +710,17 @@ fn material(m: &MaterialSection) -> Material {
 }
 
 /// Settings of continuous fibre; `None` for jobs without fibre.
-pub(crate) fn fibre(s: &Settings, n_layers: usize) -> Option<FibreSettings> {
+pub(crate) fn fibre(
+    s: &Settings,
+    n_layers: usize,
+    plate_from_part_mm: DVec3,
+) -> Option<FibreSettings> {
     let f = &s.fibre;
     f.enabled.then(|| FibreSettings {
         layers: f.layers.clone(),
         matrix_layers: f.matrix_layers,
         n_layers,
+        plate_from_part_mm: plate_from_part_mm.truncate(),
         rings: f.rings,
         every: f.every,
         boxes: f.boxes_mm.iter().map(|b| b.map(DVec3::from)).collect(),

@@ -528,7 +528,7 @@ fn plan_stack(
     // Checked before any costly stage.
     let step_settings = config::steps(settings);
     check_bed(&config.machine, &stack, part, plate_from_part_mm, &step_settings.adhesion)?;
-    let fibre = config::fibre(settings, stack.layers().len());
+    let fibre = config::fibre(settings, stack.layers().len(), plate_from_part_mm);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let standing = config::standing(settings, lowered_mm);
     let placing = config::placing(settings);
