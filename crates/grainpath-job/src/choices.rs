@@ -265,6 +265,7 @@ choices! {
     }
     /// Ends of beads from layer to layer (`fill.layer_shift`).
     enum LayerShift {
+        Auto = "auto", "`inner` for dense `stripes` and `continuous` of fibre, else `none`.";
         None = "none", "equal layers are laid alike, and their ends stand on each other.";
         Inner = "inner", "places inside the infill differ in each of three layers in turn: where beads end, where strips are joined and where closed paths begin.";
         All = "all", "places at the border differ too: in two of three layers, lines that meet the border end 1 or 2 mm before it, at beads along it.";

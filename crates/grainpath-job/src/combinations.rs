@@ -125,21 +125,29 @@ fn check_lines(s: &Settings) -> Result<(), Combination> {
     Err(Combination::Lines { lines: f.lines, problem })
 }
 
-/// Checks the settings that ends of beads in different places need.
+/// Checks the settings that ends of beads in different places need, where the job asks for such ends.
 fn check_layer_shift(s: &Settings) -> Result<(), Combination> {
+    let shift = s.fill.layer_shift;
+    match layer_shift_problem(s) {
+        Some(problem) if matches!(shift, LayerShift::Inner | LayerShift::All) => {
+            Err(Combination::LayerShift { shift, problem })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Why ends of beads cannot lie in different places from layer to layer.
+pub(crate) fn layer_shift_problem(s: &Settings) -> Option<LayerShiftProblem> {
     let f = &s.fill;
-    let problem = if f.layer_shift == LayerShift::None {
-        return Ok(());
-    } else if !f.pattern.takes_layer_shift() {
-        LayerShiftProblem::Pattern(f.pattern)
+    if !f.pattern.takes_layer_shift() {
+        Some(LayerShiftProblem::Pattern(f.pattern))
     } else if !f.density.is_dense() || f.mass_g.is_some() {
-        LayerShiftProblem::Sparse
+        Some(LayerShiftProblem::Sparse)
     } else if s.guide.kind == GuideKind::Grain && s.guide.mode == GrainMode::Edges {
-        LayerShiftProblem::Edges
+        Some(LayerShiftProblem::Edges)
     } else {
-        return Ok(());
-    };
-    Err(Combination::LayerShift { shift: f.layer_shift, problem })
+        None
+    }
 }
 
 /// Checks the settings that are needed if the number of walls follows the stress.

@@ -24,6 +24,7 @@ use crate::choices::{
     Interpolate, LayerShift, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
     SupportStyle, SupportSurface, Threshold, WallOrder,
 };
+use crate::combinations::layer_shift_problem;
 use Check::{Any, Range};
 
 /// Declares the sections: a struct with the defaults, the rows, and the function that sets a single key.
@@ -337,7 +338,7 @@ sections! {
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part, without skirt, brim and supports. The infill density is chosen so that the mass is right to within 0.5 %; a warning says if no density gives it. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Widths of the beads of `stripes`, `streamlines` and `continuous`; with fibre, `continuous` always has constant width.";
         ends: BeadEnds = BeadEnds::Auto, "", Any, "How the beads of `stripes` and `seed-lines` end at the border.";
-        layer_shift: LayerShift = LayerShift::None, "", Any, "Which ends of the beads of dense `stripes` and `continuous` lie in different places from layer to layer.";
+        layer_shift: LayerShift = LayerShift::Auto, "", Any, "Which ends of the beads of dense `stripes` and `continuous` lie in different places from layer to layer.";
         spiral: bool = false, "", Any, "Join closed rings of infill that lie inside one another, so that they are laid as one spiral.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width. The width is that of two beads.";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
@@ -493,6 +494,11 @@ impl Settings {
             (true, true) => &self.image.files,
             (true, false) => &self.photo.files,
         }
+    }
+
+    /// Whether the ends of beads can lie in different places from layer to layer (`fill.layer_shift`).
+    pub fn allows_layer_shift(&self) -> bool {
+        layer_shift_problem(self).is_none()
     }
 
     /// The settings of the job as they apply in a region. The list of regions in them is empty.

@@ -107,3 +107,31 @@ fn a_shift_lays_as_much_as_equal_layers_do() {
         }
     }
 }
+
+#[test]
+fn fibre_has_a_shift_where_the_job_says_nothing() {
+    let shift = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let settings = parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job");
+        format!("{:?}", config::steps(&settings).infill.layer_shift)
+    };
+    let fibre = [
+        "printer.profile=fibre-coextruded",
+        "material.profile=pa-cf",
+        "fibre.enabled=true",
+        "guide.kind=angle",
+    ];
+    let dense = [&fibre[..], &["fill.density=1"]].concat();
+    for (pattern, expected) in
+        [("stripes", "Some(Inner)"), ("continuous", "Some(Inner)"), ("honeycomb", "None")]
+    {
+        let pattern = format!("fill.pattern={pattern}");
+        let of_pattern = [&dense[..], &[&pattern]].concat();
+        assert_eq!(shift(&of_pattern), expected, "{pattern}");
+        assert_eq!(shift(&[&of_pattern[..], &["fibre.enabled=false"]].concat()), "None", "{pattern}");
+        assert_eq!(shift(&[&of_pattern[..], &["fill.density=0.5"]].concat()), "None", "{pattern}");
+    }
+    let stripes = [&dense[..], &["fill.pattern=stripes"]].concat();
+    assert_eq!(shift(&[&stripes[..], &["fill.layer_shift=none"]].concat()), "None");
+    assert_eq!(shift(&[&stripes[..], &["fill.layer_shift=all"]].concat()), "Some(All)");
+}

@@ -177,7 +177,11 @@ fn fibre_is_cut_where_rounded_coordinates_turn_more_sharply() {
         assert!(fibre.iter().map(|p| p.length_mm()).sum::<f64>() > 200.0);
         for path in fibre {
             let written: Vec<DVec2> = path.points.iter().map(|p| as_written(*p, &f)).collect();
-            assert!(sharp_bends(&written, false, f.min_radius_mm).is_empty(), "{}", smallest(&written, false));
+            assert!(
+                sharp_bends(&written, false, f.min_radius_mm).is_empty(),
+                "{}",
+                smallest(&written, false)
+            );
         }
     }
 }
