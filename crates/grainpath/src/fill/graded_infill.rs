@@ -26,7 +26,7 @@
 //!
 //! Where the density is above `DENSE_FROM`, straight parallel lines are laid instead of crossing ones. At
 //! last the widths are fitted: windows with a side of `WINDOW_MM` lie all over the area, and each bead gets the mean of what
-//! the windows around it ask for over what they hold, within the widths that a nozzle can lay. A single window around the bead
+//! the windows around it ask for over what they hold, weighted by the root of what they hold, within the widths that a nozzle can lay. A single window around the bead
 //! itself would hold one line always where lines are farther apart than half its side, and lay up to twice too much.
 //! Windows of patterns that lean are cubes, and the beads of all layers are fitted together (`fit_layers`): a window in one
 //! layer may hold no line at all where the layers above and below hold their share.
@@ -444,8 +444,6 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, all: &Windows<'_>) {
     let places = Places::of(paths.iter(), 0.5 * all.grid.cell_mm(), &|p| all.cell_of(p));
     let vertices = paths.iter().flat_map(|path| &path.points);
     let of_vertices: Vec<[u32; 4]> = vertices.map(|p| all.around(*p)).collect();
-    // The windows that hold any volume are the same in nearly all rounds.
-    let mut counted = (vec![0.0; all.n_cells()], None);
     for _ in 0..ROUNDS {
         let mut laid = vec![0.0; all.n_cells()];
         places.each(paths.iter(), |width, piece_mm, cells| {
@@ -453,25 +451,27 @@ fn fit(paths: &mut [Toolpath], context: &FillContext<'_>, all: &Windows<'_>) {
             cells.iter().for_each(|cell| laid[*cell as usize] += mm2);
         });
         let laid = Sums::new(all.grid.size(), &laid);
-        // The volume that each window asks for over the one that it holds, where it holds any.
-        let mut short = vec![0.0; all.n_cells()];
+        // The volume that each window asks for over the one that it holds, times its weight, and the weights. A window that
+        // holds the tip of a line alone says little about it. Measured: over 120 plans of graded `stripes` (bracket, lever,
+        // hook and plate with two holes of `cargo xtask bench density`, 30 masses each) the worst cell is off by 10.7, 9.2, 10.0
+        // and 10.0 % of full with a weight of 1 and with the powers 0.5, 0.75 and 1 of what a window holds. The mean over all
+        // cells is 1.2 % with each.
+        let (mut short, mut weights) = (vec![0.0; all.n_cells()], vec![0.0; all.n_cells()]);
         for &(k, around, asked_mm2) in &windows {
             let laid_mm2 = laid.of(around);
-            let (ratio, counts) = if laid_mm2 > 1e-9 { (asked_mm2 / laid_mm2, 1.0) } else { (0.0, 0.0) };
-            short[k] = ratio;
-            if counted.0[k] != counts {
-                (counted.0[k], counted.1) = (counts, None);
+            if laid_mm2 > 1e-9 {
+                weights[k] = laid_mm2.sqrt();
+                short[k] = weights[k] * asked_mm2 / laid_mm2;
             }
         }
-        let short = Sums::new(all.grid.size(), &short);
-        let counted = &*counted.1.get_or_insert_with(|| Sums::new(all.grid.size(), &counted.0));
+        let [short, weights] = [short, weights].map(|values| Sums::new(all.grid.size(), &values));
         let mut around_vertices = of_vertices.iter();
         for path in &mut *paths {
             let own = around_vertices.by_ref().take(path.points.len());
             let BeadWidth::PerVertex(widths) = &mut path.width else { continue };
             for (around, width) in own.zip(widths) {
-                let n = counted.of(*around);
-                let factor = if n > 0.0 { short.of(*around) / n } else { 1.0 };
+                let weight = weights.of(*around);
+                let factor = if weight > 0.0 { short.of(*around) / weight } else { 1.0 };
                 let strip = (factor * bead_spacing_mm(*width, h)).clamp(0.01, 10.0 * nominal);
                 *width = bead_width_mm(strip, h).clamp(narrowest_mm, WIDEST * nominal);
             }
