@@ -136,8 +136,15 @@ fn check_layer_shift(s: &Settings) -> Result<(), Combination> {
     }
 }
 
+impl Settings {
+    /// Whether the ends of beads can lie in different places from layer to layer (`fill.layer_shift`).
+    pub fn allows_layer_shift(&self) -> bool {
+        layer_shift_problem(self).is_none()
+    }
+}
+
 /// Why ends of beads cannot lie in different places from layer to layer.
-pub(crate) fn layer_shift_problem(s: &Settings) -> Option<LayerShiftProblem> {
+fn layer_shift_problem(s: &Settings) -> Option<LayerShiftProblem> {
     let f = &s.fill;
     if !f.pattern.takes_layer_shift() {
         Some(LayerShiftProblem::Pattern(f.pattern))

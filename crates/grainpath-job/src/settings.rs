@@ -24,7 +24,6 @@ use crate::choices::{
     Interpolate, LayerShift, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
     SupportStyle, SupportSurface, Threshold, WallOrder,
 };
-use crate::combinations::layer_shift_problem;
 use Check::{Any, Range};
 
 /// Declares the sections: a struct with the defaults, the rows, and the function that sets a single key.
@@ -494,11 +493,6 @@ impl Settings {
             (true, true) => &self.image.files,
             (true, false) => &self.photo.files,
         }
-    }
-
-    /// Whether the ends of beads can lie in different places from layer to layer (`fill.layer_shift`).
-    pub fn allows_layer_shift(&self) -> bool {
-        layer_shift_problem(self).is_none()
     }
 
     /// The settings of the job as they apply in a region. The list of regions in them is empty.
