@@ -482,7 +482,7 @@ impl<'a> Steps<'a> {
     ///
     /// ```
     /// use grainpath::fibre::{FibreSettings, FibreStart, FibreTurns};
-    /// use grainpath_core::Role;
+    /// use grainpath_core::{DVec2, Role};
     /// # use grainpath::run::{Steps, config};
     /// # use grainpath_core::{Density, Diagnostics};
     /// # let stack = grainpath_parts::layers_of_a_box(12);
@@ -492,6 +492,7 @@ impl<'a> Steps<'a> {
     ///     layers: Vec::new(),
     ///     matrix_layers: [4, 4],
     ///     n_layers: 12,
+    ///     plate_from_part_mm: DVec2::ZERO,
     ///     every: 2,
     ///     boxes: Vec::new(),
     ///     rings: 1,
