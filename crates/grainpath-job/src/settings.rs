@@ -516,15 +516,15 @@ impl Settings {
             fill.lines = region.lines.unwrap_or(1);
             fill.skin_angles_deg = None;
         }
-        // If the region's pattern or density allows no shift from layer to layer, the job's shift is dropped.
-        if !fill.pattern.takes_layer_shift() || !fill.density.is_dense() {
-            fill.layer_shift = LayerShift::None;
-        }
         process.walls = region.walls.map_or(process.walls, WallCount::Even);
         process.top_layers = region.top_layers.unwrap_or(process.top_layers);
         process.bottom_layers = region.bottom_layers.unwrap_or(process.bottom_layers);
         if !region.guide {
             s.guide.kind = GuideKind::None;
+        }
+        // If the region's pattern or density allows no shift from layer to layer, the job's shift is dropped.
+        if !s.allows_layer_shift() {
+            s.fill.layer_shift = LayerShift::None;
         }
         s
     }

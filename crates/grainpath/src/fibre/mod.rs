@@ -407,13 +407,19 @@ impl FibreSettings {
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
         begin_onward(path, place.onward_mm);
-        // A start within an arc divides one of its chords, and the radius measured beside it is down to half that of the arc.
-        for _ in 0..path.points.len() {
-            let opened = [&path.points[..], &path.points[..1]].concat();
-            if !self.cuts() || self.sharp_where_cut(&opened).is_empty() {
-                break;
+        if self.cuts() {
+            // A start within an arc divides one of its chords, and the radius measured beside it is down to half that of the
+            // arc.
+            let is_sharp = |path: &Toolpath| {
+                let opened = [&path.points[..], &path.points[..1]].concat();
+                !self.sharp_where_cut(&opened).is_empty()
+            };
+            for _ in 0..path.points.len() {
+                if !is_sharp(path) {
+                    break;
+                }
+                path.rotate_to(1);
             }
-            path.rotate_to(1);
         }
         // The path is opened with both ends at its start, so that the print order does not move the start.
         path.points.push(path.points[0]);

@@ -26,10 +26,10 @@
 //!
 //! Where the density is above `DENSE_FROM`, straight parallel lines are laid instead of crossing ones. At
 //! last the widths are fitted: windows with a side of `WINDOW_MM` lie all over the area, and each bead gets the mean of what
-//! the windows around it ask for over what they hold, weighted by the root of what they hold, within the widths that a nozzle can lay. A single window around the bead
-//! itself would hold one line always where lines are farther apart than half its side, and lay up to twice too much.
-//! Windows of patterns that lean are cubes, and the beads of all layers are fitted together (`fit_layers`): a window in one
-//! layer may hold no line at all where the layers above and below hold their share.
+//! the windows around it ask for over what they hold, weighted by the root of what they hold, within the widths that a
+//! nozzle can lay. A single window around the bead itself would hold one line always where lines are farther apart than half
+//! its side, and lay up to twice too much. Windows of patterns that lean are cubes, and the beads of all layers are fitted
+//! together (`fit_layers`): a window in one layer may hold no line at all where the layers above and below hold their share.
 //!
 //! Lengths are in mm. Cost: linear in the length of the beads and in the area; for crossing lines also the pieces of a
 //! level times the lines of coarser ones.
