@@ -7,9 +7,10 @@
 //! fills from 0 to 1. Cost: linear in the cells with material, eight places a cell and layer at most, about 15 ns a cell.
 
 use std::cell::OnceCell;
+use std::f64::consts::{PI, TAU};
 
 use grainpath_core::DVec2;
-use grainpath_core::math::{atan2, direction};
+use grainpath_core::math::{direction, tan};
 
 use super::cell_grid::CellGrid;
 
@@ -23,6 +24,30 @@ const GAP_FILL: f32 = 0.25;
 /// Directions of a half turn to which beads are rounded when the places beside them are looked up. Source: derived. A direction
 /// is off by 0.7 degrees at most, which moves a place one bead width away by a hundredth of that width.
 const AXES: usize = 128;
+
+/// Finds which of [`AXES`] directions a bead has, by its tangent: an arc tangent would take most of the time of a share.
+struct AxisOf {
+    /// Tangents of twice the directions halfway between neighbours, up to a quarter of a right angle.
+    halfway: [f32; AXES / 8],
+}
+
+impl AxisOf {
+    fn new() -> Self {
+        let rad = |k: usize| (k as f64 + 0.5) * TAU / AXES as f64;
+        Self { halfway: std::array::from_fn(|k| tan(rad(k)) as f32) }
+    }
+
+    /// The number of the direction nearest to half the angle of (`cos`, `sin`), whose length may be any.
+    fn of(&self, [cos, sin]: [f32; 2]) -> usize {
+        let (c, s) = (cos.abs(), sin.abs());
+        let (less, more) = if s > c { (c, s) } else { (s, c) };
+        let passed = self.halfway.iter().filter(|tangent| less > **tangent * more).count();
+        // Mirrored from the octant to the quadrant, to the half turn and to the whole one.
+        let quadrant = if s > c { AXES / 4 - passed } else { passed };
+        let half = if cos < 0.0 { AXES / 2 - quadrant } else { quadrant };
+        if sin < 0.0 { (AXES - half) % AXES } else { half }
+    }
+}
 
 /// The material of a layer in one fan of a cell: thickness, and thickness times cosine and sine of twice the angle.
 pub(super) struct Share {
@@ -82,6 +107,28 @@ pub(super) fn sides(grid: &CellGrid, axis: DVec2, off_mm: f64) -> impl Iterator<
     [-across, across].into_iter().map(Between::new)
 }
 
+/// For each cell whether all cells up to `reach` rows and columns away are filled at least to `least`; those closer to the edge
+/// of the grid are not.
+fn filled_around(grid: &CellGrid, filled: &[f32], reach: usize, least: f32) -> Vec<bool> {
+    let (nx, ny) = (grid.nx, grid.ny);
+    // Along the rows first, then across them.
+    let mut along = vec![false; nx * ny];
+    for (row, along) in filled.chunks_exact(nx).zip(along.chunks_exact_mut(nx)) {
+        for i in reach..nx.saturating_sub(reach) {
+            along[i] = row[i - reach..=i + reach].iter().all(|filled| *filled >= least);
+        }
+    }
+    let mut all = vec![false; nx * ny];
+    for j in reach..ny.saturating_sub(reach) {
+        let of_row = &mut all[j * nx..(j + 1) * nx];
+        of_row.copy_from_slice(&along[j * nx..(j + 1) * nx]);
+        for near in (j - reach..=j + reach).filter(|near| *near != j) {
+            of_row.iter_mut().zip(&along[near * nx..]).for_each(|(all, along)| *all &= along);
+        }
+    }
+    all
+}
+
 /// The thickness of each share of a layer that has material on both sides of its beads, in its own layer or in one beside
 /// it that rests on them, mm. `beside` are the layers below and above.
 pub(super) fn joined_mm(
@@ -102,22 +149,14 @@ pub(super) fn joined_mm(
     let width_mm = layers[at].width_mm;
     // Where no place beside a bead can lie in a gap, none is looked at: nearly everywhere in dense layers.
     let reach = (width_mm / grid.cell_mm).ceil() as usize;
-    let is_dense = |[i, j]: [usize; 2]| {
-        let is_inside = i >= reach && j >= reach && i + reach < grid.nx && j + reach < grid.ny;
-        is_inside
-            && (j - reach..=j + reach).all(|j| {
-                let row = &own[j * grid.nx + i - reach..=j * grid.nx + i + reach];
-                row.iter().all(|filled| *filled >= 2.0 * GAP_FILL)
-            })
-    };
+    let is_dense = filled_around(grid, &own, reach, 2.0 * GAP_FILL);
     // The places beside beads of each direction of the layer.
     let places: [OnceCell<Vec<Between>>; AXES] = [const { OnceCell::new() }; AXES];
+    let axis_of = AxisOf::new();
     let places_beside = |share: &Share| {
-        let half_turns = 0.5 * atan2(f64::from(share.sum[2]), f64::from(share.sum[1])) / std::f64::consts::PI;
-        // From -0.5 to 0.5; rounded without a call.
-        let k = ((half_turns + 1.0) * AXES as f64 + 0.5) as usize % AXES;
+        let k = axis_of.of([share.sum[1], share.sum[2]]);
         places[k].get_or_init(|| {
-            let axis = direction(k as f64 / AXES as f64 * std::f64::consts::PI);
+            let axis = direction(k as f64 / AXES as f64 * PI);
             BESIDE_WIDTHS.into_iter().flat_map(|w| sides(grid, axis, w * width_mm)).collect()
         })
     };
@@ -136,10 +175,11 @@ pub(super) fn joined_mm(
     let beside: Vec<(usize, OnceCell<Vec<f32>>)> =
         beside.into_iter().flatten().map(|k| (k, OnceCell::new())).collect();
     let most = |share: &Share| {
-        let cell = grid.place(share.slot as usize / n_fans);
-        if is_dense(cell) {
+        let cell = share.slot as usize / n_fans;
+        if is_dense[cell] {
             return 1.0;
         }
+        let cell = grid.place(cell);
         let places = places_beside(share);
         // Below the fill of a gap no value counts.
         let mut most = least(&own, cell, places, GAP_FILL).max(GAP_FILL);
@@ -154,4 +194,49 @@ pub(super) fn joined_mm(
     // Between the two limits the share grows evenly, so that a plan that is moved a little keeps its strength.
     let joined = |share: &Share| share.sum[0] * (most(share) / GAP_FILL - 1.0).clamp(0.0, 1.0);
     layers[at].shares.iter().map(joined).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use grainpath_core::hash::splitmix64;
+    use grainpath_core::math::atan2;
+
+    use super::*;
+
+    #[test]
+    fn a_bead_gets_the_nearest_of_all_axes() {
+        let axis_of = AxisOf::new();
+        let mut seen = [false; AXES];
+        for k in 0..20_000 {
+            // Angles that lie no closer to the middle between two axes than `f32` can tell.
+            let turns = (f64::from(k) + 0.37) / 20_000.0;
+            let double = 3.7 * direction(turns * TAU);
+            let expect = (atan2(double.y, double.x) / TAU * AXES as f64).round() as isize;
+            let found = axis_of.of([double.x as f32, double.y as f32]);
+            assert_eq!(found as isize, expect.rem_euclid(AXES as isize), "{turns} turns");
+            seen[found] = true;
+        }
+        assert!(seen.iter().all(|seen| *seen));
+    }
+
+    #[test]
+    fn a_cell_is_dense_where_all_cells_around_it_are_filled() {
+        for (nx, ny) in [(17, 12), (4, 30), (3, 2)] {
+            let grid = CellGrid { low: DVec2::ZERO, cell_mm: 0.4, nx, ny };
+            // Nine of ten cells are filled.
+            let filled: Vec<f32> =
+                (0..nx * ny).map(|k| if splitmix64(k as u64) % 10 == 0 { 0.2 } else { 0.9 }).collect();
+            for reach in 0..3 {
+                let found = filled_around(&grid, &filled, reach, 0.5);
+                let expect = |cell: usize| {
+                    let [i, j] = grid.place(cell);
+                    let is_inside = i >= reach && j >= reach && i + reach < nx && j + reach < ny;
+                    is_inside
+                        && (j - reach..=j + reach)
+                            .all(|j| (i - reach..=i + reach).all(|i| filled[j * nx + i] >= 0.5))
+                };
+                assert!((0..nx * ny).all(|cell| found[cell] == expect(cell)), "{nx} x {ny}, reach {reach}");
+            }
+        }
+    }
 }

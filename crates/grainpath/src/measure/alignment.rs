@@ -39,14 +39,16 @@ struct LayerSums {
 
 /// Adds a warning if the infill deviates far from its guide, and one if tension and compression of
 /// equal amount cross in most of it. Where the density follows the stress and the pattern follows no field, the guide is there
-/// for the density alone: the infill then has no directions to keep.
+/// for the density alone: the infill then has no directions to keep, and nothing is warned of.
 pub(crate) fn warn_if_far(
     planned: &Planned,
     pattern: Pattern,
     density_by: Option<DensityBy>,
     diagnostics: &Diagnostics,
 ) {
-    let is_for_density = density_by == Some(DensityBy::Stress) && !pattern.follows_field();
+    if density_by == Some(DensityBy::Stress) && !pattern.follows_field() {
+        return;
+    }
     let layers = &planned.plan.layers;
     let picked: Vec<usize> = if layers.len() <= MAX_LAYERS {
         (0..layers.len()).collect()
@@ -59,7 +61,7 @@ pub(crate) fn warn_if_far(
     let weight = total(&|s| s.weight);
     let mean_deg = total(&|s| s.weighted_deg) / weight.max(f64::MIN_POSITIVE);
     let worst = sums.iter().max_by(|a, b| a.1.weighted_deg.total_cmp(&b.1.weighted_deg).then(b.0.cmp(&a.0)));
-    if let Some((i, layer)) = worst.filter(|_| !is_for_density && weight > 0.0 && mean_deg >= MAX_MEAN_DEG) {
+    if let Some((i, layer)) = worst.filter(|_| weight > 0.0 && mean_deg >= MAX_MEAN_DEG) {
         let layer_deg = layer.weighted_deg / layer.weight.max(f64::MIN_POSITIVE);
         let cell = layer.cells.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let place = cell.map_or(DVec2::ZERO, |(sum, places)| *places / sum.max(f64::MIN_POSITIVE));

@@ -104,23 +104,35 @@ impl LaidDensity {
             let q = ((p - bounds.min) / CELL_MM).max(DVec2::ZERO);
             (k * n[1] + (q.y as usize).min(n[1] - 1)) * n[0] + (q.x as usize).min(n[0] - 1)
         };
+        // The area of sparse infill in each cell of the plan, and both densities times that area, mm2.
+        let mut plan = vec![[0.0f64; 3]; n[0] * n[1]];
+        // The layer whose plan that is.
+        let mut of_plan: Option<usize> = None;
         for &i in &filled {
             let (layer, area) = (&all[i], &asked.areas[i]);
             let (h, z) = (layer.height_mm(), layer.z_top_mm() - 0.5 * layer.height_mm());
             let k = (((z - bottom) / high_mm) as usize).min(n[2] - 1);
-            let Some(own) = area.bounds() else { continue };
-            let grid = MaskGrid::over(own, SQUARE_MM);
-            let mask = Mask::from_region(grid, area);
-            let ([nx, ny], square_mm) = (grid.size(), grid.cell_mm());
-            for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))).filter(|&(x, y)| mask.get(x, y))
-            {
-                let p = grid.origin() + square_mm * DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                let sum = &mut sums[cell_of(p, k)];
-                let volume = square_mm * square_mm * h;
-                sum[0] += volume;
-                sum[1] += volume * asked.map.given_at(p.extend(z));
-                sum[2] += volume * asked.map.at(p.extend(z));
+            // Layers of a plate have the same area, and its density is the same at all heights.
+            if !asked.map.is_upright() || of_plan.is_none_or(|of| asked.areas[of] != *area) {
+                of_plan = Some(i);
+                plan.fill([0.0; 3]);
+                let Some(own) = area.bounds() else { continue };
+                let grid = MaskGrid::over(own, SQUARE_MM);
+                let mask = Mask::from_region(grid, area);
+                let ([nx, ny], square_mm) = (grid.size(), grid.cell_mm());
+                for (x, y) in
+                    (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))).filter(|&(x, y)| mask.get(x, y))
+                {
+                    let p = grid.origin() + square_mm * DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                    let sum = &mut plan[cell_of(p, 0)];
+                    let square_mm2 = square_mm * square_mm;
+                    sum[0] += square_mm2;
+                    sum[1] += square_mm2 * asked.map.given_at(p.extend(z));
+                    sum[2] += square_mm2 * asked.map.at(p.extend(z));
+                }
             }
+            let of_layer = &mut sums[k * plan.len()..(k + 1) * plan.len()];
+            of_layer.iter_mut().zip(&plan).for_each(|(sum, plan)| (0..3).for_each(|k| sum[k] += h * plan[k]));
             // Sparse infill outside `area` is skipped: it belongs to regions that have a density of their own. Its beads begin
             // half a strip beyond the border, so squares are too coarse to tell them apart.
             let inside = asked.beside_others.then(|| LineClipper::new(area));
