@@ -105,6 +105,40 @@ fn one_solution_with_few_digits_agrees_with_an_exact_one() {
 }
 
 #[test]
+fn beads_on_both_sides_of_a_gap_are_solved_apart() {
+    // A comb whose teeth, one cell wide and one cell apart, are pushed to opposite sides by turns. A grid node that moved two
+    // teeth together would hinder both.
+    let n = [48, 15, 6];
+    let mut part = block(n, DVec3::splat(0.4));
+    for (x, y, z) in
+        (6..n[0]).flat_map(|x| (1..n[1]).step_by(2).flat_map(move |y| (0..6).map(move |z| (x, y, z))))
+    {
+        part.material[(z * n[1] + y) * n[0] + x] = VOID;
+    }
+    let settings = SolveSettings { tolerance: 1e-6, ..SolveSettings::default() };
+    let solve = |once: bool| {
+        let prepare = if once { VoxelSystem::for_one_solution } else { VoxelSystem::new };
+        let mut comb = prepare(part.clone(), &clamp(n), &settings).expect("held");
+        let mut load = vec![DVec3::ZERO; comb.n_nodes()];
+        for y in 0..=n[1] {
+            // Both sides of a tooth: y and y + 1 for even y.
+            let to = if y / 2 % 2 == 0 { 1.0 } else { -1.0 };
+            load[comb.node([n[0], y, 3]).expect("solid")] = to * DVec3::new(0.1, 0.0, 1.0);
+        }
+        let solution = if once { comb.solve_once(&load, &settings) } else { comb.solve(&load, &settings) };
+        let solution = solution.expect("converges");
+        println!("once: {once}, {} iterations", solution.iterations);
+        let tip = |y: usize| solution.displacement[comb.node([n[0], y, 3]).expect("solid")].z;
+        (solution.iterations, [tip(0), tip(2), tip(14)])
+    };
+    let ((often, tips), (once, same)) = (solve(false), solve(true));
+    assert!(tips[0] > 0.0 && tips[1] < 0.0 && tips[2] < 0.0, "{tips:?}");
+    assert!((0..3).all(|k| (same[k] / tips[k] - 1.0).abs() < 1e-3), "{same:?} {tips:?}");
+    // Measured: 41 and 65; neither ends within 400 where grid nodes move teeth together.
+    assert!(often <= 60 && once <= 95, "{often} and {once} iterations");
+}
+
+#[test]
 fn a_cantilever_of_voxels_bends_as_beams_do() {
     let n = [80, 8, 8];
     let mut part = block(n, DVec3::splat(1.0));

@@ -21,6 +21,8 @@
 //! grid without solid cells, a bad stiffness, and a piece that can move freely are errors; pieces are
 //! connected over faces of cells.
 
+use std::collections::BTreeMap;
+
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -730,6 +732,30 @@ impl VoxelCells {
         &self.around[i][MIDDLE + 1..]
     }
 
+    /// The group of each of the nodes in use up to one cell from a grid point, counted from 0, where nodes belong together that
+    /// solid cells around them join; an empty list if they join all.
+    fn touching_groups(&self, point: IVec3) -> Vec<u32> {
+        let mut groups: Vec<u32> = Vec::new();
+        for (cell, nodes) in AROUND_POINT {
+            if self.part.solid(point + IVec3::from_array(cell)).is_none() {
+                continue;
+            }
+            let joined =
+                groups.extract_if(.., |group| *group & nodes != 0).fold(nodes, |all, group| all | group);
+            if joined == ALL_AROUND {
+                return Vec::new();
+            }
+            groups.push(joined);
+        }
+        if groups.len() < 2 {
+            return Vec::new();
+        }
+        groups.sort_unstable_by_key(|group| group.trailing_zeros());
+        let all = groups.iter().fold(0, |all, group| all | group);
+        let group_of = |node: u32| groups.iter().position(|group| group >> node & 1 == 1);
+        (0..27).filter(|node| all >> node & 1 == 1).filter_map(group_of).map(|group| group as u32).collect()
+    }
+
     /// The preconditioner: a level of cells of twice the width, whose element matrices are the
     /// Galerkin products of the cells in them, and coarser grids below it.
     fn multigrid(&self, usage: Use) -> Multigrid {
@@ -774,6 +800,11 @@ impl VoxelCells {
             first.start.push(first.coarse.len() as u32);
         }
         first.n_coarse = places.len();
+        let groups: Vec<Vec<u32>> =
+            places.par_iter().map(|p| self.touching_groups(p.as_ivec3() * 2)).collect();
+        if let Some(node_of_copy) = first.split(&groups) {
+            places = node_of_copy.iter().map(|node| places[*node as usize]).collect();
+        }
         first.held =
             (0..self.nodes.len()).filter_map(|i| self.supports.free(i).map(|p| (i as u32, *p))).collect();
         let cell_index = |c: IVec3| {
@@ -788,9 +819,11 @@ impl VoxelCells {
                     let c = IVec3::new(x, y, z);
                     if (0..8).any(|k| self.part.solid(c * 2 + corner(k)).is_some()) {
                         // The centre of a coarse cell is a corner of each of its children, so all
-                        // eight corners of the coarse cell are in use.
+                        // eight corners of the coarse cell are in use, and its children belong to the same copies.
+                        let centre = self.node_of[self.part.point_index(c * 2 + 1)] as usize;
+                        let corners = first.start[centre] as usize;
                         hex_of[cell_index(c)] = hexes.len() as u32;
-                        hexes.push(std::array::from_fn(|k| id[index(c + corner(k))]));
+                        hexes.push(std::array::from_fn(|k| first.coarse[corners + k]));
                         origins.push(c * 2);
                     }
                 }
@@ -838,28 +871,38 @@ impl VoxelCells {
             sum
         };
         let stiffness: Vec<[DMat3; LOWER]> = (0..hexes.len()).into_par_iter().map(of_hex).collect();
-        let row = |p: &DVec3| {
+        let row = |(own, p): (usize, &DVec3)| {
             let p = p.as_ivec3();
             let (mut sums, mut columns) = ([DMat3::ZERO; 27], [NONE; 27]);
+            // Where copies of a coarse node are coupled with this one, all but the first of them.
+            let mut copies: BTreeMap<u32, DMat3> = BTreeMap::new();
             // The coarse cells around the node in the order of their numbers: the last corner of a cell is the first to come.
             for a in (0..8).rev() {
                 let c = p - corner(a);
                 let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(coarse_n).all();
                 let h = if inside { hex_of[cell_index(c)] } else { NONE };
-                if h == NONE {
+                if h == NONE || hexes[h as usize][a] != own as u32 {
                     continue;
                 }
                 let k = &stiffness[h as usize];
                 for b in 0..8 {
-                    let slot = BETWEEN[a][b];
-                    columns[slot] = hexes[h as usize][b];
-                    sums[slot] +=
+                    let (slot, column) = (BETWEEN[a][b], hexes[h as usize][b]);
+                    let block =
                         if b <= a { k[a * (a + 1) / 2 + b] } else { k[b * (b + 1) / 2 + a].transpose() };
+                    if columns[slot] == NONE || columns[slot] == column {
+                        columns[slot] = column;
+                        sums[slot] += block;
+                    } else {
+                        *copies.entry(column).or_insert(DMat3::ZERO) += block;
+                    }
                 }
             }
-            columns.into_iter().zip(sums).filter(|(column, _)| *column != NONE).collect()
+            let used = columns.into_iter().zip(sums).filter(|(column, _)| *column != NONE);
+            let mut row: Vec<(u32, DMat3)> = used.chain(copies).collect();
+            row.sort_unstable_by_key(|(column, _)| *column);
+            row
         };
-        let rows = places.par_iter().map(row).collect();
+        let rows = places.par_iter().enumerate().map(row).collect();
         // Elements take as much memory as the rows that were made of them.
         drop(stiffness);
         let matrix = Blocks::from_rows(rows);
@@ -867,6 +910,39 @@ impl VoxelCells {
         Multigrid::below(self, first, (matrix, GRID), grid, usage)
     }
 }
+
+/// A set of the 27 nodes up to one cell from a grid point, by bits, x fastest. Source: derived.
+const ALL_AROUND: u32 = (1 << 27) - 1;
+
+/// The 64 cells that touch these nodes, those at the point first: where each lies, as steps from the cell above the point, and
+/// which of the nodes are its corners.
+const AROUND_POINT: [([i32; 3], u32); 64] = {
+    let mut out = [([0; 3], 0); 64];
+    let (mut n, mut outer) = (0, 0);
+    while outer < 2 {
+        let mut k = 0;
+        while k < 64 {
+            let cell = [k % 4 - 2, k / 4 % 4 - 2, k / 16 - 2];
+            let (mut nodes, mut inside, mut corner) = (0u32, 0, 0);
+            while corner < 8 {
+                let (x, y, z) =
+                    (cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
+                if -1 <= x && x <= 1 && -1 <= y && y <= 1 && -1 <= z && z <= 1 {
+                    nodes |= 1 << ((z + 1) * 9 + (y + 1) * 3 + x + 1);
+                    inside += 1;
+                }
+                corner += 1;
+            }
+            if (inside == 8) == (outer == 0) {
+                out[n] = (cell, nodes);
+                n += 1;
+            }
+            k += 1;
+        }
+        outer += 1;
+    }
+    out
+};
 
 /// The stiffness of a cell expressed in the corners of the coarse cell of which it is child `c`.
 fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
