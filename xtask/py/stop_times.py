@@ -42,7 +42,7 @@ density = 1.0
 
 [guide]
 kind = "stress"
-element_mm = 1.4
+element_mm = 0.7
 
 [[guide.fixture]]
 on = { box_mm = [[-1, -1, -1], [3, 13, 7]] }
@@ -66,11 +66,13 @@ plan = "out/bar.json"
 stress = "out/bar.vtu"
 """
 SIZE_MM = (36.0, 12.0, 6.0)
-# Length of the edges of the mesh, mm. The mesh has 288 000 triangles, so that reading it takes a while.
-EDGE_MM = 0.1
+# Length of the edges of the mesh, mm. The mesh has 1 152 000 triangles, so that reading it takes a while.
+EDGE_MM = 0.05
 
-# What the progress line calls a stage, and the number of steps that it counts.
-LINE = re.compile(r"(reading|slicing|guide|walls and fill|support|ordering|writing|strength test)\s.*?(\d+) of (\d+)")
+# What the progress line calls a stage, and the number of steps that it counts; without a number of steps it tells the seconds.
+LINE = re.compile(
+    r"(reading|slicing|guide|walls and fill|support|ordering|writing|strength test)\s+(?:\d+s|.*?(\d+) of (\d+))"
+)
 NAMES = {"reading": "read", "walls and fill": "fill", "writing": "write", "strength test": "strength"}
 STAGES = ["read", "mesh", "solve", "fill", "strength", "write"]
 # Runs whose stage was over before the signal are repeated this often.
@@ -241,6 +243,8 @@ def main():
     for stage in STAGES:
         # Writing goes on behind the strength test; a stage that comes twice is stopped where it takes longer.
         each = [s for name, s in whole if name == stage]
+        if not each:
+            sys.exit(f"the progress line of a whole run never names the stage {stage}")
         length = max(each)
         nth = each.index(length) + 1
         results = []

@@ -224,8 +224,9 @@ mod tests {
         for (nx, ny) in [(17, 12), (4, 30), (3, 2)] {
             let grid = CellGrid { low: DVec2::ZERO, cell_mm: 0.4, nx, ny };
             // Nine of ten cells are filled.
-            let filled: Vec<f32> =
-                (0..nx * ny).map(|k| if splitmix64(k as u64) % 10 == 0 { 0.2 } else { 0.9 }).collect();
+            let filled: Vec<f32> = (0..nx * ny)
+                .map(|k| if splitmix64(k as u64).is_multiple_of(10) { 0.2 } else { 0.9 })
+                .collect();
             for reach in 0..3 {
                 let found = filled_around(&grid, &filled, reach, 0.5);
                 let expect = |cell: usize| {

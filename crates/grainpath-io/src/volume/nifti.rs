@@ -22,7 +22,8 @@ use super::finite::Finite;
 use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{
-    Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, io_error, spacing, unsupported,
+    Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged, error, io_error, spacing,
+    unsupported,
 };
 
 const FORMAT: &str = "NIfTI";
@@ -95,6 +96,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         return Err(error(name, VolumeProblem::OtherAxes { format: FORMAT, n_axes }));
     }
     let size = [1, 2, 3].map(|k| if k as i64 > dims[0] { 1 } else { usize::try_from(dims[k]).unwrap_or(0) });
+    check_size(name, size)?;
     let code = h.i16(if second { 12 } else { 70 });
     // Source: `nifti1.h`, datatype codes.
     let sample = match code {

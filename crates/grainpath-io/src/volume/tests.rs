@@ -184,6 +184,14 @@ fn nifti_plain_and_gzipped() {
     let mut wrong = nifti();
     wrong[70] = 128;
     says(single(&[("a.nii", wrong)]), "a.nii", "datatype = 128");
+    // No voxels along an axis, in a file that states its place twice.
+    let mut empty = nifti();
+    empty[42] = 0;
+    (empty[252], empty[254]) = (1, 1);
+    for row in 0..3 {
+        empty[280 + 20 * row..284 + 20 * row].copy_from_slice(&0.5f32.to_le_bytes());
+    }
+    says(single(&[("a.nii", empty)]), "a.nii", "0 x 2 x 4");
     says(single(&[("a.nii.gz", gzip(b"hello"))]), "a.nii.gz", "not NIfTI");
     says(single(&[("a.nii", nifti()[..380].to_vec())]), "a.nii", "need 48 bytes");
 }

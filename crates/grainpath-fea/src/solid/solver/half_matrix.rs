@@ -54,12 +54,14 @@ pub(crate) struct HalfMatrix {
     rows: Vec<Row>,
     /// Neighbours of higher number of each node; where one is missing, the node itself.
     after: Vec<[u32; AFTER]>,
-    /// Blocks that did not fit into their rows, each with its row and its column: where copies of a grid node are coupled with a
-    /// node.
-    beyond: Vec<(u32, u32, DMat3)>,
+    /// Blocks that did not fit into their rows: where copies of a grid node are coupled with a node.
+    beyond: Vec<Beyond>,
     /// What threads take.
     slabs: Vec<Slab>,
 }
+
+/// A block with its row and its column.
+type Beyond = (u32, u32, DMat3);
 
 /// The largest share of rows with more blocks. Source: chosen. Their blocks are multiplied by one thread, in a time that is
 /// small beside that of all rows.
@@ -84,7 +86,7 @@ impl HalfMatrix {
             }
             (row, (after, beyond))
         };
-        let (rows, (after, beyond)): (Vec<Row>, (Vec<[u32; AFTER]>, Vec<Vec<_>>)) =
+        let (rows, (after, beyond)): (Vec<_>, (Vec<_>, Vec<Vec<Beyond>>)) =
             (0..matrix.n()).into_par_iter().map(row).unzip();
         let n_beyond = beyond.iter().filter(|blocks| !blocks.is_empty()).count();
         if n_beyond as f64 > MOST_BEYOND * rows.len() as f64 {
@@ -107,7 +109,7 @@ impl HalfMatrix {
     /// Memory of its rows and of the numbers of their nodes.
     pub(crate) fn bytes(&self) -> usize {
         self.rows.len() * (size_of::<Row>() + size_of::<[u32; AFTER]>())
-            + self.beyond.len() * size_of::<(u32, u32, DMat3)>()
+            + self.beyond.len() * size_of::<Beyond>()
     }
 }
 
