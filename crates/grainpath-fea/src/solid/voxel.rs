@@ -915,7 +915,7 @@ impl VoxelCells {
 const ALL_AROUND: u32 = (1 << 27) - 1;
 
 /// The 64 cells that touch these nodes, those at the point first: where each lies, as steps from the cell above the point, and
-/// which of the nodes are its corners.
+/// which of the nodes are its corners. Source: derived.
 const AROUND_POINT: [([i32; 3], u32); 64] = {
     let mut out = [([0; 3], 0); 64];
     let (mut n, mut outer) = (0, 0);

@@ -53,7 +53,7 @@ pub(crate) struct Smoothing {
 }
 
 const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
-/// Smoothing of the finest level for one solution with few digits. Measured before grid nodes had copies: on bars of sparse
+/// Smoothing of the finest level for one solution with few digits. Measured: before grid nodes had copies, on bars of sparse
 /// `grid`, `triangles` and graded stripes (43 000 to 105 000 nodes) conjugate gradients take 12, 17, 36 and 91 iterations to a
 /// residual of 1e-2 instead of 9, 14, 25 and 56, each with two products with the finest matrix instead of six; other bands
 /// from 4 to 12 take as many.
