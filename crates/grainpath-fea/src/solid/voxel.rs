@@ -906,8 +906,10 @@ impl VoxelCells {
         // Elements take as much memory as the rows that were made of them.
         drop(stiffness);
         let matrix = Blocks::from_rows(rows);
-        let grid = CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
-        Multigrid::below(self, first, (matrix, GRID), grid, usage)
+        let (mut transfer, mut cells) =
+            CoarseGrid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+        transfer.split_uncoupled(&mut cells, &matrix);
+        Multigrid::below(self, first, (matrix, GRID), (transfer, cells), usage)
     }
 }
 

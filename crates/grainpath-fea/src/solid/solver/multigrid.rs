@@ -12,7 +12,7 @@
 //! node would tie it together. So it gets a copy for each group of finer nodes around it that are coupled with each other
 //! there (`dick2011`), and moves each group by itself. Measured: to a residual of 1e-2 conjugate gradients take 26 iterations
 //! instead of 83 on a bar of graded stripes of 105 000 nodes, 21 instead of 37 on one of 49 000, 13 instead of 20 on one of
-//! sparse `triangles`, and at most one less on bars of `grid`.
+//! sparse `triangles`, and at most one less on bars of `grid`. The first grid over tetrahedra has no copies.
 //!
 //! One application is a V-cycle. Each level is smoothed before and after its coarse correction by a Chebyshev
 //! polynomial of the matrix scaled by its block diagonal (`adams2003`, recurrence of `saad2003`), 3 to 8
@@ -207,7 +207,7 @@ impl Transfer {
 
     /// [`Transfer::split`] where the fine matrix does not couple the fine nodes around a coarse one, and the weights by coarse
     /// nodes. `cells` are the places of the coarse nodes.
-    fn split_uncoupled(&mut self, cells: &mut Vec<IVec3>, fine: &Blocks) {
+    pub(crate) fn split_uncoupled(&mut self, cells: &mut Vec<IVec3>, fine: &Blocks) {
         self.back = Transposed::of(self);
         let groups: Vec<Vec<u32>> =
             (0..self.n_coarse).into_par_iter().map(|c| coupled_groups(self.back.row(c), fine)).collect();
@@ -339,11 +339,14 @@ impl Multigrid {
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
         let grid = CoarseGrid { origin: places[0] - 0.37 * width, width };
-        Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held), Use::Often))
+        // A node of the first grid has many corners around it, which few gaps part: no groups are looked for.
+        let (mut transfer, cells) = grid.over(&places, held);
+        transfer.back = Transposed::of(&transfer);
+        Ok(Self::below(operator, first, (matrix, LINEAR), (transfer, cells), Use::Often))
     }
 
     /// Makes the levels from the finest level, the transfer to it, the matrix of the next level with
-    /// its smoothing, and the grid of the level after that.
+    /// its smoothing, and the grid of the level after that, whose weights are there by coarse nodes too.
     pub(crate) fn below(
         finest: &dyn System,
         mut first: Transfer,
@@ -353,7 +356,6 @@ impl Multigrid {
     ) -> Self {
         let effort = usage.effort();
         first.back = Transposed::of(&first);
-        transfer.split_uncoupled(&mut cells, &matrix);
         let diagonal = finest.inverse_diagonal();
         let mut levels =
             vec![Level::new(finest, Matrix::Finest, diagonal, first, effort.finest, effort.power_steps)];
