@@ -21,8 +21,6 @@
 //! grid without solid cells, a bad stiffness, and a piece that can move freely are errors; pieces are
 //! connected over faces of cells.
 
-use std::collections::BTreeMap;
-
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -30,7 +28,7 @@ use super::model::constraints::Supports;
 use super::model::error::SolidError;
 use super::model::memory::fitting_edge_mm;
 use super::model::quadratic_tet::{self as element, Law};
-use super::solver::block_matrix::{Blocks, dot};
+use super::solver::block_matrix::{Blocks, RowSums, dot};
 use super::solver::easing::{self, RoughPart, Rows};
 use super::solver::half_matrix::{self, AFTER, SUM_BYTES, Slab};
 use super::solver::multigrid::{CoarseGrid, GRID, Multigrid, Transfer, Use};
@@ -873,9 +871,7 @@ impl VoxelCells {
         let stiffness: Vec<[DMat3; LOWER]> = (0..hexes.len()).into_par_iter().map(of_hex).collect();
         let row = |(own, p): (usize, &DVec3)| {
             let p = p.as_ivec3();
-            let (mut sums, mut columns) = ([DMat3::ZERO; 27], [NONE; 27]);
-            // Where copies of a coarse node are coupled with this one, all but the first of them.
-            let mut copies: BTreeMap<u32, DMat3> = BTreeMap::new();
+            let mut sums = RowSums::<27>::new();
             // The coarse cells around the node in the order of their numbers: the last corner of a cell is the first to come.
             for a in (0..8).rev() {
                 let c = p - corner(a);
@@ -886,21 +882,12 @@ impl VoxelCells {
                 }
                 let k = &stiffness[h as usize];
                 for b in 0..8 {
-                    let (slot, column) = (BETWEEN[a][b], hexes[h as usize][b]);
                     let block =
                         if b <= a { k[a * (a + 1) / 2 + b] } else { k[b * (b + 1) / 2 + a].transpose() };
-                    if columns[slot] == NONE || columns[slot] == column {
-                        columns[slot] = column;
-                        sums[slot] += block;
-                    } else {
-                        *copies.entry(column).or_insert(DMat3::ZERO) += block;
-                    }
+                    sums.add(BETWEEN[a][b], hexes[h as usize][b], block);
                 }
             }
-            let used = columns.into_iter().zip(sums).filter(|(column, _)| *column != NONE);
-            let mut row: Vec<(u32, DMat3)> = used.chain(copies).collect();
-            row.sort_unstable_by_key(|(column, _)| *column);
-            row
+            sums.into_row()
         };
         let rows = places.par_iter().enumerate().map(row).collect();
         // Elements take as much memory as the rows that were made of them.

@@ -13,6 +13,8 @@
 //! Cost: a product is linear in the blocks; 76 bytes a block. Degenerate cases: a node without an element has
 //! an empty row, and the identity as its inverse diagonal block.
 
+use std::collections::BTreeMap;
+
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -63,6 +65,40 @@ impl Blocks {
 
     pub(crate) fn bytes(&self) -> usize {
         self.values.len() * (size_of::<DMat3>() + 4)
+    }
+}
+
+/// Sums of the blocks of a row, one for each of `N` places around its node. Copies of a node have one place; all but the first of
+/// them are summed apart.
+pub(crate) struct RowSums<const N: usize> {
+    columns: [u32; N],
+    sums: [DMat3; N],
+    copies: BTreeMap<u32, DMat3>,
+}
+
+impl<const N: usize> RowSums<N> {
+    /// Marks a place without a block.
+    const NONE: u32 = u32::MAX;
+
+    pub(crate) fn new() -> Self {
+        Self { columns: [Self::NONE; N], sums: [DMat3::ZERO; N], copies: BTreeMap::new() }
+    }
+
+    pub(crate) fn add(&mut self, place: usize, column: u32, block: DMat3) {
+        if self.columns[place] == Self::NONE || self.columns[place] == column {
+            self.columns[place] = column;
+            self.sums[place] += block;
+        } else {
+            *self.copies.entry(column).or_insert(DMat3::ZERO) += block;
+        }
+    }
+
+    /// The blocks in the order of their columns.
+    pub(crate) fn into_row(self) -> Vec<(u32, DMat3)> {
+        let used = self.columns.into_iter().zip(self.sums).filter(|(column, _)| *column != Self::NONE);
+        let mut row: Vec<(u32, DMat3)> = used.chain(self.copies).collect();
+        row.sort_unstable_by_key(|(column, _)| *column);
+        row
     }
 }
 

@@ -27,13 +27,11 @@
 //! no correction. Directions of the coarsest grid that have no stiffness are left out of the factor. A
 //! supported direction of the finest level is never moved by a coarser one.
 
-use std::collections::BTreeMap;
-
 use grainpath_core::dense::{cholesky_in_place, cholesky_solve};
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::block_matrix::{Blocks, add, assemble, dot};
+use super::block_matrix::{Blocks, RowSums, add, assemble, dot};
 use super::half_matrix::HalfMatrix;
 use super::operator::CHUNK;
 use super::system::System;
@@ -621,29 +619,17 @@ const STENCIL: usize = 125;
 fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
     let row = |c: usize| {
         // Coupled nodes are at most two steps apart, so a full cube of slots replaces a search.
-        let mut sums = [DMat3::ZERO; STENCIL];
-        let mut used = [u32::MAX; STENCIL];
-        // Where copies of a grid node are coupled with this one, all but the first of them.
-        let mut copies: BTreeMap<u32, DMat3> = BTreeMap::new();
+        let mut sums = RowSums::<STENCIL>::new();
         for &(i, wi) in transfer.back.row(c) {
             for (j, a) in fine.row(i as usize) {
                 let a = *a * wi;
                 for (d, wj) in transfer.row(j) {
                     let step = cells[d] - cells[c] + REACH;
-                    let slot = ((step.z * 5 + step.y) * 5 + step.x) as usize;
-                    if used[slot] == u32::MAX || used[slot] == d as u32 {
-                        sums[slot] += a * wj;
-                        used[slot] = d as u32;
-                    } else {
-                        *copies.entry(d as u32).or_insert(DMat3::ZERO) += a * wj;
-                    }
+                    sums.add(((step.z * 5 + step.y) * 5 + step.x) as usize, d as u32, a * wj);
                 }
             }
         }
-        let mut entries: Vec<(u32, DMat3)> =
-            used.into_iter().zip(sums).filter(|(d, _)| *d != u32::MAX).chain(copies).collect();
-        entries.sort_unstable_by_key(|e| e.0);
-        entries
+        sums.into_row()
     };
     Blocks::from_rows((0..transfer.n_coarse).into_par_iter().map(row).collect())
 }
