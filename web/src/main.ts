@@ -96,6 +96,23 @@ async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Pro
   return null;
 }
 
+/** Keeps in this tab which plan or test the page follows, so that the page finds it when it is loaded anew, also where the run has
+ * ended by then. */
+function keepFollowed(run: api.JobState): void {
+  if (run.kind !== "plan" && run.kind !== "strength") return;
+  try { sessionStorage.setItem("followed", JSON.stringify({ id: run.id, kind: run.kind, title: run.title })); } catch { /* The page still finds runs that go on. */ }
+}
+
+/** Forgets a run whose end the page has seen; another one that was begun since stays. */
+function forgetFollowed(run: api.JobState): void {
+  if (followed()?.id === run.id) sessionStorage.removeItem("followed");
+}
+
+/** The plan or test that the page followed last and whose end it has not seen. */
+function followed(): Pick<api.JobState, "id" | "kind" | "title"> | null {
+  try { return JSON.parse(sessionStorage.getItem("followed") ?? "null") as Pick<api.JobState, "id" | "kind" | "title"> | null; } catch { return null; }
+}
+
 /** Shows how far a run is that was begun, here or before the page was loaded, and gives its state at the end as `run` does.
  * Its first layers come on screen unless `signal` says that another file is open by then. */
 async function watch(begun: api.JobState, outdated: AbortSignal | undefined, signal: AbortSignal): Promise<api.JobState | null> {
@@ -109,6 +126,7 @@ async function watch(begun: api.JobState, outdated: AbortSignal | undefined, sig
     const told = [words, bar, stop];
     going.push(told);
     unsay();
+    keepFollowed(begun);
     const shown = Date.now();
     const since = setInterval(() => tell(), 200);
     let last = begun;
@@ -130,6 +148,7 @@ async function watch(begun: api.JobState, outdated: AbortSignal | undefined, sig
         early = show(now.id, false).catch(() => { onScreen = 0; });
       }
     }).finally(() => { clearInterval(since); outdated?.removeEventListener("abort", cancel); going.splice(going.indexOf(told), 1); });
+    forgetFollowed(begun);
     // A message that came while the run went on stays until the user closes it.
     if (words.isConnected) unsay();
     if (outdated?.aborted) return null;
@@ -596,10 +615,14 @@ async function reopen(row: api.RunRow): Promise<void> {
   }
 }
 
-/** Follows a plan or a test that is worked on since before the page was loaded. What came of it is opened, unless another file is by then. */
+/** Follows the plan or test that was begun before the page was loaded: the one that this tab followed, also where it has ended
+ * since, or one that is worked on. What came of it is opened, unless another file is by then. */
 async function attach(signal: AbortSignal): Promise<void> {
   try {
-    const begun = (await api.jobs()).jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
+    const { jobs } = await api.jobs();
+    const last = followed();
+    const begun = jobs.find(({ id, kind, title }) => id === last?.id && kind === last.kind && title === last.title)
+      ?? jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
     const end = begun && (await watch(begun, undefined, signal));
     const row = end && (await api.history()).runs.find((run) => run.name === end.title && run.kind === end.kind);
     if (row && !signal.aborted) await reopen(row);
