@@ -78,8 +78,10 @@ const LOOK_AHEAD: f64 = 1.5;
 pub(super) struct Place<'a> {
     /// The edge where the strips of the surrounding beads begin.
     pub border: &'a Region,
+    /// Lines beside those that are fitted, which stay as they are.
+    pub others: &'a [Line],
     /// The same edge, searchable.
-    pub edge: Neighbours,
+    pub edge: &'a Neighbours,
     /// Lines that meet the border across end this far from it, mm.
     pub border_mm: f64,
     /// The area in which lines lie. Beads that may be narrowed come nearer to the border beside it.
@@ -137,9 +139,17 @@ pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> (Vec<Li
     (lines, earlier)
 }
 
-impl Place<'_> {
+impl<'a> Place<'a> {
+    /// The same place with these lines beside those that are fitted.
+    pub(super) fn beside<'b>(&self, others: &'b [Line]) -> Place<'b>
+    where
+        'a: 'b,
+    {
+        Place { others, ..*self }
+    }
+
     fn neighbours(&self, lines: &[Line]) -> Neighbours {
-        Neighbours::new(lines, self.border, CELL_BEADS * self.spacing_mm)
+        Neighbours::beside(lines, self.others, self.border, CELL_BEADS * self.spacing_mm)
     }
 
     /// If a line that goes on from `at` along a unit vector meets the border soon and across: how much longer it may
@@ -176,7 +186,7 @@ fn without_crowded(
     let is_full = |side: &Side| match *side {
         // Of a line that loses a stretch the near part may be gone.
         Side::Line { distance_mm, line } => {
-            !loses[line as usize] && !has_room_beside(distance_mm, true, place, room)
+            loses.get(line as usize) != Some(&true) && !has_room_beside(distance_mm, true, place, room)
         }
         Side::Border(mm) | Side::Ahead(mm) => !has_room_beside(mm, false, place, room),
         Side::Open => false,
@@ -372,7 +382,7 @@ fn extend(lines: &mut [Line], neighbours: &Neighbours, place: &Place<'_>, room: 
     // Ends of lines and the points added to them, which `neighbours` does not contain: for each point its
     // line, and whether it is an original end.
     let mut added = PointGrid2::new(bounds, place.spacing_mm);
-    for (l, line) in lines.iter().enumerate().filter(|l| !l.1.closed) {
+    for (l, line) in lines.iter().chain(place.others).enumerate().filter(|l| !l.1.closed) {
         let ends = line.points.first().into_iter().chain(line.points.last());
         ends.for_each(|&p| added.insert(p, (l, true)));
     }

@@ -47,7 +47,7 @@ use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
 use super::voids::short_beads;
-use super::widths::{CELL_BEADS, Earlier, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
+use super::widths::{CELL_BEADS, Earlier, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -91,6 +91,11 @@ static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOO
 /// When a line is moved to the middle of its space, the difference between the space on its left and on its right counts
 /// at most this much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
+/// Lines that pass so near to a place that a line lost are fitted once more, in spacings. Source: measured on the radial disk with
+/// joined ends (`cargo xtask bench jobs fields`): with 3, 4, 6 and 10, and for all lines, 0.83, 0.75, 0.60, 0.53 and 0.47 % stay
+/// open, 0.63, 0.51, 0.47, 0.49 and 0.57 % are laid twice. The plate of `cargo xtask bench paths` takes 0.43 s with 3 and with
+/// 10, and 0.50 s for all lines.
+const FREED_REACH: f64 = 10.0;
 /// So much per length a line moves farther or less far sidewise when it takes the middle of its space; 0.25 is 14 degrees.
 /// Source: measured as `BESIDE_END` of [`widths`](super::widths), with points at 0.2 spacings: with 0.15, 0.25 and 0.36 and
 /// without a bound 1.02, 0.91, 0.89 and 0.88 % of the two charges stay open, beads lie 2.51, 2.61, 2.66 and 2.75 degrees off, and
@@ -234,9 +239,11 @@ pub(crate) fn spaced(
         let least = around.fold(1.0, |least: f64, (k, _)| least.min(axes[*k as usize].dot(along).abs()));
         if least >= CLEARLY_ALONG { least } else { axis(p).dot(along).abs() }
     };
+    let edge = Neighbours::new(&[], &border, CELL_BEADS * spacing);
     let place = Place {
         border: &border,
-        edge: Neighbours::new(&[], &border, CELL_BEADS * spacing),
+        others: &[],
+        edge: &edge,
         border_mm: context.border_mm,
         area: &near_border,
         axis: &axis,
@@ -260,12 +267,11 @@ pub(crate) fn spaced(
             }
             let (lines, earlier) = fitted(inside, &place, room);
             let lines = trimmed(lines, &place);
-            let (mut lines, mut widths, ended) = filling_their_space(lines, earlier, &border, spacing);
-            if ended {
+            let (mut lines, mut widths, freed) = filling_their_space(lines, earlier, &[], &border, spacing);
+            if !freed.is_empty() {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
-                let (again, earlier) = fitted(lines, &place, room);
-                (lines, widths, _) = filling_their_space(trimmed(again, &place), earlier, &border, spacing);
+                (lines, widths) = fitted_around(&freed, (lines, widths), &place, room);
             }
             for width in widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
@@ -275,13 +281,64 @@ pub(crate) fn spaced(
         BeadWidths::Constant => {
             let (lines, _) = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
-            let (lines, widths, _) = ended_before_crossings(lines, widths, &border, spacing);
+            let (lines, widths, _) = ended_before_crossings(lines, widths, &[], &border, spacing);
             lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
         }
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let centrelines = Centrelines { lines, neighbours, widths };
     lay(centrelines, &infill_region, &border, context, share, out);
+}
+
+/// Lets lines near these places begin and end and fill their space once more, as in the rounds before. All other lines stay as
+/// they are.
+fn fitted_around(
+    freed: &[DVec2],
+    (lines, widths): (Vec<Line>, Vec<Vec<f64>>),
+    place: &Place<'_>,
+    room: Room,
+) -> (Vec<Line>, Vec<Vec<f64>>) {
+    let spacing = place.spacing_mm;
+    let again = passing_near(&lines, freed.iter().copied(), FREED_REACH * spacing);
+    let moving = lines.iter().zip(&again).filter(|(_, again)| **again);
+    // A line with room on one side looks twice as far for one more.
+    let far_mm = 2.0 * FAR_BEADS.value() * spacing;
+    let beside = passing_near(&lines, moving.flat_map(|(line, _)| line.points.iter().copied()), far_mm);
+    let (mut moving, mut others) = (Vec::new(), Vec::new());
+    let (mut staying, mut staying_widths) = (Vec::new(), Vec::new());
+    for ((line, widths), (again, beside)) in lines.into_iter().zip(widths).zip(again.into_iter().zip(beside))
+    {
+        if again {
+            moving.push(line);
+            continue;
+        }
+        if beside {
+            others.push(line.clone());
+        }
+        staying.push(line);
+        staying_widths.push(widths);
+    }
+    let place = place.beside(&others);
+    let (lines, earlier) = fitted(moving, &place, room);
+    let (lines, widths, _) =
+        filling_their_space(trimmed(lines, &place), earlier, &others, place.border, spacing);
+    staying.extend(lines);
+    staying_widths.extend(widths);
+    (staying, staying_widths)
+}
+
+/// Which lines have a point within about `reach_mm` of one of the places.
+fn passing_near(lines: &[Line], places: impl Iterator<Item = DVec2>, reach_mm: f64) -> Vec<bool> {
+    let Some(bounds) = Bounds2::around_points(lines.iter().flat_map(|l| l.points.iter().copied())) else {
+        return Vec::new();
+    };
+    let cells = CellGrid::covering(bounds, reach_mm, 4000);
+    let mut is_near = vec![false; cells.nx * cells.ny];
+    for p in places {
+        cells.neighbourhood(cells.cell_of(p), 1).for_each(|at| is_near[cells.index(at)] = true);
+    }
+    let passes = |line: &Line| line.points.iter().any(|&p| is_near[cells.index(cells.cell_of(p))]);
+    lines.iter().map(passes).collect()
 }
 
 /// The strips in an area that beads along the field would leave open in part. Beads of any width do so where one single bead
@@ -305,7 +362,8 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 }
 
 /// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
-/// space is at its points, mm, and whether lines were ended before others that they would have crossed.
+/// space is at its points, mm, and the points of lines that were ended before others that they would have crossed. `others` are
+/// lines beside them that stay as they are.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
@@ -313,12 +371,13 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 pub(super) fn filling_their_space(
     lines: Vec<Line>,
     earlier: Earlier,
+    others: &[Line],
     border: &Region,
     spacing: f64,
-) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
-    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
+) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
+    let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
     let (lines, steps) = neighbours.with_steps(lines, spacing);
-    let neighbours = Neighbours::new(&lines, border, CELL_BEADS * spacing);
+    let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
     let sides = earlier.sides(&neighbours, &lines);
     let moved = |l: usize| {
         let line = &lines[l];
@@ -343,9 +402,9 @@ pub(super) fn filling_their_space(
         (Line { points, closed: line.closed }, widths)
     };
     let (lines, widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    let (lines, widths, ended) = ended_before_crossings(lines, widths, border, spacing);
+    let (lines, widths, freed) = ended_before_crossings(lines, widths, others, border, spacing);
     let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
-    (lines, widths, ended)
+    (lines, widths, freed)
 }
 
 /// Keeps the values at a line's points from changing by more than `most` times the length between them: the mean of the
@@ -366,22 +425,25 @@ fn limit_slope(values: &mut [f64], line: &Line, most: f64) {
 }
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
-/// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end.
-/// Returns the lines with their widths, and whether there were such lines. Little is left of a line that is all crossings: it
-/// may have a single point.
+/// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end; one of
+/// the `others`, which stay as they are, never does. Returns the lines with their widths, and the points that they lost. Little
+/// is left of a line that is all crossings: it may have a single point.
 pub(super) fn ended_before_crossings(
     mut lines: Vec<Line>,
     mut widths: Vec<Vec<f64>>,
+    others: &[Line],
     border: &Region,
     spacing: f64,
-) -> (Vec<Line>, Vec<Vec<f64>>, bool) {
-    let mut crossings = Neighbours::new(&lines, border, CELL_BEADS * spacing).crossings();
-    let ended = !crossings.is_empty();
+) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
+    let n_lines = lines.len();
+    let mut crossings = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing).crossings();
+    crossings.retain(|pair| pair.iter().any(|(l, _)| *l < n_lines));
+    let mut freed = Vec::new();
     while !crossings.is_empty() {
         // The vertices that each line keeps.
         let mut kept: Vec<Option<Range<usize>>> = vec![None; lines.len()];
         for pair in &crossings {
-            if pair.iter().any(|(l, _)| kept[*l].is_some()) {
+            if pair.iter().any(|(l, _)| kept.get(*l).is_some_and(Option::is_some)) {
                 continue;
             }
             // The number of segments between the crossing and the nearer end. A ring has no end, so it is opened only if
@@ -389,26 +451,30 @@ pub(super) fn ended_before_crossings(
             let from_end = |(l, s): (usize, usize)| {
                 if lines[l].closed { usize::MAX } else { s.min(lines[l].n_segments() - 1 - s) }
             };
-            let (l, s) = if from_end(pair[0]) <= from_end(pair[1]) { pair[0] } else { pair[1] };
+            // Lines come before the others in each pair.
+            let is_first = pair[1].0 >= n_lines || from_end(pair[0]) <= from_end(pair[1]);
+            let (l, s) = if is_first { pair[0] } else { pair[1] };
             let n = lines[l].points.len();
             // One segment more goes, so that the bead ends beside the other and not on it.
             kept[l] = Some(if s < n / 2 { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) });
         }
         for (l, kept) in kept.iter().enumerate() {
             if let Some(kept) = kept {
+                freed.extend_from_slice(&lines[l].points[..kept.start]);
+                freed.extend_from_slice(&lines[l].points[kept.end..]);
                 lines[l].points = lines[l].points[kept.clone()].to_vec();
                 lines[l].closed = false;
                 widths[l] = widths[l][kept.clone()].to_vec();
             }
         }
         // What is left of shorter lines crosses where it did before.
-        let left = |(l, s): (usize, usize)| match &kept[l] {
+        let left = |(l, s): (usize, usize)| match kept.get(l).and_then(Option::as_ref) {
             Some(kept) => (kept.contains(&s) && kept.contains(&(s + 1))).then(|| (l, s - kept.start)),
             None => Some((l, s)),
         };
         crossings = crossings.iter().filter_map(|pair| Some([left(pair[0])?, left(pair[1])?])).collect();
     }
-    (lines, widths, ended)
+    (lines, widths, freed)
 }
 
 /// How far to the left the middle of a space lies, mm. The bound keeps lines from changing places.

@@ -258,8 +258,8 @@ fn beads_keep_their_width_up_to_the_end_of_another() {
         let outer = corners.map(|(x, y)| turn.rotate(DVec2::new(x, y))).to_vec();
         let border = Region::from(Polygon { outer, holes: Vec::new() });
         let (_, earlier) = measured(&lines, &border, 0.4);
-        let (lines, widths, ended) = filling_their_space(lines, earlier, &border, 0.4);
-        assert!(!ended && lines.len() == 3);
+        let (lines, widths, freed) = filling_their_space(lines, earlier, &[], &border, 0.4);
+        assert!(freed.is_empty() && lines.len() == 3);
         for (line, widths) in lines.iter().zip(&widths).step_by(2) {
             for (p, width) in line.points.iter().zip(widths) {
                 let x = turn.dot(*p);

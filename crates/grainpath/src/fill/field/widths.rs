@@ -204,8 +204,15 @@ pub(crate) struct Neighbours {
 impl Neighbours {
     /// Indexes all `lines` and the border of the region they fill. Cells are `cell_mm` wide.
     pub(crate) fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
-        let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
-        lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
+        Self::beside(lines, &[], border, cell_mm)
+    }
+
+    /// As [`Self::new`], with `others` beside the lines, whose numbers follow those of the lines.
+    pub(super) fn beside(lines: &[Line], others: &[Line], border: &Region, cell_mm: f64) -> Self {
+        let all = || lines.iter().chain(others);
+        let n_edges: usize = border.contours().map(|c| c.len()).sum();
+        let mut pieces = Vec::with_capacity(all().map(Line::n_segments).sum::<usize>() + n_edges);
+        all().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
         for contour in border.contours() {
             pieces.extend(edges(contour).map(|(a, b)| BeadSegment { a, b, line: BORDER, segment: 0 }));
         }
@@ -380,8 +387,10 @@ impl Neighbours {
                     continue;
                 }
                 for way in [onward.perp(), -onward.perp()] {
-                    if let Some(Hit { line: Some(other), segment, .. }) = self.hit(p, way, spacing_mm, own) {
-                        let (a, b) = lines[other].segment(segment);
+                    if let Some(Hit { line: Some(other), segment, .. }) = self.hit(p, way, spacing_mm, own)
+                        && let Some(line) = lines.get(other)
+                    {
+                        let (a, b) = line.segment(segment);
                         places[other].push((segment, segment::closest_point(p, a, b)));
                     }
                 }
