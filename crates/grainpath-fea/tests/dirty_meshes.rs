@@ -196,3 +196,26 @@ fn a_refusal_names_a_size_that_is_accepted() {
         assert!(matches!(refused, SolidError::ThinWalls { fitting_mm: None, .. }), "{refused}");
     }
 }
+
+#[test]
+fn a_mesh_that_memory_cannot_solve_is_refused_before_it_is_made() {
+    let turn = |p: DVec3| {
+        let (s, c) = math::sin_cos(37f64.to_radians());
+        DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z)
+    };
+    let part = block(DVec3::ZERO, DVec3::new(20.0, 12.0, 6.0), [1; 3]);
+    for surface in [welded(&part), welded(&part.iter().map(|t| t.map(turn)).collect::<Vec<_>>())] {
+        let sized =
+            |size_mm| MeshSettings { size_mm: Some(size_mm), max_mib: 64.0, ..MeshSettings::default() };
+        let refused = mesh(&surface, &sized(0.5)).expect_err("64 MiB hold elements of 0.8 mm");
+        let SolidError::Memory { need_mib, fitting_mm, .. } = refused else { panic!("{refused}") };
+        let mib = |found: &Meshed| 1250.0 * found.mesh.nodes.len() as f64 / f64::from(1 << 20);
+        // What the elements take, and what those take that the refusal names.
+        let free = MeshSettings { max_mib: f64::INFINITY, ..sized(0.5) };
+        let made = mib(&mesh(&surface, &free).expect("elements of half a millimetre"));
+        println!("{need_mib} MiB told, {made} made, elements of {fitting_mm} mm fit");
+        assert!((need_mib / made - 1.0).abs() < 0.1, "{need_mib} told, {made} made");
+        let made = mib(&mesh(&surface, &sized(fitting_mm)).expect("the size that the refusal names"));
+        assert!(made <= 64.0 && made > 50.0, "{made} MiB");
+    }
+}

@@ -157,6 +157,13 @@ impl Lattice {
         }
     }
 
+    /// Volume of the cells whose centre is inside, mm3.
+    pub(super) fn inside_mm3(&self) -> f64 {
+        let centres = &self.sign[corner_count(self.n)..];
+        let n_inside = centres.iter().filter(|sign| **sign > 0).count();
+        8.0 * self.half.element_product() * n_inside as f64
+    }
+
     /// Divides the cells at the surface where walls or gaps are thin compared with them. Further
     /// cells are divided until neighbours over faces and edges differ by one level at most.
     pub(super) fn refine(&mut self, surface: &TriMesh, bvh: &Bvh, deepest: u32) {
