@@ -88,18 +88,20 @@ async function run(wanted: Record<string, unknown>, outdated?: AbortSignal): Pro
     if (wanted.kind !== "view" && wanted.kind !== "shape" && wanted.program === undefined && (await shape.readAnew())) return null;
     const end = await watch(await api.begin(wanted), outdated, signal);
     if (!end || !signal.aborted) return end;
-    // Plans and tests are kept, and looked for.
-    if (end.kind === "plan" || end.kind === "strength") say(`${end.title} is done. Another file is open by now; Runs, above, opens it.`);
+    if (isKept(end)) say(`${end.title} is done. Another file is open by now; Runs, above, opens it.`);
   } catch (error) {
     say((error as Error).message, true);
   }
   return null;
 }
 
+/** Whether the studio keeps what comes of a run, so that it is looked for later: plans and tests. */
+const isKept = ({ kind }: Pick<api.JobState, "kind">): boolean => kind === "plan" || kind === "strength";
+
 /** Keeps in this tab which plan or test the page follows, so that the page finds it when it is loaded anew, also where the run has
  * ended by then. */
 function keepFollowed(run: api.JobState): void {
-  if (run.kind !== "plan" && run.kind !== "strength") return;
+  if (!isKept(run)) return;
   try { sessionStorage.setItem("followed", JSON.stringify({ id: run.id, kind: run.kind, title: run.title })); } catch { /* The page still finds runs that go on. */ }
 }
 
@@ -622,7 +624,7 @@ async function attach(signal: AbortSignal): Promise<void> {
     const { jobs } = await api.jobs();
     const last = followed();
     const begun = jobs.find(({ id, kind, title }) => id === last?.id && kind === last.kind && title === last.title)
-      ?? jobs.find(({ kind, phase }) => (kind === "plan" || kind === "strength") && (phase === "waiting" || phase === "running"));
+      ?? jobs.find((run) => isKept(run) && (run.phase === "waiting" || run.phase === "running"));
     const end = begun && (await watch(begun, undefined, signal));
     const row = end && (await api.history()).runs.find((run) => run.name === end.title && run.kind === end.kind);
     if (row && !signal.aborted) await reopen(row);

@@ -27,6 +27,14 @@ fn welded(triangles: &[[DVec3; 3]]) -> TriMesh {
     TriMesh { vertices: welder.into_vertices(), triangles }
 }
 
+/// The surface of these triangles, and the same turned by 37 degrees about the z axis.
+fn as_it_is_and_turned(triangles: &[[DVec3; 3]]) -> [TriMesh; 2] {
+    let (s, c) = math::sin_cos(37f64.to_radians());
+    let turn = |p: DVec3| DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
+    let turned: Vec<[DVec3; 3]> = triangles.iter().map(|t| t.map(turn)).collect();
+    [welded(triangles), welded(&turned)]
+}
+
 /// A parallelogram as `2 n m` triangles, outward normal along `u x v`.
 fn sheet(at: DVec3, u: DVec3, v: DVec3, [n, m]: [u32; 2]) -> Vec<[DVec3; 3]> {
     let p = |i: u32, j: u32| at + u * (f64::from(i) / f64::from(n)) + v * (f64::from(j) / f64::from(m));
@@ -178,12 +186,8 @@ fn dirt_does_not_renumber_the_facets_that_loads_name() {
 
 #[test]
 fn a_refusal_names_a_size_that_is_accepted() {
-    let turn = |p: DVec3| {
-        let (s, c) = math::sin_cos(37f64.to_radians());
-        DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z)
-    };
     let plate = block(DVec3::ZERO, DVec3::new(60.0, 40.0, 0.5), [1; 3]);
-    for surface in [welded(&plate), welded(&plate.iter().map(|t| t.map(turn)).collect::<Vec<_>>())] {
+    for surface in as_it_is_and_turned(&plate) {
         let coarse = |max_mib| MeshSettings { size_mm: Some(8.0), max_mib, ..MeshSettings::default() };
         let refused = mesh(&surface, &coarse(4096.0)).expect_err("walls of half a millimetre");
         let SolidError::ThinWalls { fitting_mm: Some(fitting_mm), .. } = refused else { panic!("{refused}") };
@@ -199,12 +203,8 @@ fn a_refusal_names_a_size_that_is_accepted() {
 
 #[test]
 fn a_mesh_that_memory_cannot_solve_is_refused_before_it_is_made() {
-    let turn = |p: DVec3| {
-        let (s, c) = math::sin_cos(37f64.to_radians());
-        DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z)
-    };
     let part = block(DVec3::ZERO, DVec3::new(20.0, 12.0, 6.0), [1; 3]);
-    for surface in [welded(&part), welded(&part.iter().map(|t| t.map(turn)).collect::<Vec<_>>())] {
+    for surface in as_it_is_and_turned(&part) {
         let sized =
             |size_mm| MeshSettings { size_mm: Some(size_mm), max_mib: 64.0, ..MeshSettings::default() };
         let refused = mesh(&surface, &sized(0.5)).expect_err("64 MiB hold elements of 0.8 mm");

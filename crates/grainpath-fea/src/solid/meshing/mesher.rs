@@ -175,7 +175,8 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
 /// sizes.
 fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, settings: &MeshSettings) -> Result<Tets, SolidError> {
     let mut lattice = Lattice::over(surface, size_mm)?;
-    let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
+    let area = area_mm2(surface);
+    let even = expected_dofs(surface.signed_volume().abs(), area, size_mm);
     let most = (2.0 * even).max(settings.max_dofs as f64);
     // Tries the deepest refinement first, then less, until the expected unknowns fit.
     for deepest in (0..=DEEPEST).rev() {
@@ -188,7 +189,7 @@ fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, settings: &MeshSettings) -> 
     settings.cancel.check()?;
     let closed = is_closed(surface);
     lattice.classify(bvh, closed);
-    fits_memory(lattice.inside_mm3(), area_mm2(surface), size_mm, settings.max_mib)?;
+    fits_memory(lattice.inside_mm3(), area, size_mm, settings.max_mib)?;
     settings.cancel.check()?;
     let mut background = lattice.background(surface, bvh, closed);
     // The lattice and the tetrahedra made from it are each among the largest objects; only one is
