@@ -267,7 +267,6 @@ pub fn evenly_spaced(
         }
         let n = line.points.len();
         let segments = if line.closed { n } else { n - 1 };
-        let mut since = f64::INFINITY;
         for k in 0..segments {
             let (a, b) = (line.points[k], line.points[(k + 1) % n]);
             let length = a.distance(b);
@@ -280,18 +279,52 @@ pub fn evenly_spaced(
             for s in 0..steps {
                 near.insert(a.lerp(b, s as f64 / steps as f64), ());
             }
-            // One pair of seeds for each separation along the line; seeds in between would be too near to the next lines.
-            since += length;
-            if since > separation {
-                since = 0.0;
-                let t = (b - a).normalize_or(DVec2::X);
-                let across = DVec2::new(-t.y, t.x);
-                queue.extend([across, -across].map(|way| next_seed(a, way, seeding.separation_mm)));
-            }
+        }
+        for (at, along) in stations(&line, seed, seeding.separation_mm) {
+            let across = DVec2::new(-along.y, along.x);
+            queue.extend([across, -across].map(|way| next_seed(at, way, seeding.separation_mm)));
         }
         near.insert(line.points[n - 1], ());
         lines.push(line);
     }
+}
+
+/// Places along a line, one separation apart, and the unit vector along the line at each. They are counted from the seed
+/// from which the line was traced. Its ends lie where a step of the tracing leaves the field, and are less certain.
+fn stations(line: &TracedLine, seed: DVec2, separation_mm: &dyn Fn(DVec2) -> f64) -> Vec<(DVec2, DVec2)> {
+    let own = line.points.iter().position(|p| *p == seed).unwrap_or(0);
+    let mut backwards: Vec<DVec2> = line.points[..=own].to_vec();
+    backwards.reverse();
+    let mut forwards = line.points[own..].to_vec();
+    if line.closed {
+        forwards.extend(&line.points[..=own]);
+    }
+    let mut before = along_polyline(&backwards, separation_mm);
+    before.reverse();
+    let mut all: Vec<(DVec2, DVec2)> = before.into_iter().map(|(at, along)| (at, -along)).collect();
+    let first = forwards.get(1).or(backwards.get(1)).map(|next| (*next - seed).normalize_or(DVec2::X));
+    all.push((seed, first.unwrap_or(DVec2::X)));
+    all.extend(along_polyline(&forwards, separation_mm));
+    all
+}
+
+/// Places along a polyline at multiples of the separation from its beginning, without the beginning, and the unit vector
+/// along it at each.
+fn along_polyline(points: &[DVec2], separation_mm: &dyn Fn(DVec2) -> f64) -> Vec<(DVec2, DVec2)> {
+    let Some(&first) = points.first() else { return Vec::new() };
+    let mut out = Vec::new();
+    let mut left = separation_mm(first);
+    for w in points.windows(2) {
+        let (length, mut done) = (w[0].distance(w[1]), 0.0);
+        while length - done >= left {
+            done += left;
+            let at = w[0].lerp(w[1], done / length);
+            out.push((at, (w[1] - w[0]) / length));
+            left = separation_mm(at);
+        }
+        left -= length - done;
+    }
+    out
 }
 
 /// The place beside a line whose distance from it is the mean of the separations at both. The separation changes by less
@@ -424,6 +457,40 @@ mod tests {
                         assert!(sides(w[0], d, v[0], v[1]) > 0.0 || sides(v[0], e, w[0], w[1]) > 0.0);
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn lines_do_not_move_with_a_border_that_they_meet_aslant() {
+        // A border that moves by 1e-3 mm moves the end of a line that meets it at a small angle by much more.
+        for turn in [2.0, 8.0, 21.0, 35.0, 38.0] {
+            let lines = |moved_mm: f64| {
+                let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(160.0, 20.0) };
+                let axis = |p: DVec2| {
+                    let inside = p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
+                    let rise = 0.03 * (0.05 * p.x + turn).sin() + 0.003 * (p.y - 8.0);
+                    let is_below = p.y < 10.0 + 0.06 * p.x + moved_mm;
+                    (inside && is_below).then(|| DVec2::new(1.0, rise).normalize())
+                };
+                let seeding = Seeding {
+                    separation_mm: &|_| 3.0,
+                    end_share: 0.125,
+                    shortest_mm: 1.0,
+                    shortest_across_mm: 1.0,
+                    seed_share: FOUND_SHARE,
+                    whole: false,
+                };
+                let settings = LineSettings { tolerance_mm: 0.005, step_mm: 0.4, longest_mm: 1e3 };
+                evenly_spaced(&[DVec2::new(80.0, 10.0)], bounds, &axis, &seeding, &settings)
+            };
+            let (first, second) = (lines(0.0), lines(1e-3));
+            assert!(first.len() > 4 && first.len() == second.len(), "{} {}", first.len(), second.len());
+            for (a, b) in first.iter().zip(&second) {
+                let middle = a.points[a.points.len() / 2];
+                let to_b = |w: &[DVec2]| crate::segment::distance_squared_mm2(middle, w[0], w[1]);
+                let apart_mm = b.points.windows(2).map(to_b).fold(f64::INFINITY, f64::min).sqrt();
+                assert!(apart_mm < 1e-5, "{turn}, {middle}: {apart_mm}");
             }
         }
     }
