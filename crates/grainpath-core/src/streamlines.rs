@@ -371,7 +371,7 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::cross;
+    use crate::math::{cross, sin};
 
     const SETTINGS: LineSettings = LineSettings { tolerance_mm: 1e-5, step_mm: 1.0, longest_mm: 1e3 };
 
@@ -469,7 +469,7 @@ mod tests {
                 let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(160.0, 20.0) };
                 let axis = |p: DVec2| {
                     let inside = p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
-                    let rise = 0.03 * (0.05 * p.x + turn).sin() + 0.003 * (p.y - 8.0);
+                    let rise = 0.03 * sin(0.05 * p.x + turn) + 0.003 * (p.y - 8.0);
                     let is_below = p.y < 10.0 + 0.06 * p.x + moved_mm;
                     (inside && is_below).then(|| DVec2::new(1.0, rise).normalize())
                 };
