@@ -164,6 +164,8 @@ pub fn reserve(
         }
     });
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
+    // The test begins with the case of the greatest weight; the report keeps the order of the job.
+    report.cases.sort_by_key(|c| part.guide.cases.iter().position(|of_job| of_job.name == c.case));
     report.seconds = digits(diagnostics.now_s() - start_s);
     report
 }
