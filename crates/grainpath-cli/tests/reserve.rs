@@ -455,6 +455,17 @@ fn layers_in_turn_serve_a_crossed_pair_of_cases() {
             (&Value::from(vec![1, 3]), &Value::from(vec![2, 4]))
         );
         assert!(x.1["stress"]["served"].is_null());
+        // The greater weight is that of the first case in `x` and of the second in `y`.
+        for (report, stronger) in [(&x.1, 0), (&y.1, 1)] {
+            let cases = &report["reserve"]["cases"];
+            assert_eq!(
+                (&cases[0]["case"], &cases[1]["case"]),
+                (&"pull-x".into(), &"pull-y".into()),
+                "{cases}"
+            );
+            let [own, other] = [stronger, 1 - stronger].map(|k: usize| number(&cases[k]["first_failure"][1]));
+            assert!(own > 1.2 * other, "{cases}");
+        }
         let told = grainpath(&dir, &["run", "mix.toml", "--set", "output.report=mix.html"]);
         let text = String::from_utf8_lossy(&told.stdout).into_owned();
         assert!(text.contains("directions of case pull-y: layers 2, 4"), "{text}");
