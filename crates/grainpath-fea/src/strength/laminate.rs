@@ -480,17 +480,12 @@ impl Laminate {
 
 /// Adds the plies from number `first` on that are thinner than `least_mm` to the thickest of them.
 fn merge_thin(plies: &mut Vec<Ply>, first: usize, least_mm: f64) {
-    if plies[first..].iter().all(|p| p.thickness_mm >= least_mm) {
-        return;
+    let most_mm = plies[first..].iter().map(|p| p.thickness_mm).fold(0.0, f64::max);
+    let least_mm = least_mm.min(most_mm);
+    let thin_mm: f64 = plies.extract_if(first.., |p| p.thickness_mm < least_mm).map(|p| p.thickness_mm).sum();
+    if let Some(thickest) = plies[first..].iter_mut().find(|p| p.thickness_mm >= most_mm) {
+        thickest.thickness_mm += thin_mm;
     }
-    let own = plies.split_off(first);
-    let thickest =
-        (1..own.len()).fold(0, |k, i| if own[i].thickness_mm > own[k].thickness_mm { i } else { k });
-    let (thin, mut kept): (Vec<_>, Vec<_>) =
-        own.into_iter().enumerate().partition(|(k, p)| *k != thickest && p.thickness_mm < least_mm);
-    let thin_mm: f64 = thin.iter().map(|(_, p)| p.thickness_mm).sum();
-    kept.iter_mut().filter(|(k, _)| *k == thickest).for_each(|(_, p)| p.thickness_mm += thin_mm);
-    plies.extend(kept.into_iter().map(|(_, p)| p));
 }
 
 pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Vec<Share> {
