@@ -690,7 +690,7 @@ pub fn test_noting(
     let start_s = diagnostics.now_s();
     let mut governing: Option<Tested> = None;
     let mut cases = Vec::new();
-    for case in std::iter::once(setup).chain(&setup.others) {
+    for case in setup.all_cases() {
         let tested = test_case(settings, case, program, plate_from_part, diagnostics, note)?;
         let report = &tested.report;
         cases.push(CasePeak {

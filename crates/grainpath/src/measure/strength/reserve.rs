@@ -164,8 +164,6 @@ pub fn reserve(
         }
     });
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
-    // The test begins with the case of the greatest weight; the report keeps the order of the job.
-    report.cases.sort_by_key(|c| part.guide.cases.iter().position(|of_job| of_job.name == c.case));
     report.seconds = digits(diagnostics.now_s() - start_s);
     report
 }
@@ -289,7 +287,7 @@ impl<'a> LaidCells<'a> {
         };
         let spread = math::pow(larger, CELL_SPREAD);
         let (mut found, mut map) = (Vec::new(), None);
-        for case in std::iter::once(setup).chain(&setup.others) {
+        for case in setup.all_cases() {
             let loaded = LoadedPart::on(&case.in_frame(self.frame), &cells)?;
             let judged = loaded.first_failures(&self.cards, scale, limits)?;
             map.get_or_insert_with(|| {

@@ -74,7 +74,7 @@ pub struct TestSetup {
     /// Index of the tested load case.
     case: usize,
     /// The other load cases of the job.
-    pub(super) others: Vec<Self>,
+    others: Vec<Self>,
     /// The orientation of the grid.
     pub(super) frame: Frame,
     /// Whether the job has fibre, which has a material card of its own.
@@ -255,6 +255,13 @@ impl TestSetup {
             self.others = self.others.into_iter().map(Self::into_solid).collect();
         }
         self
+    }
+
+    /// This test and those of the other load cases, in the order of the job.
+    pub(super) fn all_cases(&self) -> Vec<&Self> {
+        let mut all: Vec<&Self> = std::iter::once(self).chain(&self.others).collect();
+        all.sort_by_key(|setup| setup.case);
+        all
     }
 
     /// The tested load case.
