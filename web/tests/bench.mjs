@@ -120,8 +120,6 @@ export const launch = () => chromium.launch({ executablePath: BROWSER, args: ["-
 
 /** Forgets changes that were not saved: a file that another test has changed would come with them. */
 async function forget(context, address) {
-  // The answer brings the cookie.
-  await context.request.get(address);
   const drafts = new URL("v1/drafts", address).href;
   for (const { path, kind } of (await (await context.request.get(drafts)).json()).drafts) await context.request.put(drafts, { data: { path, kind, text: "", from: "" } });
 }
@@ -153,18 +151,19 @@ export function held(isWanted = () => true) {
   return { answer, asked, free, go };
 }
 
-/** Waits until the server works on nothing: a new page follows the run that an earlier test left. */
+/** Waits until the server works on nothing: a new page follows the run that an earlier test left, and opens what came of it. */
 async function idle(context, address) {
   const jobs = new URL("v1/jobs", address).href;
-  await context.request.get(address);
   await until(async () => (await (await context.request.get(jobs)).json()).jobs.every(({ phase }) => phase !== "waiting" && phase !== "running"), "no run");
 }
 
 /** A page with what went wrong in it. */
-export async function visit(browser, address, { isFirst = false, keepsDrafts = false, isAlone = false, routes = {}, ...options } = {}, first = null) {
+export async function visit(browser, address, { isFirst = false, keepsDrafts = false, routes = {}, ...options } = {}, first = null) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "light", ...options });
+  // The answer brings the cookie.
+  await context.request.get(address);
   if (!keepsDrafts) await forget(context, address);
-  if (isAlone) await idle(context, address);
+  await idle(context, address);
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   // The tour of the first visit is asked for by the tests that look at it.

@@ -54,7 +54,7 @@ after(async () => { await browser?.close(); await server?.end(); files?.remove()
 
 const job = (page) => page.$eval("#panel-job textarea", (area) => area.value);
 async function opened(name) {
-  const visited = await visit(browser, server.address, { isAlone: true });
+  const visited = await visit(browser, server.address);
   await visited.page.waitForSelector("#welcome h2");
   await visited.page.click("#open");
   await visited.page.click(`#chooser .files button:has-text("${name}")`);
