@@ -1,6 +1,8 @@
 //! The strength test compared with closed forms: strengths off axis, stiffness of laminates, holes, and
 //! other meshes.
 
+use std::fmt::Write;
+
 use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
@@ -131,6 +133,83 @@ fn pull_cut(angles_deg: &[f64], card: &StrengthCard) -> (Outcome, DVec2) {
     let low = inside.iter().copied().reduce(DVec2::min).expect("cells");
     let high = inside.iter().copied().reduce(DVec2::max).expect("cells");
     (outcome, high - low + cell)
+}
+
+/// The force at which a wall of beads along it begins to fail, and that of beam theory: it leans from the grid's x by an angle,
+/// is held at one end and pushed across at the other, in its plane.
+fn bend_wall(n_beads: usize, deg: f64, cell_mm: f64) -> (f64, f64) {
+    let along = direction(deg.to_radians());
+    let across = along.perp();
+    let thick_mm = n_beads as f64 * BEAD_MM;
+    let length_mm = 12.0 * thick_mm;
+    let bead = |k: usize| {
+        let a = across * ((k as f64 + 0.5 - 0.5 * n_beads as f64) * BEAD_MM);
+        let volume_mm3 = length_mm * BEAD_MM * HEIGHT_MM;
+        BeadPiece { a, b: a + along * length_mm, volume_mm3, material: 0 }
+    };
+    let sheet = BeadSheet { height_mm: HEIGHT_MM, beads: (0..n_beads).map(bead).collect() };
+    let laminate = Laminate::from_layers(&[sheet], cell_mm).expect("beads");
+    let grid = laminate.grid;
+    let active: Vec<bool> =
+        (0..grid.nx * grid.ny).map(|c| laminate.thickness_mm(c) > 0.02 * HEIGHT_MM).collect();
+    let elements = PlateElements::from_cells(&grid, &active);
+    let middle = |e: usize| grid.centre(elements.cells[e] as usize).dot(along);
+    let (grip_mm, pushed_mm) = (2.0 * thick_mm, length_mm - 2.0 * thick_mm);
+    let unbreakable: Vec<bool> =
+        (0..elements.cells.len()).map(|e| middle(e) < grip_mm || middle(e) > pushed_mm).collect();
+    let (mut holds, mut forces, mut arm) = (Vec::new(), vec![DVec2::ZERO; elements.places.len()], 0.0);
+    let mut pushed = Vec::new();
+    for i in 0..elements.places.len() {
+        let s = elements.node(i).dot(along);
+        if s < 0.5 * thick_mm {
+            holds.extend(DVec2::AXES.map(|along| GridHold { node: i as u32, along }));
+        } else if s > length_mm - 0.5 * thick_mm {
+            pushed.push(i);
+            arm += s;
+        }
+    }
+    pushed.iter().for_each(|i| forces[*i] = across / pushed.len() as f64);
+    let test = PlateTest {
+        laminate: &laminate,
+        elements: &elements,
+        holds: &holds,
+        forces_n: &forces,
+        load_n: 1.0,
+        unbreakable: &unbreakable,
+        cards: &[pla()],
+        max_mib: 1024.0,
+        cancel: CancelFlag::default(),
+    };
+    let first =
+        (0..elements.cells.len()).filter(|e| !unbreakable[*e]).map(middle).fold(f64::INFINITY, f64::min);
+    let moment = pla().xt_mpa * HEIGHT_MM * thick_mm * thick_mm / 6.0;
+    (test.run().expect("an answer").first_failure_n, moment / (arm / pushed.len() as f64 - first))
+}
+
+/// Steps of cells stand for the faces of a wall that leans across the grid, and many of them hold little material.
+#[test]
+fn leaning_walls_begin_to_fail_where_beam_theory_says() {
+    let mut table = String::new();
+    let mut worst: f64 = 0.0;
+    for n_beads in [2, 3, 5] {
+        for deg in [0.0, 20.0, 37.0, 45.0] {
+            for cells in [4.0, 6.0] {
+                let (found, theory) = bend_wall(n_beads, deg, n_beads as f64 * BEAD_MM / cells);
+                // The strain is that in the middle of a cell. Where the wall lies along the grid this is half a cell below its
+                // face; where it leans, some cells have their middle on it.
+                let want = if deg == 0.0 { theory * cells / (cells - 1.0) } else { theory };
+                worst = worst.max((found / want - 1.0).abs());
+                writeln!(
+                    table,
+                    "{n_beads} beads, {deg} degrees, {cells} cells: {found:.3} of {want:.3} N, {:.2}",
+                    found / want
+                )
+                .expect("a string");
+            }
+        }
+    }
+    eprintln!("{table}");
+    assert!(worst < 0.15, "{table}");
 }
 
 #[test]

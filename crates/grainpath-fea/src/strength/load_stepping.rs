@@ -92,6 +92,15 @@ pub(super) trait LoadedPart: Sync {
     /// The failure indices of the plies of an element at the unit load. They replace the content of `out`, whose memory is
     /// used again for the next element. Without a change of the element's strain and states they are the same each time.
     fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>);
+    /// The highest failure index of each element at the unit load, from which the first failure is told; `states` are those of
+    /// undamaged plies.
+    fn first_indices(&self, states: &[PlyState]) -> Result<Vec<f64>, TestError> {
+        let highest = |indices: &mut Vec<FailureIndices>, e: usize| {
+            self.failure_indices(e, states, indices);
+            highest_index(indices.iter().copied())
+        };
+        Ok((0..self.n_elements()).into_par_iter().map_init(Vec::new, highest).collect())
+    }
     /// Gives elements the stiffness that their states leave.
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError>;
     /// Raises the damage of a state to the next step for which a stiffness is tabulated.
@@ -165,7 +174,7 @@ pub(super) fn run_to_failure(
     let mut states: Vec<PlyState> =
         (0..part.n_plies()).map(|p| PlyState::whole(&limits[part.material(p)])).collect();
     let mut history = History::default();
-    let mut first_index = Vec::new();
+    let (mut first_factor, mut first_index) = (0.0, Vec::new());
     let mut equilibrium = Equilibrium::default();
     let mut broke_at = vec![None; n];
     let mut weakest = vec![WeakestPly::NONE; n];
@@ -192,11 +201,11 @@ pub(super) fn run_to_failure(
         }
         history.push(critical, flexibility);
         if first_index.is_empty() {
-            let highest = |indices: &mut Vec<FailureIndices>, e: usize| {
-                part.failure_indices(e, &states, indices);
-                (highest_index(indices.iter().copied()) * critical) as f32
-            };
-            first_index = (0..n).into_par_iter().map_init(Vec::new, highest).collect();
+            let highest = part.first_indices(&states)?;
+            let breakable = highest.iter().enumerate().filter(|(e, _)| !part.is_unbreakable(*e));
+            let most = breakable.map(|(_, index)| *index).fold(0.0, f64::max);
+            first_factor = if most > 0.0 { 1.0 / most } else { critical };
+            first_index = highest.into_iter().map(|index| (index * first_factor) as f32).collect();
         }
         let collapsed = critical < control.collapse_load * history.max_factor()
             && flexibility > control.collapse_softening * equilibrium.flexibility;
@@ -241,7 +250,8 @@ pub(super) fn run_to_failure(
     };
     let last = history.factors.len().saturating_sub(1) as u32;
     let broke_at = broke_at.into_iter().map(|at| at.map(|at| at.min(last))).collect();
-    Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first_index, past_peak) })
+    let first = FirstFailed { factor: first_factor.min(history.max_factor()), index: first_index };
+    Ok(Outcome { broke_at, ..outcome(part, cards, &history, &states, load_n, first, past_peak) })
 }
 
 /// The last state in which the part carried the level of the load.
@@ -362,6 +372,12 @@ fn lost_share(part: &dyn LoadedPart, states: &[PlyState], element: usize) -> f32
     (lost / f64::max(all, 1e-30)) as f32
 }
 
+/// The load factor of the first failure, and the highest failure index of each element at it.
+struct FirstFailed {
+    factor: f64,
+    index: Vec<f32>,
+}
+
 /// The outcome but for the states in which elements broke.
 fn outcome(
     part: &dyn LoadedPart,
@@ -369,7 +385,7 @@ fn outcome(
     history: &History,
     states: &[PlyState],
     load_n: f64,
-    first_index: Vec<f32>,
+    first: FirstFailed,
     past_peak: bool,
 ) -> Outcome {
     let mut mode_shares = [0.0; 5];
@@ -406,7 +422,7 @@ fn outcome(
     mode_shares.iter_mut().for_each(|m| *m /= f64::max(sum, f64::MIN_POSITIVE));
     Outcome {
         peak_load_n: history.max_factor() * load_n,
-        first_failure_n: history.factors[0] * load_n,
+        first_failure_n: first.factor * load_n,
         stiffness_n_per_mm: load_n * load_n / history.flexibilities[0],
         curve: history.curve(load_n),
         states: history.points(load_n).collect(),
@@ -414,7 +430,7 @@ fn outcome(
         weakest: centre_of_damage(part, most_energy.1, &damage),
         damage,
         broke_at: Vec::new(),
-        failure_index: first_index,
+        failure_index: first.index,
         dofs: part.dofs(),
         solutions: part.n_solutions(),
         factorizations: part.n_factorizations(),

@@ -26,6 +26,7 @@ pub mod plate_strength;
 pub mod plate_system;
 pub mod ply_mix;
 pub mod reserve_map;
+mod strain_fit;
 mod wall_bending;
 
 use grainpath_core::DVec3;
@@ -82,7 +83,8 @@ impl From<SolidError> for TestError {
 pub struct Outcome {
     /// The largest load that the part carries, N.
     pub peak_load_n: f64,
-    /// The load at which the first ply fails, N.
+    /// The load at which the first ply fails, N, at most the peak. Plates tell it from fitted strains (`strain_fit`), so the
+    /// load at which the first single cell is damaged is lower.
     pub first_failure_n: f64,
     /// Load over the displacement of the load, before anything fails, N/mm.
     pub stiffness_n_per_mm: f64,

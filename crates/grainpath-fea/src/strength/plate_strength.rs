@@ -4,7 +4,7 @@
 //! docs/references.bib), solved exactly by fronts (`duff1983`). The membrane stiffness of an element is the
 //! sum over its plies of thickness times stiffness, turned into the direction of the beads and reduced by
 //! their damage. Failure indices are those of the strain in the middle of a cell, ply by ply, on the area
-//! that still carries. The load is stepped until the plate carries no more (`rots2001`).
+//! that still carries; those of the first failure are of a strain fitted to the cells around (`strain_fit`). The load is stepped until the plate carries no more (`rots2001`).
 //!
 //! Lengths are in mm, forces in N, angles in radians. The load is a factor on the unit load, and results are
 //! told as factor times `load_n`. Plies are numbered cell by cell. Cost: one solution for each state of
@@ -34,6 +34,7 @@ use super::load_stepping::{
 };
 use super::plate_system::PlateSystem;
 use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
+use super::strain_fit::fitted_strains;
 use super::wall_bending::{
     BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
     unresolved_bending,
@@ -114,12 +115,10 @@ impl PlateTest<'_> {
     /// # Errors
     /// [`Unstable`] for elastic constants that no stable material has.
     pub fn model(&self) -> Result<PlateModel, Unstable> {
-        let elements = (0..self.elements.cells.len()).into_par_iter();
-        let membranes = elements.map(|e| self.membrane(e, |_| [0.0; 2]));
         Ok(PlateModel {
             nodes_mm: (0..self.elements.places.len()).map(|i| self.elements.node(i)).collect(),
             corners: self.elements.corners.clone(),
-            membranes_n_mm: membranes.collect::<Result<_, _>>()?,
+            membranes_n_mm: self.membranes()?,
             holds: self.holds.to_vec(),
             forces_n: self.forces_n.to_vec(),
         })
@@ -135,9 +134,7 @@ impl PlateTest<'_> {
             return Ok(UnresolvedBending::default());
         }
         let (plate, states) = self.before_damage()?;
-        let membranes: Vec<PlaneStiffness> =
-            (0..plate.n_elements()).map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
-        unresolved_bending(&plate.bending(&states, &membranes))
+        unresolved_bending(&plate.bending(&states, &self.membranes()?))
     }
 
     /// The first failures under the load for each of `N` sets of cards, each in the numbering of the plies and with the
@@ -152,10 +149,11 @@ impl PlateTest<'_> {
         scale: IndexScale,
     ) -> Result<Judged<N>, TestError> {
         let (plate, states) = self.before_damage()?;
+        let strains = plate.fitted_strains()?;
         let failures = |element: usize| {
-            let strain = middle_strain(&plate.corners(element), plate.cell_mm());
             // Stresses do not depend on strengths, so they are the same with all cards.
-            let stresses: Vec<[f64; 3]> = plate.stresses_of_strain(element, strain, &states).collect();
+            let stresses: Vec<[f64; 3]> =
+                plate.stresses_of_strain(element, strains[element], &states).collect();
             std::array::from_fn(|k| {
                 let plies = plate.plies(element).zip(&stresses).map(|(p, stress)| {
                     let indices = indices_of_stress(&cards[k][self.material(p)], *stress);
@@ -204,11 +202,9 @@ impl PlateTest<'_> {
     }
 
     fn loaded(&self) -> Result<LoadedPlate<'_>, TestError> {
-        let n = self.elements.cells.len();
         // The 9 numbers of the membrane stiffness of each element are kept instead of the 64 of its stiffness matrix,
         // because memory is scarcest while the system is factored.
-        let membranes: Vec<PlaneStiffness> =
-            (0..n).into_par_iter().map(|e| self.membrane(e, |_| [0.0; 2])).collect::<Result<_, _>>()?;
+        let membranes = self.membranes()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
         let stiffness = |e: usize| square(&membranes[e]);
         let cancel = self.cancel.clone();
@@ -226,6 +222,12 @@ impl PlateTest<'_> {
     fn range(&self, element: usize) -> Range<usize> {
         let cell = self.elements.cells[element] as usize;
         self.laminate.starts[cell] as usize..self.laminate.starts[cell + 1] as usize
+    }
+
+    /// The membrane stiffness of every element before anything is damaged, N/mm.
+    fn membranes(&self) -> Result<Vec<PlaneStiffness>, Unstable> {
+        let elements = (0..self.elements.cells.len()).into_par_iter();
+        elements.map(|e| self.membrane(e, |_| [0.0; 2])).collect()
     }
 
     /// Membrane stiffness of an element, summed over its plies with their damage along and between beads, N/mm.
@@ -273,6 +275,15 @@ impl LoadedPlate<'_> {
         let at =
             |i: u32| DVec2::new(self.displacement[2 * i as usize], self.displacement[2 * i as usize + 1]);
         self.test.elements.corners[element].map(at)
+    }
+
+    /// The strains from which the first failure is told, see [`super::strain_fit`].
+    fn fitted_strains(&self) -> Result<Vec<[f64; 3]>, Unstable> {
+        let PlateElements { grid, cells, .. } = self.test.elements;
+        let elements = (0..self.n_elements()).into_par_iter();
+        let strains: Vec<[f64; 3]> =
+            elements.map(|e| middle_strain(&self.corners(e), grid.cell_mm)).collect();
+        Ok(fitted_strains(grid, &self.element_of, cells, &self.test.membranes()?, &strains))
     }
 
     /// The stress of each ply of an element under a strain, order xx, yy, xy, in the axes of the ply and on the area that
@@ -417,6 +428,12 @@ impl LoadedPart for LoadedPlate<'_> {
         out.clear();
         let strain = middle_strain(&self.corners(element), self.cell_mm());
         out.extend(self.indices_of_strain(element, strain, states));
+    }
+
+    fn first_indices(&self, states: &[PlyState]) -> Result<Vec<f64>, TestError> {
+        let strains = self.fitted_strains()?;
+        let highest = |e: usize| highest_index(self.indices_of_strain(e, strains[e], states));
+        Ok((0..self.n_elements()).into_par_iter().map(highest).collect())
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

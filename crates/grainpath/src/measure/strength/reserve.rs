@@ -4,10 +4,11 @@
 //! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
 //! fails first is found in one of two ways:
 //!
-//! - The cells of a plate are solved once for each case, as the virtual test solves them before anything fails. So are those of
+//! - The cells of a plate, at least a bead wide, are solved once for each case, as the virtual test solves them before anything
+//!   fails, and judged over a length (`strain_fit` of `grainpath-fea`), so that larger cells tell the same. So are those of
 //!   a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
 //!   where beads touch, which the stress of a solid part does not show. Parts of more than `MOST_CELLS` cells get larger
-//!   ones; their indices are scaled to the cells of the test.
+//!   ones; the indices of solids are scaled to the cells of the test.
 //! - In a dense solid with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
 //!   stress of a cell is the stress at its centre, divided by the contact with the layer below around it
 //!   ([`first_failure`](grainpath_fea::strength::first_failure)). Cells near fixtures and loads (closer than 1.5 mm plus
@@ -53,14 +54,23 @@ const METHOD: [f64; 2] = [0.3, 0.15];
 /// about as long as the stress of the guide: 0.3 to 0.8 times on bars of 3800 to 24 000 mm3 with cells of 0.45 mm, and 3.6
 /// times with closely spaced stripes.
 const MOST_CELLS: [f64; 2] = [40_000.0, 100_000.0];
-/// The first failure on larger cells is higher by this power of their size, because smaller cells show more of the notches
-/// where beads meet. Measured: with cells of 0.45 and 0.9 mm, first failure in the plane of ten bars and blocks of sparse grid,
-/// gyroid and stripes rises 1.05 to 1.8 times (1.27 in the mean), that between layers of ten 1.06 to 3.0 times (1.77);
-/// four plates with cells of 0.225 and 0.45 mm have 1.10 to 1.53 (1.26).
-const CELL_EXPONENT: IndexScale = IndexScale { in_plane: 0.34, between_layers: 0.82 };
-/// The interval of a part with larger cells is wider by this power of their size over that of the test's cells.
-/// Measured: it holds the smallest and the largest ratio of `CELL_EXPONENT`.
-const CELL_SPREAD: f64 = 0.75;
+/// What larger cells than those of the test tell, as powers of their size over that of the test's cells.
+struct LargerCells {
+    /// The first failure is higher by this power.
+    exponent: IndexScale,
+    /// The interval is wider by this power.
+    spread: f64,
+}
+
+/// Larger cells of solids show less of the notches where beads meet. Measured: with cells of 0.45 and 0.9 mm, first failure in
+/// the plane of ten bars and blocks of sparse grid, gyroid and stripes rises 1.05 to 1.8 times (1.27 in the mean), that
+/// between layers of ten 1.06 to 3.0 times (1.77). The interval holds the smallest and the largest of these.
+const OF_SOLIDS: LargerCells =
+    LargerCells { exponent: IndexScale { in_plane: 0.34, between_layers: 0.82 }, spread: 0.75 };
+/// Plates are judged over a length, whatever their cells. Measured: with cells of 0.225 and 0.45 mm, first failure of eight
+/// plates of the gallery differs by -4 to 10 % (2 in the mean).
+const OF_PLATES: LargerCells =
+    LargerCells { exponent: IndexScale { in_plane: 0.0, between_layers: 0.0 }, spread: 0.15 };
 
 /// The factor on the job's loads at first failure, for the case with the least factor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -245,7 +255,7 @@ impl<'a> LaidCells<'a> {
         let [of_plate, of_solid] = MOST_CELLS;
         let cell_mm = match (on_cells, fidelity) {
             (None, _) => test_mm,
-            (Some(_), Fidelity::Plane) => test_mm.max((middle / of_plate).sqrt()),
+            (Some(_), Fidelity::Plane) => test_mm.max(settings.bead_mm).max((middle / of_plate).sqrt()),
             (Some(_), Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
         };
         let grips = guide.grips(cell_mm);
@@ -278,14 +288,18 @@ impl<'a> LaidCells<'a> {
     /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
     fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
         let cells = BeadCells::new(setup, &self.sheets, PlacedCells::unmoved(self.cell_mm))?;
-        // Larger cells miss the notches that the test's cells show. The indices are raised by what many parts miss in the
-        // mean, and the interval by how far single ones are from that.
+        // The indices are raised by what larger cells miss in the mean of many parts, and the interval by how far single parts
+        // are from that.
         let larger = self.cell_mm / self.test_mm;
-        let scale = IndexScale {
-            in_plane: math::pow(larger, CELL_EXPONENT.in_plane),
-            between_layers: math::pow(larger, CELL_EXPONENT.between_layers),
+        let LargerCells { exponent, spread } = match self.fidelity {
+            Fidelity::Plane => OF_PLATES,
+            Fidelity::Voxels => OF_SOLIDS,
         };
-        let spread = math::pow(larger, CELL_SPREAD);
+        let scale = IndexScale {
+            in_plane: math::pow(larger, exponent.in_plane),
+            between_layers: math::pow(larger, exponent.between_layers),
+        };
+        let spread = math::pow(larger, spread);
         let (mut found, mut map) = (Vec::new(), None);
         for case in setup.all_cases() {
             let loaded = LoadedPart::on(&case.in_frame(self.frame), &cells)?;
