@@ -149,11 +149,11 @@ impl PlateTest<'_> {
         scale: IndexScale,
     ) -> Result<Judged<N>, TestError> {
         let (plate, states) = self.before_damage()?;
-        let strains = plate.fitted_strains()?;
+        let strains = plate.fitted_strains();
         let failures = |element: usize| {
             // Stresses do not depend on strengths, so they are the same with all cards.
             let stresses: Vec<[f64; 3]> =
-                plate.stresses_of_strain(element, strains[element], &states).collect();
+                plate.stresses_of_strain(element, |m| strains[m][element], &states).collect();
             std::array::from_fn(|k| {
                 let plies = plate.plies(element).zip(&stresses).map(|(p, stress)| {
                     let indices = indices_of_stress(&cards[k][self.material(p)], *stress);
@@ -277,27 +277,38 @@ impl LoadedPlate<'_> {
         self.test.elements.corners[element].map(at)
     }
 
-    /// The strains from which the first failure is told, see [`super::strain_fit`].
-    fn fitted_strains(&self) -> Result<Vec<[f64; 3]>, Unstable> {
+    /// The strains of every element from which the first failure is told, by material, see [`super::strain_fit`].
+    fn fitted_strains(&self) -> Vec<Vec<[f64; 3]>> {
         let PlateElements { grid, cells, .. } = self.test.elements;
-        let elements = (0..self.n_elements()).into_par_iter();
+        let elements = 0..self.n_elements();
         let strains: Vec<[f64; 3]> =
-            elements.map(|e| middle_strain(&self.corners(e), grid.cell_mm)).collect();
-        Ok(fitted_strains(grid, &self.element_of, cells, &self.test.membranes()?, &strains))
+            elements.clone().into_par_iter().map(|e| middle_strain(&self.corners(e), grid.cell_mm)).collect();
+        let of_material = |(material, card): (usize, &StrengthCard)| {
+            if !card.fails_over_a_length() {
+                return strains.clone();
+            }
+            let amount = |e: usize| {
+                let plies = self.plies(e).filter(|p| self.material(*p) == material);
+                plies.map(|p| self.amount(p)).sum()
+            };
+            let amounts: Vec<f64> = elements.clone().map(amount).collect();
+            fitted_strains(grid, &self.element_of, cells, &amounts, &strains)
+        };
+        self.test.cards.iter().enumerate().map(of_material).collect()
     }
 
-    /// The stress of each ply of an element under a strain, order xx, yy, xy, in the axes of the ply and on the area that
-    /// still carries.
+    /// The stress of each ply of an element under the strain of its material, order xx, yy, xy, in the axes of the ply and on
+    /// the area that still carries.
     fn stresses_of_strain(
         &self,
         element: usize,
-        strain: [f64; 3],
+        strain: impl Fn(usize) -> [f64; 3],
         states: &[PlyState],
     ) -> impl Iterator<Item = [f64; 3]> {
         let test = self.test;
         let each = move |p: usize| {
             let ply = &test.laminate.plies[p];
-            let own = plane_strain_along(strain, ply.angle_rad);
+            let own = plane_strain_along(strain(test.material(p)), ply.angle_rad);
             let damage = with_joined(in_plane(states[p].damage()), ply.joined);
             let elastic = &test.cards[test.material(p)].elastic;
             let stiffness = damaged_plane_stiffness(elastic, damage).unwrap_or_default();
@@ -311,11 +322,11 @@ impl LoadedPlate<'_> {
         self.plies(element).map(each)
     }
 
-    /// Failure indices of an element under a strain, order xx, yy, xy.
+    /// Failure indices of an element under the strain of each material, order xx, yy, xy.
     fn indices_of_strain(
         &self,
         element: usize,
-        strain: [f64; 3],
+        strain: impl Fn(usize) -> [f64; 3],
         states: &[PlyState],
     ) -> impl Iterator<Item = FailureIndices> {
         let test = self.test;
@@ -337,7 +348,7 @@ impl LoadedPlate<'_> {
             }
             let u = self.corners(element);
             let middle = middle_strain(&u, self.cell_mm());
-            let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, strain, states));
+            let index = |strain: [f64; 3]| highest_index(self.indices_of_strain(element, |_| strain, states));
             let wall = test.wall_through(cell);
             let around = || {
                 let beside = test.elements.grid.around(cell);
@@ -427,12 +438,12 @@ impl LoadedPart for LoadedPlate<'_> {
     fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>) {
         out.clear();
         let strain = middle_strain(&self.corners(element), self.cell_mm());
-        out.extend(self.indices_of_strain(element, strain, states));
+        out.extend(self.indices_of_strain(element, |_| strain, states));
     }
 
     fn first_indices(&self, states: &[PlyState]) -> Result<Vec<f64>, TestError> {
-        let strains = self.fitted_strains()?;
-        let highest = |e: usize| highest_index(self.indices_of_strain(e, strains[e], states));
+        let strains = self.fitted_strains();
+        let highest = |e: usize| highest_index(self.indices_of_strain(e, |m| strains[m][e], states));
         Ok((0..self.n_elements()).into_par_iter().map(highest).collect())
     }
 

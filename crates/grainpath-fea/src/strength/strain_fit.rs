@@ -2,9 +2,10 @@
 //! around each cell.
 //!
 //! Method: moving least squares (`lancaster1981` in docs/references.bib). A field that is linear in x and y is fitted to the
-//! strains of the cells within `REACH_MM`, so that the energy of what is left is least: each cell counts by its membrane
-//! stiffness and by `(1 - r2)^2` for a distance of `r` over the reach. Its value in the middle of the cell is the strain of the
-//! cell. Cells beyond a gap do not count: only those are taken that steps from cell to cell lead to, each nearer to the last.
+//! strains of the cells within `REACH_MM`; each counts by how much material it holds and by `(1 - r2)^2` for a distance of `r`
+//! over the reach. Its value in the middle of the cell is the strain of the cell. Each material has a field of its own, since
+//! fibre and the matrix beside it strain differently. Cells beyond a gap do not count: only those are taken that steps from cell
+//! to cell lead to, each nearer to the last.
 //!
 //! Why: a cell that holds little material, in the corner between walls or on a slanting border, deforms more than any bead can,
 //! and in a notch the stress of the nearest cell grows without end as cells get smaller. Material fails where the stress over a
@@ -12,12 +13,13 @@
 //! thin walls; a linear field keeps it.
 //!
 //! Measured: on eight plates of the gallery with six sizes of cells from 0.2 to 0.6 mm the factor at first failure differs by 2 to
-//! 19 % from the least to the greatest (table in docs/validation.md); the strain of single cells gave 16 to 190 %, and half the
+//! 20 % from the least to the greatest (table in docs/validation.md); the strain of single cells gave 16 to 186 %, and half the
 //! factor.
 //!
-//! Lengths are in mm, membrane stiffness in N/mm, strains in the order xx, yy and the doubled xy. Cost: about 100
-//! operations for each cell within reach of another, 25 to 61 of them, and 1000 for the field. Limits: a cell without neighbours keeps its own strain. Across a
-//! wall that is one cell thick no bending is seen ([`super::wall_bending`] tells it).
+//! Lengths are in mm, strains in the order xx, yy and the doubled xy. Cost: about 20 operations for each cell within reach of
+//! another, 25 to 61 of them. Limits: a cell without neighbours keeps its own strain. Across a wall that is one cell thick no
+//! bending is seen ([`super::wall_bending`] tells it). Materials that fail over a shorter length, as continuous fibre in shear,
+//! keep the strains of single cells (`StrengthCard::fails_over_a_length`).
 //!
 //! The figure of the plate in [`super::plate_strength`] shows where such a plate begins to fail.
 
@@ -26,19 +28,18 @@ use rayon::prelude::*;
 use grainpath_core::dense::solve_spd;
 
 use super::cell_grid::CellGrid;
-use crate::plane::PlaneStiffness;
 
 /// Distance at which cells no longer count, mm. Source: the distance over which a crack's stress has to reach the strength is
 /// `E G / (pi strength^2)` (`taylor2008`), 0.8 mm across the beads and 1.2 mm along them with the PLA card; cells at half of this
-/// reach count by 0.56. Measured: with 0.45 mm less the factors of a gusset and a hook with notches differ by 16 % between sizes
-/// of cells, with 0.9 mm by 4 and 12 %, with 1.35 mm by 7 and 6 %.
+/// reach count by 0.56. Measured: on the plates and cells above factors differ by 2 to 20 % with this reach and by 2 to 19 % with
+/// 1.35 mm, so the shorter one is enough.
 const REACH_MM: f64 = 0.9;
-/// The least reach in cells. Measured: with 2 the field is fitted to eight cells and tells single plates a third too low; with 3
-/// cells of 0.45 mm tell what cells of 0.225 mm tell within 9 %.
+/// The least reach in cells. Measured: with 2, on cells of 0.45 mm, the field is fitted to nine cells and tells a hook 1.98 for 3.0;
+/// with 3, cells of 0.45 mm tell what cells of 0.225 mm tell within 10 %.
 const LEAST_REACH_CELLS: f64 = 3.0;
 /// The largest reach in cells, which bounds the cost for tiny cells. Source: chosen; cells are at least 0.1 mm wide in practice.
 const MOST_REACH_CELLS: f64 = 9.0;
-/// Stiffness that holds each slope of the field near zero, as a share of the sum of the cells. Source: derived; where all cells
+/// Weight that holds each slope of the field near zero, as a share of that of all cells. Source: derived; where all cells
 /// lie in one line the slope across it would be free, and elsewhere this moves a slope by 0.1 % at most.
 const RIDGE: f64 = 1e-5;
 
@@ -84,12 +85,13 @@ fn cells_near(cell_mm: f64) -> Vec<Near> {
     steps.iter().map(near).collect()
 }
 
-/// The fitted strain of every element. `element_of` gives the element of each cell, `cells` the cell of each element.
+/// The fitted strain of every element. `element_of` gives the element of each cell, `cells` the cell of each element; `amounts`
+/// tell how much material an element holds, `strains` how it is strained.
 pub(super) fn fitted_strains(
     grid: &CellGrid,
     element_of: &[Option<u32>],
     cells: &[u32],
-    membranes: &[PlaneStiffness],
+    amounts: &[f64],
     strains: &[[f64; 3]],
 ) -> Vec<[f64; 3]> {
     let near = cells_near(grid.cell_mm);
@@ -100,37 +102,26 @@ pub(super) fn fitted_strains(
     let fitted = |reached: &mut Vec<bool>, cell: &u32| {
         let place = grid.place(*cell as usize);
         reached.clear();
-        // Both the products of the basis and the stiffness are symmetric, so half of each sum is enough.
-        let (mut sums, mut right) = ([[0.0; 6]; 6], [[0.0]; 9]);
+        let (mut sums, mut right) = ([0.0; 6], [[0.0; 3]; 3]);
         for n in &near {
             let leads = n.step == [0, 0] || n.inward.into_iter().flatten().any(|k| reached[k]);
             let element = if leads { element_at(place, n.step) } else { None };
             reached.push(element.is_some());
             let Some(e) = element else { continue };
-            let (membrane, strain) = (&membranes[e as usize], &strains[e as usize]);
-            let halves = PAIRS.map(|[r, c]| membrane[r][c]);
-            for (sum, product) in sums.iter_mut().zip(n.products) {
-                sum.iter_mut().zip(halves).for_each(|(sum, c)| *sum += product * c);
-            }
-            for r in 0..3 {
-                let force: f64 = (0..3).map(|c| membrane[r][c] * strain[c]).sum();
-                (0..3).for_each(|p| right[3 * p + r][0] += n.moments[p] * force);
+            let (amount, strain) = (amounts[e as usize], strains[e as usize]);
+            sums.iter_mut().zip(n.products).for_each(|(sum, product)| *sum += amount * product);
+            for (row, moment) in right.iter_mut().zip(n.moments) {
+                row.iter_mut().zip(strain).for_each(|(sum, strain)| *sum += amount * moment * strain);
             }
         }
-        let mut matrix = [[0.0; 9]; 9];
-        for ([p, q], sum) in PAIRS.into_iter().zip(&sums) {
-            for (([r, c], mut value), of_cells) in PAIRS.into_iter().zip(*sum).zip(sums[0]) {
-                if p == q && p > 0 {
-                    value += RIDGE * of_cells;
-                }
-                for [i, j] in [[3 * p + r, 3 * q + c], [3 * p + c, 3 * q + r]] {
-                    matrix[i][j] = value;
-                    matrix[j][i] = value;
-                }
-            }
+        let mut matrix = [[0.0; 3]; 3];
+        for ([p, q], sum) in PAIRS.into_iter().zip(sums) {
+            let ridge = if p == q && p > 0 { RIDGE * sums[0] } else { 0.0 };
+            matrix[p][q] = sum + ridge;
+            matrix[q][p] = matrix[p][q];
         }
-        let found = solve_spd(matrix, right);
-        [found[0][0], found[1][0], found[2][0]]
+        // Without any of the material around there is none in the cell either, and nothing asks for its strain.
+        if sums[0] > 0.0 { solve_spd(matrix, right)[0] } else { [0.0; 3] }
     };
     cells.par_iter().map_init(Vec::new, fitted).collect()
 }
@@ -140,26 +131,23 @@ mod tests {
     use grainpath_core::DVec2;
 
     use super::*;
-    use crate::material::Orthotropic;
 
-    /// The fitted strains of a grid whose cells have `share` of a full stiffness, none where that is 0.
+    /// The fitted strains of a grid whose cells are filled to `share`.
     fn fit(
         n: [usize; 2],
         cell_mm: f64,
         share: impl Fn(usize, usize) -> f64,
         strain: impl Fn(usize, usize) -> [f64; 3],
     ) -> Vec<Option<[f64; 3]>> {
-        let full = Orthotropic::isotropic(2000.0, 0.3).plane_stress(0.3).expect("stable");
         let grid = CellGrid { low: DVec2::ZERO, cell_mm, nx: n[0], ny: n[1] };
         let of = |c: usize| share(c % n[0], c / n[0]);
         let cells: Vec<u32> = (0..n[0] * n[1]).filter(|c| of(*c) > 0.0).map(|c| c as u32).collect();
         let mut element_of = vec![None; n[0] * n[1]];
         cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
-        let membranes: Vec<PlaneStiffness> =
-            cells.iter().map(|c| full.map(|row| row.map(|v| v * of(*c as usize)))).collect();
+        let amounts: Vec<f64> = cells.iter().map(|c| of(*c as usize)).collect();
         let strains: Vec<[f64; 3]> =
             cells.iter().map(|c| strain(*c as usize % n[0], *c as usize / n[0])).collect();
-        let fitted = fitted_strains(&grid, &element_of, &cells, &membranes, &strains);
+        let fitted = fitted_strains(&grid, &element_of, &cells, &amounts, &strains);
         element_of.iter().map(|e| e.map(|e| fitted[e as usize])).collect()
     }
 

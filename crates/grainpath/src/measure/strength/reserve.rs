@@ -4,7 +4,7 @@
 //! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
 //! fails first is found in one of two ways:
 //!
-//! - The cells of a plate, at least a bead wide, are solved once for each case, as the virtual test solves them before anything
+//! - The cells of a plate, without fibre at least a bead wide, are solved once for each case, as the virtual test solves them before anything
 //!   fails, and judged over a length (`strain_fit` of `grainpath-fea`), so that larger cells tell the same. So are those of
 //!   a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
 //!   where beads touch, which the stress of a solid part does not show. Parts of more than `MOST_CELLS` cells get larger
@@ -253,9 +253,12 @@ impl<'a> LaidCells<'a> {
         // A dense part is not solved here, so its cells are those of the test however many there are. A solution on all
         // cells of a large part would take longer than everything else in the run.
         let [of_plate, of_solid] = MOST_CELLS;
+        // Where the first failure is that of single cells, it depends on their size.
+        let is_over_a_length = cards[1].iter().all(StrengthCard::fails_over_a_length);
+        let least_mm = if is_over_a_length { settings.bead_mm } else { 0.0 };
         let cell_mm = match (on_cells, fidelity) {
             (None, _) => test_mm,
-            (Some(_), Fidelity::Plane) => test_mm.max(settings.bead_mm).max((middle / of_plate).sqrt()),
+            (Some(_), Fidelity::Plane) => test_mm.max(least_mm).max((middle / of_plate).sqrt()),
             (Some(_), Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
         };
         let grips = guide.grips(cell_mm);
