@@ -13,8 +13,8 @@
 //! thin walls; a linear field keeps it.
 //!
 //! Measured: on eight plates of the gallery with six sizes of cells from 0.2 to 0.6 mm the factor at first failure differs by 2 to
-//! 21 % from the least to the greatest (table in docs/validation.md); the strain of single cells gave 16 to 186 %, and half the
-//! factor.
+//! 21 % from the least to the greatest (table in docs/validation.md); the strain of single cells gave 16 to 186 %, and
+//! factors 0.3 to 0.9 times as high.
 //!
 //! Lengths are in mm, strains in the order xx, yy and the doubled xy. Cost: about 20 operations for each cell within reach of
 //! another, 25 to 61 of them. Limits: a cell without neighbours keeps its own strain. Across a wall that is one cell thick no
