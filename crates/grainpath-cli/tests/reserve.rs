@@ -168,6 +168,15 @@ fn the_reserve_of_a_fibre_plate_is_the_first_failure_of_the_test() {
         held.run(&dir, name, name);
     }
     held.finish();
+    // On cells too many to be solved larger ones stand for them, and single cells tell less there: the interval says so.
+    let width = |cell_mm: f64| {
+        let cells = format!("strength.cell_mm={cell_mm}");
+        let first =
+            &json(&grainpath(&dir, &["run", "plate-stripes.toml", "--json", "--set", &cells]))["reserve"];
+        number(&first["first_failure"][2]) / number(&first["first_failure"][0])
+    };
+    let (on_own, on_larger) = (width(0.9), width(0.1));
+    assert!(on_larger > 2.0 * on_own, "{on_own} {on_larger}");
 }
 
 /// A bar that stands up, held on a part of its height and pushed aside on another. Its section is the same everywhere and the

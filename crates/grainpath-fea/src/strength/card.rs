@@ -21,8 +21,8 @@ const LEAST_FINAL: f64 = 1.02;
 
 /// The first failure of materials with a shorter critical distance is told cell by cell, mm. Source: derived. The strains of
 /// cells half of its reach away count by half in the field of [`super::strain_fit`]; cards of plastics have 0.57 mm and more,
-/// that of continuous carbon fibre 0.33 to 0.48 mm in shear. Measured: over a length, plates and hooks of fibre of which some
-/// break at 375 N were told to begin to fail at 490 N.
+/// that of continuous carbon fibre 0.33 to 0.48 mm in shear. Measured: over a length, a hook of fibre that
+/// breaks at 375 N was told to begin to fail at 490 N.
 const LEAST_CRITICAL_MM: f64 = 0.5;
 
 /// Stiffness, strengths and fracture energies of printed material in its own axes: 1 along the beads, 2 across them in

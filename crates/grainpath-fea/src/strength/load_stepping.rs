@@ -94,12 +94,12 @@ pub(super) trait LoadedPart: Sync {
     fn failure_indices(&self, element: usize, states: &[PlyState], out: &mut Vec<FailureIndices>);
     /// The highest failure index of each element at the unit load, from which the first failure is told; `states` are those of
     /// undamaged plies.
-    fn first_indices(&self, states: &[PlyState]) -> Result<Vec<f64>, TestError> {
+    fn first_indices(&self, states: &[PlyState]) -> Vec<f64> {
         let highest = |indices: &mut Vec<FailureIndices>, e: usize| {
             self.failure_indices(e, states, indices);
             highest_index(indices.iter().copied())
         };
-        Ok((0..self.n_elements()).into_par_iter().map_init(Vec::new, highest).collect())
+        (0..self.n_elements()).into_par_iter().map_init(Vec::new, highest).collect()
     }
     /// Gives elements the stiffness that their states leave.
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError>;
@@ -201,7 +201,7 @@ pub(super) fn run_to_failure(
         }
         history.push(critical, flexibility);
         if first_index.is_empty() {
-            let highest = part.first_indices(&states)?;
+            let highest = part.first_indices(&states);
             let breakable = highest.iter().enumerate().filter(|(e, _)| !part.is_unbreakable(*e));
             let most = breakable.map(|(_, index)| *index).fold(0.0, f64::max);
             first_factor = if most > 0.0 { 1.0 / most } else { critical };

@@ -4,7 +4,8 @@
 //! docs/references.bib), solved exactly by fronts (`duff1983`). The membrane stiffness of an element is the
 //! sum over its plies of thickness times stiffness, turned into the direction of the beads and reduced by
 //! their damage. Failure indices are those of the strain in the middle of a cell, ply by ply, on the area
-//! that still carries; those of the first failure are of a strain fitted to the cells around (`strain_fit`). The load is stepped until the plate carries no more (`rots2001`).
+//! that still carries; those of the first failure are of a strain fitted to the cells around (`strain_fit`).
+//! The load is stepped until the plate carries no more (`rots2001`).
 //!
 //! Lengths are in mm, forces in N, angles in radians. The load is a factor on the unit load, and results are
 //! told as factor times `load_n`. Plies are numbered cell by cell. Cost: one solution for each state of
@@ -441,10 +442,10 @@ impl LoadedPart for LoadedPlate<'_> {
         out.extend(self.indices_of_strain(element, |_| strain, states));
     }
 
-    fn first_indices(&self, states: &[PlyState]) -> Result<Vec<f64>, TestError> {
+    fn first_indices(&self, states: &[PlyState]) -> Vec<f64> {
         let strains = self.fitted_strains();
         let highest = |e: usize| highest_index(self.indices_of_strain(e, |m| strains[m][e], states));
-        Ok((0..self.n_elements()).into_par_iter().map(highest).collect())
+        (0..self.n_elements()).into_par_iter().map(highest).collect()
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

@@ -4,11 +4,11 @@
 //! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
 //! fails first is found in one of two ways:
 //!
-//! - The cells of a plate, without fibre at least a bead wide, are solved once for each case, as the virtual test solves them before anything
-//!   fails, and judged over a length (`strain_fit` of `grainpath-fea`), so that larger cells tell the same. So are those of
-//!   a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
+//! - The cells of a plate, without fibre at least a bead wide, are solved once for each case, as the virtual test solves them
+//!   before anything fails, and judged over a length (`strain_fit` of `grainpath-fea`), so that larger cells tell the same.
+//!   Solved, but judged cell by cell, are those of a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
 //!   where beads touch, which the stress of a solid part does not show. Parts of more than `MOST_CELLS` cells get larger
-//!   ones; the indices of solids are scaled to the cells of the test.
+//!   ones; indices of single cells are scaled to the cells of the test.
 //! - In a dense solid with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
 //!   stress of a cell is the stress at its centre, divided by the contact with the layer below around it
 //!   ([`first_failure`](grainpath_fea::strength::first_failure)). Cells near fixtures and loads (closer than 1.5 mm plus
@@ -62,15 +62,15 @@ struct LargerCells {
     spread: f64,
 }
 
-/// Larger cells of solids show less of the notches where beads meet. Measured: with cells of 0.45 and 0.9 mm, first failure in
-/// the plane of ten bars and blocks of sparse grid, gyroid and stripes rises 1.05 to 1.8 times (1.27 in the mean), that
-/// between layers of ten 1.06 to 3.0 times (1.77). The interval holds the smallest and the largest of these.
-const OF_SOLIDS: LargerCells =
+/// Where single cells are judged, in solids and in fibre, larger ones show less of the notches where beads meet. Measured: with
+/// cells of 0.45 and 0.9 mm, first failure in the plane of ten bars and blocks of sparse grid, gyroid and stripes rises 1.05 to
+/// 1.8 times (1.27 in the mean), that between layers of ten 1.06 to 3.0 times (1.77); four plates judged so with cells of 0.225
+/// and 0.45 mm have 1.10 to 1.53 (1.26). The interval holds the smallest and the largest of these.
+const OF_SINGLE_CELLS: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.34, between_layers: 0.82 }, spread: 0.75 };
-/// Plates are judged over a length, whatever their cells. Measured: with cells of 0.225 and 0.45 mm, first failure of eight
-/// plates of the gallery differs by -4 to 12 % (2 in the mean), and by -7 to 13 % with sparse and graded
-/// fills.
-const OF_PLATES: LargerCells =
+/// Plates that are judged over a length hardly depend on their cells. Measured: with cells of 0.225 and 0.45 mm, first failure
+/// of eight plates of the gallery differs by -4 to 12 % (2 in the mean), and by -7 to 13 % with sparse and graded fills.
+const OVER_A_LENGTH: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.0, between_layers: 0.0 }, spread: 0.15 };
 
 /// The factor on the job's loads at first failure, for the case with the least factor.
@@ -215,6 +215,8 @@ struct LaidCells<'a> {
     cell_mm: f64,
     /// Size of the cells of the virtual test.
     test_mm: f64,
+    /// Whether the first failure is told over a length and not by single cells.
+    is_over_a_length: bool,
     floor_mm: f64,
     program_from_part_mm: DVec3,
     stack: &'a LayerStack,
@@ -254,8 +256,10 @@ impl<'a> LaidCells<'a> {
         // A dense part is not solved here, so its cells are those of the test however many there are. A solution on all
         // cells of a large part would take longer than everything else in the run.
         let [of_plate, of_solid] = MOST_CELLS;
-        // Where the first failure is that of single cells, it depends on their size.
-        let is_over_a_length = cards[1].iter().all(StrengthCard::fails_over_a_length);
+        // Where the first failure is that of single cells, it depends on their size, so cells of the test are not made larger
+        // without need.
+        let is_over_a_length =
+            fidelity == Fidelity::Plane && cards[1].iter().all(StrengthCard::fails_over_a_length);
         let least_mm = if is_over_a_length { settings.bead_mm } else { 0.0 };
         let cell_mm = match (on_cells, fidelity) {
             (None, _) => test_mm,
@@ -273,6 +277,7 @@ impl<'a> LaidCells<'a> {
             fidelity,
             cell_mm,
             test_mm,
+            is_over_a_length,
             floor_mm,
             program_from_part_mm,
             stack,
@@ -295,10 +300,8 @@ impl<'a> LaidCells<'a> {
         // The indices are raised by what larger cells miss in the mean of many parts, and the interval by how far single parts
         // are from that.
         let larger = self.cell_mm / self.test_mm;
-        let LargerCells { exponent, spread } = match self.fidelity {
-            Fidelity::Plane => OF_PLATES,
-            Fidelity::Voxels => OF_SOLIDS,
-        };
+        let LargerCells { exponent, spread } =
+            if self.is_over_a_length { OVER_A_LENGTH } else { OF_SINGLE_CELLS };
         let scale = IndexScale {
             in_plane: math::pow(larger, exponent.in_plane),
             between_layers: math::pow(larger, exponent.between_layers),
