@@ -15,7 +15,7 @@ use grainpath_core::math::atan2;
 use rayon::prelude::*;
 
 use super::cell_grid::CellGrid;
-use super::laminate::{BeadSheet, CellError, FANS, Repeated, grid_over, layer};
+use super::laminate::{BeadSheet, CellError, FANS, LayerCells, Repeated, grid_over, layer};
 
 /// Beads of one direction in a brick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +114,8 @@ impl Bricks {
         for (some, indices) in sheets.chunks(32).zip(of_layer.chunks(32)) {
             // Copies within these few layers are made into cells once.
             let distinct: Vec<usize> = BTreeSet::from_iter(indices).into_iter().copied().collect();
-            let laid: Vec<_> = distinct.par_iter().map(|k| layer(&fine, FANS, &layers[*k])).collect();
+            let laid = |cells: &mut LayerCells, k: &usize| layer(&fine, FANS, &layers[*k], cells);
+            let laid: Vec<_> = distinct.par_iter().map_init(LayerCells::default, laid).collect();
             for (sheet, index) in some.iter().zip(indices) {
                 let shares = &laid[distinct.partition_point(|k| k < index)];
                 let (from, to) = (z, z + sheet.height_mm);

@@ -111,17 +111,20 @@ impl StrengthCard {
         ((opens * opens + slides * slides).sqrt(), slides > opens)
     }
 
-    /// Whether the first failure is told from the stress over a length: where the shortest critical distance in the layer,
-    /// `E G / (pi strength^2)` (`taylor2008`) of tearing, parting and sliding, is at least 0.5 mm.
+    /// Whether the first failure in the layer is told from the stress over a length: where the shortest critical distance,
+    /// `E G / (pi strength^2)` (`taylor2008`), of tearing, parting and sliding is at least 0.5 mm.
     pub fn fails_over_a_length(&self) -> bool {
         let [e1, e2, _] = self.elastic.e_mpa;
-        let distance_mm = |e: f64, g: f64, s: f64| e * g / (std::f64::consts::PI * s * s);
-        let all = [
-            distance_mm(e1, self.g_along_n_mm, self.xt_mpa),
-            distance_mm(e2, self.g_across_n_mm, self.yt_mpa),
-            distance_mm(self.elastic.g_mpa[0], self.g_across_n_mm, self.s12_mpa),
-        ];
-        all.into_iter().fold(f64::INFINITY, f64::min) >= LEAST_CRITICAL_MM
+        let (g1, g2) = (self.g_along_n_mm, self.g_across_n_mm);
+        let modes = [(e1, g1, self.xt_mpa), (e2, g2, self.yt_mpa), (self.elastic.g_mpa[0], g2, self.s12_mpa)];
+        modes.into_iter().all(is_over_a_length)
+    }
+
+    /// [`StrengthCard::fails_over_a_length`] for failure between layers.
+    pub fn layers_part_over_a_length(&self) -> bool {
+        let ([_, _, e3], [_, _, g13]) = (self.elastic.e_mpa, self.elastic.g_mpa);
+        let g2 = self.g_across_n_mm;
+        [(e3, g2, self.zt_mpa), (g13, g2, self.s_il_mpa)].into_iter().all(is_over_a_length)
     }
 
     /// The strains at which an element of this width and height has lost all its stress. Elements that are too large
@@ -144,6 +147,11 @@ impl StrengthCard {
         ];
         FinalStrains { opening, sliding }
     }
+}
+
+/// Whether a critical distance is long enough, from a modulus, a fracture energy and a strength.
+fn is_over_a_length((e_mpa, g_n_mm, strength_mpa): (f64, f64, f64)) -> bool {
+    e_mpa * g_n_mm / (std::f64::consts::PI * strength_mpa * strength_mpa) >= LEAST_CRITICAL_MM
 }
 
 /// Strain at which a crack band has lost all its stress, over the strain at which it failed: for tearing through

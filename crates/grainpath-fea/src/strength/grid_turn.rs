@@ -87,9 +87,9 @@ impl Frame {
     /// The beads in grid coordinates.
     pub fn beads(self, mut sheets: Vec<BeadSheet>) -> Vec<BeadSheet> {
         if self != Self::default() {
-            for bead in sheets.iter_mut().flat_map(|s| &mut s.beads) {
+            sheets.par_iter_mut().flat_map_iter(|s| &mut s.beads).for_each(|bead| {
                 (bead.a, bead.b) = (self.to_grid(bead.a), self.to_grid(bead.b));
-            }
+            });
         }
         sheets
     }
@@ -117,17 +117,12 @@ fn remove_inner(points: &mut Vec<DVec2>) {
         }
     }
     let next = octagon.iter().cycle().skip(1);
-    let sides: Vec<(DVec2, DVec2)> = octagon
-        .iter()
-        .zip(next)
-        .map(|(a, b)| (*a, *b - *a))
-        .filter(|(_, side)| *side != DVec2::ZERO)
-        .collect();
-    let longest_mm = sides.iter().map(|(_, side)| side.length()).fold(0.0, f64::max);
+    let sides = octagon.iter().zip(next).map(|(a, b)| (*a, *b - *a)).filter(|(_, side)| *side != DVec2::ZERO);
+    let longest_mm = sides.clone().map(|(_, side)| side.length()).fold(0.0, f64::max);
+    let sides: Vec<(DVec2, DVec2, f64)> =
+        sides.map(|(a, side)| (a, side, INSIDE * longest_mm * side.length())).collect();
     // Points in a line have two sides at most, and each of them lies on both.
-    let is_outside = |p: &DVec2| {
-        sides.iter().any(|(a, side)| cross(*side, *p - *a) <= INSIDE * longest_mm * side.length())
-    };
+    let is_outside = |p: &DVec2| sides.iter().any(|(a, side, least)| cross(*side, *p - *a) <= *least);
     if !sides.is_empty() {
         points.retain(is_outside);
     }

@@ -395,12 +395,12 @@ impl Laminate {
         let (grid, laid_mm3) = grid_over(&layers, cell_mm, moved)?;
         let all = layers.iter().flat_map(|l| l.paths.iter().flatten());
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
-        let laid = |l: &DistinctLayer| LaidShares {
+        let laid = |cells: &mut LayerCells, l: &DistinctLayer| LaidShares {
             height_mm: l.height_mm,
             width_mm: mean_width_mm(std::slice::from_ref(l)),
-            shares: layer(&grid, n_fans, l),
+            shares: layer(&grid, n_fans, l, cells),
         };
-        let laid: Vec<LaidShares> = layers.par_iter().map(laid).collect();
+        let laid: Vec<LaidShares> = layers.par_iter().map_init(LayerCells::default, laid).collect();
         // What is joined depends on the layers beside a layer, so it is found once for each three that follow each other.
         let mut threes: BTreeMap<(Option<usize>, usize, Option<usize>), f32> = BTreeMap::new();
         for (k, own) in of_layer.iter().enumerate() {
@@ -488,10 +488,27 @@ fn merge_thin(plies: &mut Vec<Ply>, first: usize, least_mm: f64) {
     }
 }
 
-pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Vec<Share> {
+/// The cells of a layer while it is made, kept for the next one: each page of new memory costs more than it takes to clear it.
+#[derive(Default)]
+pub(super) struct LayerCells {
+    /// What each cell holds, mm.
+    held: Vec<f32>,
+    /// For each fan of each cell the thickness, and its products with cosine and sine of twice the angle.
+    fans: Vec<[f32; 3]>,
+}
+
+/// The material of a layer.
+pub(super) fn layer(
+    grid: &CellGrid,
+    n_fans: usize,
+    layer: &DistinctLayer,
+    LayerCells { held, fans }: &mut LayerCells,
+) -> Vec<Share> {
     let n = grid.nx * grid.ny;
-    let mut held = vec![0f32; n];
-    let mut fans = vec![[0f32; 3]; n * n_fans];
+    held.clear();
+    held.resize(n, 0.0);
+    fans.clear();
+    fans.resize(n * n_fans, [0.0; 3]);
     for bead in ribbons(layer) {
         let along = bead.along;
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
@@ -510,7 +527,7 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, layer: &DistinctLayer) -> Ve
             f[2] += (t * double.y) as f32;
         });
     }
-    spread(grid, n_fans, layer.height_mm as f32, &mut held, &mut fans);
+    spread(grid, n_fans, layer.height_mm as f32, held, fans);
     let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
     shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
 }

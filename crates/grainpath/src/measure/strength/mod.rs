@@ -485,7 +485,7 @@ impl LoadedPart {
     }
 
     /// The first failures under the load with each of several sets of cards, from one solution. Indices are multiplied by
-    /// `scale`.
+    /// `scale`. The middle set, the nominal one, decides whether they are told over a length.
     fn first_failures<const N: usize>(
         &self,
         cards: &[Vec<StrengthCard>; N],
@@ -493,10 +493,10 @@ impl LoadedPart {
         limits: &Limits,
     ) -> Result<Judged<N>, StrengthError> {
         Ok(match self {
-            Self::Plane(p) => plate_test(p, &cards[0], limits).first_failures(cards, scale)?,
+            Self::Plane(p) => plate_test(p, &cards[N / 2], limits).first_failures(cards, scale)?,
             Self::Voxels(p) => {
                 let of_part = std::array::from_fn(|k| cards[k][0]);
-                p.test(&of_part[0], limits).first_failures(&of_part, scale)?
+                p.test(&of_part[N / 2], limits).first_failures(&of_part, scale)?
             }
         })
     }

@@ -53,7 +53,7 @@ const METHOD: [f64; 2] = [0.3, 0.15];
 /// of a cell. Larger parts get larger cells than the virtual test gives them. Source: chosen, so that the solution takes
 /// about as long as the stress of the guide: 0.3 to 0.8 times on bars of 3800 to 24 000 mm3 with cells of 0.45 mm, and 3.6
 /// times with closely spaced stripes.
-const MOST_CELLS: [f64; 2] = [40_000.0, 100_000.0];
+const MOST_CELLS: [f64; 2] = [40_000.0, 60_000.0];
 /// What larger cells than those of the test tell, as powers of their size over that of the test's cells.
 struct LargerCells {
     /// The first failure is higher by this power.
@@ -62,7 +62,7 @@ struct LargerCells {
     spread: f64,
 }
 
-/// Where single cells are judged, in solids and in fibre, larger ones show less of the notches where beads meet. Measured: with
+/// Where single cells are judged, as in fibre, larger ones show less of the notches where beads meet. Measured: with
 /// cells of 0.45 and 0.9 mm, first failure in the plane of ten bars and blocks of sparse grid, gyroid and stripes rises 1.05 to
 /// 1.8 times (1.27 in the mean), that between layers of ten 1.06 to 3.0 times (1.77); four plates judged so with cells of 0.225
 /// and 0.45 mm have 1.10 to 1.53 (1.26). The interval holds the smallest and the largest of these.
@@ -70,8 +70,13 @@ const OF_SINGLE_CELLS: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.34, between_layers: 0.82 }, spread: 0.75 };
 /// Plates that are judged over a length hardly depend on their cells. Measured: with cells of 0.225 and 0.45 mm, first failure
 /// of eight plates of the gallery differs by -4 to 12 % (2 in the mean), and by -7 to 13 % with sparse and graded fills.
-const OVER_A_LENGTH: LargerCells =
+const OF_PLATES: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.0, between_layers: 0.0 }, spread: 0.15 };
+/// Solids that are judged over a length.
+const OF_SOLIDS: LargerCells =
+    LargerCells { exponent: IndexScale { in_plane: 0.25, between_layers: 0.25 }, spread: 0.5 };
+/// The least size of the cells on which a plate and a solid that are judged over a length are solved, in widths of a bead.
+const LEAST_CELL_BEADS: [f64; 2] = [1.0, 4.0 / 3.0];
 
 /// The factor on the job's loads at first failure, for the case with the least factor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -258,13 +263,15 @@ impl<'a> LaidCells<'a> {
         let [of_plate, of_solid] = MOST_CELLS;
         // Where the first failure is that of single cells, it depends on their size, so cells of the test are not made larger
         // without need.
-        let is_over_a_length =
-            fidelity == Fidelity::Plane && cards[1].iter().all(StrengthCard::fails_over_a_length);
-        let least_mm = if is_over_a_length { settings.bead_mm } else { 0.0 };
+        let is_over_a_length = cards[1].iter().all(|card| {
+            card.fails_over_a_length() && (fidelity == Fidelity::Plane || card.layers_part_over_a_length())
+        });
+        let least_mm =
+            LEAST_CELL_BEADS.map(|beads| if is_over_a_length { beads * settings.bead_mm } else { 0.0 });
         let cell_mm = match (on_cells, fidelity) {
             (None, _) => test_mm,
-            (Some(_), Fidelity::Plane) => test_mm.max(least_mm).max((middle / of_plate).sqrt()),
-            (Some(_), Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
+            (Some(_), Fidelity::Plane) => test_mm.max(least_mm[0]).max((middle / of_plate).sqrt()),
+            (Some(_), Fidelity::Voxels) => test_mm.max(least_mm[1]).max((volume_mm3 / of_solid).cbrt()),
         };
         let grips = guide.grips(cell_mm);
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
@@ -300,8 +307,11 @@ impl<'a> LaidCells<'a> {
         // The indices are raised by what larger cells miss in the mean of many parts, and the interval by how far single parts
         // are from that.
         let larger = self.cell_mm / self.test_mm;
-        let LargerCells { exponent, spread } =
-            if self.is_over_a_length { OVER_A_LENGTH } else { OF_SINGLE_CELLS };
+        let LargerCells { exponent, spread } = match self.fidelity {
+            _ if !self.is_over_a_length => OF_SINGLE_CELLS,
+            Fidelity::Plane => OF_PLATES,
+            Fidelity::Voxels => OF_SOLIDS,
+        };
         let scale = IndexScale {
             in_plane: math::pow(larger, exponent.in_plane),
             between_layers: math::pow(larger, exponent.between_layers),

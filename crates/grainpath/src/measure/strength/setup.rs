@@ -19,6 +19,7 @@ use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, Laminate, MAX_BEAD
 use grainpath_fea::strength::squares::{GridHold, PlateElements, connected_cells, free_motion};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::choices;
+use rayon::prelude::*;
 
 use super::{CORNERS, StrengthError, StrengthSettings};
 pub(super) use crate::guide::UNBREAKABLE_MM;
@@ -114,7 +115,7 @@ pub(super) fn sheets_of(
     heights: &[f64],
     shift: DVec2,
     fibre: bool,
-    taken: &dyn Fn(&Bead) -> bool,
+    taken: &(dyn Fn(&Bead) -> bool + Sync),
 ) -> Vec<BeadSheet> {
     let piece = |b: &Bead| BeadPiece {
         a: b.start() - shift,
@@ -127,7 +128,7 @@ pub(super) fn sheets_of(
         beads: l.beads.iter().filter(|b| b.role.is_part() && taken(b)).map(piece).collect(),
     };
     if !is_staggered(layers) {
-        return layers.iter().zip(heights).map(sheet).collect();
+        return layers.par_iter().zip(heights).map(sheet).collect();
     }
     let half = |h: &f64| BeadSheet { height_mm: 0.5 * h, beads: Vec::new() };
     let mut sheets: Vec<BeadSheet> = heights.iter().flat_map(|h| [half(h), half(h)]).collect();
