@@ -34,19 +34,19 @@ use rayon::prelude::*;
 
 use super::bricks::{Bricks, DIRECTIONS, SHARE_STEPS};
 use super::card::StrengthCard;
-use super::damage::{damaged_stiffness, remaining_shares};
+use super::damage::{carried_stress, damaged_stiffness};
 use super::first_failure::{FirstFailure, IndexScale, Judged, first_failures_of};
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
 };
 
-use super::strain_fit::{Cells, fitted_strains};
+use super::strain_fit::{Cells, judged_strains};
 use super::wall_bending::{
     BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
     unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
-use crate::material::{Orthotropic, Stiffness, rotated_about_z, strain_along};
+use crate::material::{Orthotropic, Stiffness, rotated_about_z};
 use crate::solid::voxel::{VOID, VoxelPart, VoxelSystem};
 use crate::solid::{Method, SolidError, SolveSettings};
 
@@ -111,11 +111,6 @@ const LATER_TOLERANCE: f64 = 1e-2;
 /// Later solutions also reduce the residual that new damage has caused to this share of it. Measured: see
 /// [`STEP_CONTROL`].
 const RESIDUAL_GAIN: f64 = 0.1;
-/// The first failure is not told from elements that hold less than this share of what the fullest element beside them holds,
-/// nor that between layers from elements with less contact than this share. Measured: a bar of graded stripes whose peak is
-/// 5.3 times the load was told to begin to fail at 0.9, 2.2 and 3.8 times the load on cells of 0.45, 0.6 and 0.9 mm, in cells that
-/// are filled to 7 % and touch the layer below with 0.6 % of their area. With this share it is told 4.5, 5.3 and 5.7.
-const LEAST_BESIDE: f64 = 0.5;
 /// Number of steps to which the library rounds the stiffness that damage leaves: sixteenths of an octave, down to a
 /// thousandth. Source: derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
 const DAMAGE_STEPS: u64 = 160;
@@ -377,11 +372,6 @@ struct LoadedSolid<'a> {
     iterations: usize,
 }
 
-/// Whether the stress with this number acts between layers: 33, 23 and 13.
-fn is_between_layers(stress: usize) -> bool {
-    matches!(stress, 2 | 4 | 5)
-}
-
 /// Failure indices of the ply with this number in its element under a stress in its axes.
 fn indices_of_stress(card: &StrengthCard, ply: usize, stress: [f64; 6]) -> FailureIndices {
     let [s11, s22, s33, s12, s23, s13] = stress;
@@ -404,32 +394,14 @@ impl LoadedSolid<'_> {
         self.system.strain(self.system.displacement(), cell).unwrap_or_default()
     }
 
-    /// The strains of every element from which the first failure in its layers and between them is told. They are zero in
-    /// elements that hold little beside others: those are the edges of beads whose middle lies there.
+    /// The strains of every element from which the first failure in its layers and between them is told.
     fn judged_strains(&self) -> Vec<[[f64; 6]; 2]> {
-        let Bricks { n, cell_mm, filled, bond, .. } = self.test.bricks;
-        let strains: Vec<[f64; 6]> =
-            (0..self.cells.len()).into_par_iter().map(|element| self.strain(element)).collect();
-        let part = Cells { n: *n, cell_mm: *cell_mm, element_of: &self.element_of, cells: &self.cells };
-        let judged = |is_over_a_length: bool, amount: &(dyn Fn(usize) -> f64 + Sync)| {
-            if !is_over_a_length {
-                return strains.clone();
-            }
-            let amounts: Vec<f64> = self.cells.iter().map(|c| amount(*c as usize)).collect();
-            let is_asked = |element: usize| {
-                let beside = self.test.bricks.around(self.cells[element] as usize);
-                let beside = beside.filter_map(|(_, c)| Some(amounts[self.element_of[c]? as usize]));
-                !self.is_unbreakable(element)
-                    && amounts[element] >= LEAST_BESIDE * beside.fold(amounts[element], f64::max)
-            };
-            fitted_strains(&part, &amounts, &strains, &is_asked)
-        };
-        // Layers hold together where they touch, so contact is what counts between them.
-        let card = self.test.card;
-        let filled = |c: usize| f64::from(filled[c]);
-        let in_layers = judged(card.fails_over_a_length(), &filled);
-        let between = judged(card.layers_part_over_a_length(), &|c| filled(c) * f64::from(bond[c]));
-        in_layers.into_iter().zip(between).map(|(a, b)| [a, b]).collect()
+        let elements = 0..self.cells.len();
+        let strains: Vec<[f64; 6]> = elements.into_par_iter().map(|element| self.strain(element)).collect();
+        let Bricks { n, cell_mm, .. } = self.test.bricks;
+        let cells = Cells { n: *n, cell_mm: *cell_mm, element_of: &self.element_of, cells: &self.cells };
+        let is_asked = |element: usize| !self.is_unbreakable(element);
+        judged_strains(self.test.bricks, self.test.card, &cells, &strains, &is_asked)
     }
 
     /// Failure indices of an element under a strain, order xx, yy, zz, xy, yz, zx.
@@ -448,7 +420,7 @@ impl LoadedSolid<'_> {
     fn stresses_of_strains(
         &self,
         element: usize,
-        [in_layer, between_layers]: [[f64; 6]; 2],
+        strains: [[f64; 6]; 2],
         states: &[PlyState],
     ) -> impl Iterator<Item = [f64; 6]> {
         let test = self.test;
@@ -456,15 +428,8 @@ impl LoadedSolid<'_> {
         let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
         let each = move |p: usize| {
             let angle_rad = test.bricks.plies[self.plies[p] as usize].angle_rad;
-            let own = [in_layer, between_layers].map(|strain| strain_along(strain, angle_rad));
             let damage = states[p].damage();
-            let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
-            // The strengths are those of undamaged material, so the stress is taken on the area that still carries.
-            let remaining = remaining_shares(damage, bond);
-            std::array::from_fn(|i| {
-                let own = if is_between_layers(i) { own[1] } else { own[0] };
-                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
-            })
+            carried_stress(&test.card.elastic, damage, bond, strains, angle_rad).unwrap_or_default()
         };
         self.plies(element).map(each)
     }

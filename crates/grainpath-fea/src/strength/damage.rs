@@ -16,7 +16,7 @@
 //! well: a crack that closes does not carry again. Elastic constants that no stable material has are an
 //! error. A final strain must be above 1.
 
-use crate::material::{Orthotropic, Stiffness, Unstable};
+use crate::material::{Orthotropic, Stiffness, Unstable, strain_along};
 use crate::plane::PlaneStiffness;
 
 /// The smallest share of the stiffness that damage leaves. Source: derived. A crack right through a bar still carries
@@ -93,6 +93,28 @@ pub(crate) fn damaged_stiffness(
         g_mpa: [g[0] * l[3], g[1] * l[4], g[2] * l[5]],
     };
     softer.stiffness()
+}
+
+/// The stress of a ply in space on the area that still carries, order 11, 22, 33, 12, 23, 13, in its axes, which are turned by
+/// `angle_rad`. The stress in the layer is that of the first strain, the stress between layers (33, 23, 13) that of the second.
+///
+/// # Errors
+/// [`Unstable`] when the elastic constants are not those of a stable material.
+pub(crate) fn carried_stress(
+    elastic: &Orthotropic,
+    damage: [f64; 3],
+    bond: f64,
+    strains: [[f64; 6]; 2],
+    angle_rad: f64,
+) -> Result<[f64; 6], Unstable> {
+    let stiffness = damaged_stiffness(elastic, damage, bond)?;
+    // Strengths are those of undamaged material, so the stress is taken on what remains.
+    let remaining = remaining_shares(damage, bond);
+    let [in_layer, between_layers] = strains.map(|strain| strain_along(strain, angle_rad));
+    Ok(std::array::from_fn(|i| {
+        let own = if matches!(i, 2 | 4 | 5) { between_layers } else { in_layer };
+        stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
+    }))
 }
 
 #[cfg(test)]

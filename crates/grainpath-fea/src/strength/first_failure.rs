@@ -19,12 +19,11 @@ use rayon::prelude::*;
 
 use super::bricks::{Bricks, DIRECTIONS, SHARE_STEPS};
 use super::card::{FailureMode, StrengthCard};
-use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares, with_joined};
+use super::damage::{carried_stress, damaged_plane_stiffness, damaged_stiffness, with_joined};
 use super::laminate::{Laminate, Ply};
 use super::load_stepping::{FailureIndices, LoadedPart};
-use crate::material::{
-    Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane, strain_along,
-};
+use super::strain_fit::{Cells, judged_strains};
+use crate::material::{Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane};
 use crate::plane::PlaneStiffness;
 
 /// The ply of a part that fails first.
@@ -338,24 +337,28 @@ pub fn first_failure_of_bricks<const N: usize>(
             free.insert(mean_stiffness(elastic, key)?);
         }
     }
+    // Cells without material or stress have no strain.
+    let strain_of = |cell: usize| {
+        let mean = known.get(&key(bricks, bonds[cell], cell)).filter(|_| bricks.filled[cell] > 0.0)?;
+        Some(strain(mean, stress(cell)?))
+    };
+    let strains: Vec<Option<[f64; 6]>> = (0..n).into_par_iter().map(strain_of).collect();
+    let (cells, strains): (Vec<u32>, Vec<[f64; 6]>) =
+        strains.iter().enumerate().filter_map(|(c, strain)| Some((c as u32, (*strain)?))).unzip();
+    let mut element_of = vec![None; n];
+    cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
+    let part = Cells { n: bricks.n, cell_mm: bricks.cell_mm, element_of: &element_of, cells: &cells };
+    let strains = judged_strains(bricks, &cards[N / 2], &part, &strains, &|_| true);
     Ok(judged(&bricks.starts, &|cell, indices| {
         let mut worst = [None; N];
-        let Some(mean) = known.get(&key(bricks, bonds[cell], cell)).filter(|_| bricks.filled[cell] > 0.0)
-        else {
-            return worst;
-        };
-        let Some(stress) = stress(cell) else { return worst };
-        let mean = strain(mean, stress);
+        let Some(element) = element_of[cell] else { return worst };
+        let strains = strains[element as usize];
         let bond = f64::from(bonds[cell]).max(1.0 / SHARE_STEPS);
-        let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
-        // The strengths are those of whole material, so the stress is taken on the area that is in contact.
-        let remaining = remaining_shares([0.0; 3], bond);
         let mut apart_of_cell = 0.0;
         for (k, (ply, own_index)) in bricks.plies_in(cell).iter().zip(indices).enumerate() {
-            let along = strain_along(mean, ply.angle_rad);
-            let stress: [f64; 6] = std::array::from_fn(|i| {
-                own[i].iter().zip(along).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
-            });
+            let Ok(stress) = carried_stress(elastic, [0.0; 3], bond, strains, ply.angle_rad) else {
+                return worst;
+            };
             let plane = [stress[0], stress[1], stress[3]];
             for (of_card, (worst, card)) in worst.iter_mut().zip(cards).enumerate() {
                 let ([through, between], mode) = card.indices(plane);
