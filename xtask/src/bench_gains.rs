@@ -107,8 +107,7 @@ fn poses(jobs: &Jobs) -> Result<(), String> {
         let rotation = format!("shape.rotate_deg={}", pose["rotate_deg"]);
         let sets = [frame, rotation.as_str(), "strength.cell_mm=0.9", "strength.check=false"];
         let tested = jobs.report("strength", &folder, &["bracket"], &sets)?["strength"].clone();
-        // On its own cells, of a bead's width.
-        let planned = jobs.report("run", &folder, &["bracket"], &[frame, rotation.as_str()])?;
+        let planned = jobs.report("run", &folder, &["bracket"], &sets)?;
         let factor = |key: &str| format!("{:.2}", number(&tested[key]) / number(&tested["job_load_n"]));
         let of = |report: &Value, i: usize| format!("{:.2}", number(&report["reserve"]["first_failure"][i]));
         let [reserve, plan] = [pose, &planned].map(|report| move |i: usize| of(report, i));

@@ -20,7 +20,7 @@ use grainpath_core::{DMat3, DVec2, DVec3, TriMesh};
 use grainpath_fea::principal::plane_principal;
 use grainpath_fea::strength::bricks::{BrickPly, Bricks};
 use grainpath_fea::strength::card::StrengthCard;
-use grainpath_fea::strength::first_failure::first_failure_of_bricks;
+use grainpath_fea::strength::first_failure::{IndexScale, first_failure_of_bricks};
 use grainpath_fea::strength::grid_turn::convex_hull;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -341,7 +341,7 @@ fn of_case(
         }
         bricks.starts.push(bricks.plies.len() as u32);
     }
-    let found = first_failure_of_bricks(&bricks, cards, &|cell| Some(stress[cell]))
+    let found = first_failure_of_bricks(&bricks, cards, IndexScale::ONE, &|cell| Some(stress[cell]))
         .map_err(|e| StrengthError::Test(e.into()))?;
     let [Some(low), Some(nominal), Some(high)] = found.first else { return Ok(None) };
     let mut across: Vec<f64> = stress.iter().map(|s| s[2]).collect();

@@ -797,7 +797,7 @@ mod tests {
                 max_mib: 1024.0,
                 cancel: CancelFlag::default(),
             };
-            let all = test.first_failures(&[pla()], IndexScale { in_plane: 1.0, between_layers: 1.0 });
+            let all = test.first_failures(&[pla()], IndexScale::ONE);
             let told = 100.0 / all.expect("an answer").first[0].expect("a failure").index;
             // What the test finds while it loads the part is the same.
             let tested = test.run().expect("an answer").first_failure_n;

@@ -78,6 +78,11 @@ pub struct IndexScale {
     pub between_layers: f64,
 }
 
+impl IndexScale {
+    /// For indices that are wanted as they are.
+    pub const ONE: Self = Self { in_plane: 1.0, between_layers: 1.0 };
+}
+
 /// The first failure for each of several cards of one material, for example with low, nominal and high strengths.
 pub type OfCards<const N: usize> = [Option<FirstFailure>; N];
 
@@ -318,13 +323,14 @@ fn mean_stiffness(
     Ok(std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (mean(i, j) + mean(j, i)))))
 }
 
-/// The first failures of a solid for each of `N` cards, as [`first_failure_of_plate`].
+/// The first failures of a solid for each of `N` cards, as [`first_failure_of_plate`], with indices times `scale`.
 ///
 /// # Errors
 /// [`Unstable`] when the elastic constants are not those of a stable material.
 pub fn first_failure_of_bricks<const N: usize>(
     bricks: &Bricks,
     cards: &[StrengthCard; N],
+    scale: IndexScale,
     stress: &(dyn Fn(usize) -> Option<[f64; 6]> + Sync),
 ) -> Result<Judged<N>, Unstable> {
     let elastic = &cards[0].elastic;
@@ -361,11 +367,12 @@ pub fn first_failure_of_bricks<const N: usize>(
             };
             let plane = [stress[0], stress[1], stress[3]];
             for (of_card, (worst, card)) in worst.iter_mut().zip(cards).enumerate() {
-                let ([through, between], mode) = card.indices(plane);
+                let (in_layer, mode) = card.indices(plane);
+                let [through, between] = in_layer.map(|index| index * scale.in_plane);
                 // All plies of a brick separate from the layer below together, so only the first is tested. A brick over
                 // air has nothing to separate from.
                 let apart = if k == 0 && bricks.bond[cell] > 0.0 {
-                    card.layer_index([stress[2], stress[4], stress[5]]).0
+                    card.layer_index([stress[2], stress[4], stress[5]]).0 * scale.between_layers
                 } else {
                     0.0
                 };
@@ -433,7 +440,8 @@ mod tests {
             let stress = |cell: usize| {
                 middle(bricks.centre(cell).truncate()).then_some([10.0, 0.0, 0.0, 0.0, 0.0, 0.0])
             };
-            let [found] = first_failure_of_bricks(&bricks, &[pla()], &stress).expect("stable").first;
+            let [found] =
+                first_failure_of_bricks(&bricks, &[pla()], IndexScale::ONE, &stress).expect("stable").first;
             let found = found.expect("a cell in the middle");
             // Directions of the mean stiffness are rounded by up to 2.8 degrees.
             assert!((found.index / want - 1.0).abs() < 0.02, "{deg}: {} {want}", found.index);
@@ -478,7 +486,8 @@ mod tests {
         };
         let mut weak = pla();
         weak.zt_mpa = 10.0;
-        let [found, low] = first_failure_of_bricks(&bricks, &[pla(), weak], &stress).expect("stable").first;
+        let [found, low] =
+            first_failure_of_bricks(&bricks, &[pla(), weak], IndexScale::ONE, &stress).expect("stable").first;
         let (found, low) = (found.expect("a cell"), low.expect("a cell"));
         assert_eq!((found.mode, low.mode), (FailureMode::Layers, FailureMode::Layers));
         assert!((found.index - 0.2).abs() < 1e-3 && (low.index - 0.8).abs() < 4e-3, "{found:?} {low:?}");
@@ -494,9 +503,14 @@ mod tests {
         let centre = layer + ny / 2 * nx + nx / 2;
         let index = |contact: &dyn Fn(usize) -> f32| {
             let bond = (0..whole.bond.len()).map(contact).collect();
-            let [found] = first_failure_of_bricks(&Bricks { bond, ..whole.clone() }, &[pla()], &stress)
-                .expect("stable")
-                .first;
+            let [found] = first_failure_of_bricks(
+                &Bricks { bond, ..whole.clone() },
+                &[pla()],
+                IndexScale::ONE,
+                &stress,
+            )
+            .expect("stable")
+            .first;
             found.expect("a cell").index
         };
         let full = index(&|_| 1.0);

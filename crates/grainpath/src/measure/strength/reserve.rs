@@ -4,16 +4,17 @@
 //! Method: the beads become the cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids). The ply that
 //! fails first is found in one of two ways:
 //!
-//! - The cells of a plate, without fibre at least a bead wide, are solved once for each case, as the virtual test solves them
-//!   before anything fails, and judged over a length (`strain_fit` of `grainpath-fea`), so that larger cells tell the same.
-//!   Solved, but judged cell by cell, are those of a solid with sparse infill or without walls: there load moves from infill to walls and skins and to the few places
-//!   where beads touch, which the stress of a solid part does not show. Parts of more than `MOST_CELLS` cells get larger
-//!   ones; indices of single cells are scaled to the cells of the test.
+//! - The cells of a plate, and those of a solid with sparse infill or without walls, are solved once for each case, as the virtual
+//!   test solves them before anything fails: there load moves from infill to walls and skins and to the few places where beads
+//!   touch, which the stress of a solid part does not show. Cells smaller than `LEAST_CELL_BEADS` are not needed where the
+//!   first failure is told over a length (`strain_fit` of `grainpath-fea`).
 //! - In a dense solid with walls, the guide's stress, which was solved for a solid part, acts on the written beads. The
 //!   stress of a cell is the stress at its centre, divided by the contact with the layer below around it
 //!   ([`first_failure`](grainpath_fea::strength::first_failure)). Cells near fixtures and loads (closer than 1.5 mm plus
 //!   1.75 cells) do not count, because the test does not let them fail. Dense plates whose loads the test does not have are
 //!   judged in the same way.
+//!
+//! Parts of more than `MOST_CELLS` cells get larger ones. Indices of solved cells are scaled to the cells of the test.
 //!
 //! The report states three factors, for the low, nominal and high strengths of the material's card. The low and the high
 //! factor are moved apart by `METHOD`, and by the mesh error of the stress or the size of the cells.
@@ -49,10 +50,10 @@ const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
 /// bead width, six test parts lie within 15 % of the first failure in the virtual test; with cells of half a bead width, the
 /// test resolves notches of curved borders, and a corner with a fillet fails 29 % below its reserve (docs/validation.md).
 const METHOD: [f64; 2] = [0.3, 0.15];
-/// Largest number of cells on which a part is solved, in a plate and in a solid, as the filled section or volume over that
-/// of a cell. Larger parts get larger cells than the virtual test gives them. Source: chosen, so that the solution takes
-/// about as long as the stress of the guide: 0.3 to 0.8 times on bars of 3800 to 24 000 mm3 with cells of 0.45 mm, and 3.6
-/// times with closely spaced stripes.
+/// Largest number of cells of a part, in a plate and in a solid, as the filled section or volume over that of a cell. Larger parts
+/// get larger cells than those of the virtual test. Measured: a block of 24 000 mm3 with sparse `grid` takes 15 % of the time of
+/// its guide with 60 000 cells and 35 % with 100 000, a dense bracket of 33 000 mm3 takes 23 % with cells of 0.82 mm and 79 %
+/// with 360 000 cells of 0.45 mm.
 const MOST_CELLS: [f64; 2] = [40_000.0, 60_000.0];
 /// What larger cells than those of the test tell, as powers of their size over that of the test's cells.
 struct LargerCells {
@@ -72,10 +73,12 @@ const OF_SINGLE_CELLS: LargerCells =
 /// of eight plates of the gallery differs by -4 to 12 % (2 in the mean), and by -7 to 13 % with sparse and graded fills.
 const OF_PLATES: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.0, between_layers: 0.0 }, spread: 0.15 };
-/// Solids that are judged over a length.
+/// Solids that are judged over a length. Measured: on nine sparse bars and blocks first failure rises 1.00 to 1.26 times (1.08 in
+/// the mean) from cells of 0.45 to 0.6 mm, and 1.04 to 1.49 times (1.24) to 0.9 mm (docs/validation.md).
 const OF_SOLIDS: LargerCells =
     LargerCells { exponent: IndexScale { in_plane: 0.25, between_layers: 0.25 }, spread: 0.5 };
-/// The least size of the cells on which a plate and a solid that are judged over a length are solved, in widths of a bead.
+/// The least size of the cells on which a plate and a solid that are judged over a length are solved, in widths of a bead. Measured:
+/// with these sizes eight plates and nine sparse solids tell 0.93 to 1.17 times the first failure of the test on its smaller cells.
 const LEAST_CELL_BEADS: [f64; 2] = [1.0, 4.0 / 3.0];
 
 /// The factor on the job's loads at first failure, for the case with the least factor.
@@ -258,8 +261,7 @@ impl<'a> LaidCells<'a> {
         let size = bounds.map_or(DVec2::ZERO, |b| b.size()).extend(tall);
         let (usual_mm, smallest_mm) = cell_sizes_mm(fidelity, settings.bead_mm, middle, volume_mm3, size);
         let test_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
-        // A dense part is not solved here, so its cells are those of the test however many there are. A solution on all
-        // cells of a large part would take longer than everything else in the run.
+        // All cells of a large part would take longer than everything else in the run. Those of a dense plate are few.
         let [of_plate, of_solid] = MOST_CELLS;
         // Where the first failure is that of single cells, it depends on their size, so cells of the test are not made larger
         // without need.
@@ -269,7 +271,8 @@ impl<'a> LaidCells<'a> {
         let least_mm =
             LEAST_CELL_BEADS.map(|beads| if is_over_a_length { beads * settings.bead_mm } else { 0.0 });
         let cell_mm = match (on_cells, fidelity) {
-            (None, _) => test_mm,
+            (None, Fidelity::Plane) => test_mm,
+            (None, Fidelity::Voxels) => test_mm.max((volume_mm3 / of_solid).cbrt()),
             (Some(_), Fidelity::Plane) => test_mm.max(least_mm[0]).max((middle / of_plate).sqrt()),
             (Some(_), Fidelity::Voxels) => test_mm.max(least_mm[1]).max((volume_mm3 / of_solid).cbrt()),
         };
@@ -304,19 +307,7 @@ impl<'a> LaidCells<'a> {
     /// The reserve from a solution on the cells of the beads, for parts whose beads do not share the load evenly.
     fn reserve_on_cells(&self, setup: &TestSetup, limits: &Limits) -> Result<ReserveReport, Untold> {
         let cells = BeadCells::new(setup, &self.sheets, PlacedCells::unmoved(self.cell_mm))?;
-        // The indices are raised by what larger cells miss in the mean of many parts, and the interval by how far single parts
-        // are from that.
-        let larger = self.cell_mm / self.test_mm;
-        let LargerCells { exponent, spread } = match self.fidelity {
-            _ if !self.is_over_a_length => OF_SINGLE_CELLS,
-            Fidelity::Plane => OF_PLATES,
-            Fidelity::Voxels => OF_SOLIDS,
-        };
-        let scale = IndexScale {
-            in_plane: math::pow(larger, exponent.in_plane),
-            between_layers: math::pow(larger, exponent.between_layers),
-        };
-        let spread = math::pow(larger, spread);
+        let (scale, spread) = self.for_larger_cells();
         let (mut found, mut map) = (Vec::new(), None);
         for case in setup.all_cases() {
             let loaded = LoadedPart::on(&case.in_frame(self.frame), &cells)?;
@@ -337,6 +328,22 @@ impl<'a> LaidCells<'a> {
             found.extend(self.told(&case.case().name, judged.first, &widen, &place));
         }
         least_of(found, map)
+    }
+
+    /// What larger cells than those of the test ask for: a factor on indices, which are raised by what larger cells miss in the
+    /// mean of many parts, and one on the interval, for how far single parts are from that.
+    fn for_larger_cells(&self) -> (IndexScale, f64) {
+        let larger = self.cell_mm / self.test_mm;
+        let LargerCells { exponent, spread } = match self.fidelity {
+            _ if !self.is_over_a_length => OF_SINGLE_CELLS,
+            Fidelity::Plane => OF_PLATES,
+            Fidelity::Voxels => OF_SOLIDS,
+        };
+        let scale = IndexScale {
+            in_plane: math::pow(larger, exponent.in_plane),
+            between_layers: math::pow(larger, exponent.between_layers),
+        };
+        (scale, math::pow(larger, spread))
     }
 
     fn of_plate(&self, guide: &Guide) -> Result<(Vec<CaseReserve>, ReserveMap), Untold> {
@@ -373,6 +380,7 @@ impl<'a> LaidCells<'a> {
         let at = |cell: usize| self.frame.to_part_3d(bricks.centre(cell));
         let cards: [StrengthCard; 3] = std::array::from_fn(|k| self.cards[k][0]);
         let mut map = ReserveMap::of_bricks(&bricks, self.frame, self.program_from_part_mm);
+        let (scale, spread) = self.for_larger_cells();
         let mut found = Vec::new();
         for case in &guide.cases {
             let stress = |cell: usize| {
@@ -382,14 +390,15 @@ impl<'a> LaidCells<'a> {
                 }
                 self.stress(case, p)
             };
-            let judged = first_failure_of_bricks(&bricks, &cards, &stress)
+            let judged = first_failure_of_bricks(&bricks, &cards, scale, &stress)
                 .map_err(|e| StrengthError::Test(e.into()))?;
             map.add_case(&judged.of_plies);
             let place = |first: &FirstFailure| {
                 let p = at(first.cell);
                 (p, self.layer_at(p.z))
             };
-            let widen = |first_failure| interval(guide, first_failure);
+            let widen =
+                |[low, nominal, high]: [f64; 3]| interval(guide, [low / spread, nominal, high * spread]);
             found.extend(self.told(&case.name, judged.first, &widen, &place));
         }
         Ok((found, map))
