@@ -40,7 +40,7 @@ use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
 };
 
-use super::strain_fit::{Cells, judged_strains};
+use super::strain_fit::{ElementCells, judged_strains};
 use super::wall_bending::{
     BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
     unresolved_bending,
@@ -399,7 +399,8 @@ impl LoadedSolid<'_> {
         let elements = 0..self.cells.len();
         let strains: Vec<[f64; 6]> = elements.into_par_iter().map(|element| self.strain(element)).collect();
         let Bricks { n, cell_mm, .. } = self.test.bricks;
-        let cells = Cells { n: *n, cell_mm: *cell_mm, element_of: &self.element_of, cells: &self.cells };
+        let cells =
+            ElementCells { n: *n, cell_mm: *cell_mm, element_of: &self.element_of, cells: &self.cells };
         let is_asked = |element: usize| !self.is_unbreakable(element);
         judged_strains(self.test.bricks, self.test.card, &cells, &strains, &is_asked)
     }

@@ -22,7 +22,7 @@ use super::card::{FailureMode, StrengthCard};
 use super::damage::{carried_stress, damaged_plane_stiffness, damaged_stiffness, with_joined};
 use super::laminate::{Laminate, Ply};
 use super::load_stepping::{FailureIndices, LoadedPart};
-use super::strain_fit::{Cells, judged_strains};
+use super::strain_fit::{ElementCells, judged_strains};
 use crate::material::{Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane};
 use crate::plane::PlaneStiffness;
 
@@ -353,7 +353,7 @@ pub fn first_failure_of_bricks<const N: usize>(
         strains.iter().enumerate().filter_map(|(c, strain)| Some((c as u32, (*strain)?))).unzip();
     let mut element_of = vec![None; n];
     cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
-    let part = Cells { n: bricks.n, cell_mm: bricks.cell_mm, element_of: &element_of, cells: &cells };
+    let part = ElementCells { n: bricks.n, cell_mm: bricks.cell_mm, element_of: &element_of, cells: &cells };
     let strains = judged_strains(bricks, &cards[N / 2], &part, &strains, &|_| true);
     Ok(judged(&bricks.starts, &|cell, indices| {
         let mut worst = [None; N];

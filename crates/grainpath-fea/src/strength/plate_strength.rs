@@ -35,7 +35,7 @@ use super::load_stepping::{
 };
 use super::plate_system::PlateSystem;
 use super::squares::{GridHold, PlateElements, bending_strain, middle_strain, square};
-use super::strain_fit::{Cells, fitted_strains};
+use super::strain_fit::{ElementCells, fitted_strains};
 use super::wall_bending::{
     BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
     unresolved_bending,
@@ -293,7 +293,7 @@ impl LoadedPlate<'_> {
                 plies.map(|p| self.amount(p)).sum()
             };
             let amounts: Vec<f64> = elements.clone().map(amount).collect();
-            let part = Cells {
+            let part = ElementCells {
                 n: [grid.nx, grid.ny, 1],
                 cell_mm: DVec3::splat(grid.cell_mm),
                 element_of: &self.element_of,

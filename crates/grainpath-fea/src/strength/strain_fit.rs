@@ -3,25 +3,26 @@
 //!
 //! Method: moving least squares (`lancaster1981` in docs/references.bib). A field that is linear in x, y and z is fitted to the
 //! strains of the cells within `REACH_MM`; each counts by how much material it holds and by `(1 - r2)^2` for a distance of `r`
-//! over the reach. Its value in the middle of the cell is the strain of the cell. In a plate, which has one cell along z, each material
-//! has a field of its own, since fibre and the matrix beside it strain differently. In a solid, failure in the layers and between them
-//! has each a field of its own: for the second, a cell counts by its contact with the layer below. Cells beyond a gap do not count: only those are
-//! taken that steps from cell to cell lead to, each nearer to the last.
+//! over the reach. Its value in the middle of the cell is the strain of the cell. In a plate, which has one cell along z, each
+//! material has a field of its own, since fibre and the matrix beside it strain differently. In a solid, failure in the layers
+//! and between them has each a field of its own: for the second, a cell counts by its contact with the layer below. Cells beyond
+//! a gap do not count: only those are taken that steps from cell to cell lead to, each nearer to the last.
 //!
 //! Why: a cell that holds little material, in the corner between walls or on a slanting border, deforms more than any bead can,
 //! and in a notch the stress of the nearest cell grows without end as cells get smaller. Material fails where the stress over a
 //! length of its own reaches its strength (`whitney1974`, `taylor2008`). A mean over that length would take the bending out of
 //! thin walls; a linear field keeps it.
 //!
-//! Measured: on eight plates of the gallery with six sizes of cells from 0.2 to 0.6 mm the factor at first failure differs by 2 to
-//! 21 % from the least to the greatest; the strain of single cells gave 16 to 186 %, and factors 0.3 to 0.9 times as high. On eleven
-//! sparse solids with cells of 0.45, 0.6 and 0.9 mm it differs by 4 to 49 %; single cells gave 1 to 344 % (tables in docs/validation.md). Dense beams and
-//! posts are told the same by both within 1 %.
+//! Measured: on eight plates of the gallery with six sizes of cells from 0.2 to 0.6 mm the factor at first failure differs by 2
+//! to 21 % from the least to the greatest; the strain of single cells gave 16 to 186 %, and factors 0.3 to 0.9 times as high. On
+//! nine sparse solids with cells of 0.45, 0.6 and 0.9 mm it differs by 4 to 49 %; single cells gave 1 to 344 % (tables in
+//! docs/validation.md). Dense beams and posts are told the same by both within 1 %.
 //!
-//! Lengths are in mm, strains in the order of the caller. Cost: 34 operations and six for each component of the strain for each cell within
-//! reach of another, 25 to 61 of them in a plate, 33 in a solid. Limits: a cell without neighbours keeps its own strain. Across a wall that is one cell thick no
-//! bending is seen ([`super::wall_bending`] tells it). Materials that fail over a shorter length, as continuous fibre in shear,
-//! keep the strains of single cells (`StrengthCard::fails_over_a_length`).
+//! Lengths are in mm, strains in the order of the caller. Cost: 30 operations, and eight for each component of the strain, for
+//! each cell within reach of another, 25 to 61 of them in a plate, about 30 in a solid. Limits: a cell without neighbours keeps
+//! its own strain. Across a wall that is one cell thick no bending is seen ([`super::wall_bending`] tells it). Materials that fail
+//! over a shorter length, as continuous fibre in shear, keep the strains of single cells
+//! (`StrengthCard::fails_over_a_length`).
 //!
 //! The figure of the plate in [`super::plate_strength`] shows where such a plate begins to fail.
 
@@ -41,8 +42,9 @@ const REACH_MM: f64 = 0.9;
 /// The least reach in cells. Measured: with 2, on cells of 0.45 mm, the field is fitted to nine cells and tells a hook 1.98 for 3.0;
 /// with 3, cells of 0.45 mm tell what cells of 0.225 mm tell within 12 %.
 const LEAST_REACH_CELLS: f64 = 3.0;
-/// The same in the cells of a solid, of which 32 lie around each within this reach. Measured: as between 2 and 3 cells the
-/// factors of eleven sparse solids differ by 9 % at most but for one, the shorter reach is enough.
+/// The same in the cells of a solid, of which 26 and more lie around each within this reach. Measured: on cells of 0.45 mm 3
+/// instead of 2 tells eight sparse solids 0 to 6 % more and closely spaced graded stripes 4.5 instead of 3.5 times the load, and
+/// takes twice as long.
 const LEAST_REACH_BRICKS: f64 = 2.0;
 /// The largest reach in cells, which bounds the cost for tiny cells. Source: chosen; cells are at least 0.1 mm wide in practice.
 const MOST_REACH_CELLS: f64 = 9.0;
@@ -56,13 +58,13 @@ const RIDGE: f64 = 1e-5;
 /// are filled to 7 % and touch the layer below with 0.6 % of their area. With this share it is told 4.5, 5.3 and 5.7.
 const LEAST_BESIDE: f64 = 0.5;
 
-/// The upper half of a symmetric matrix of four rows.
+/// The upper half of a symmetric matrix of four rows. Source: derived.
 const PAIRS: [[usize; 2]; 10] =
     [[0, 0], [0, 1], [0, 2], [0, 3], [1, 1], [1, 2], [1, 3], [2, 2], [2, 3], [3, 3]];
 
-/// The cells of a part, x fastest, and its elements.
-pub(super) struct Cells<'a> {
-    /// Cells along x, y and z; a plate has one along z.
+/// The cells of a part, x fastest, and which of them are its elements.
+pub(super) struct ElementCells<'a> {
+    /// ElementCells along x, y and z; a plate has one along z.
     pub n: [usize; 3],
     /// Edges of a cell, mm.
     pub cell_mm: DVec3,
@@ -122,7 +124,7 @@ fn cells_near(n: [usize; 3], cell_mm: DVec3) -> Vec<Near> {
 /// The fitted strain of every element that `is_asked`, zero for others. `amounts` tell how much material an element holds,
 /// `strains` how it is strained.
 pub(super) fn fitted_strains<const S: usize>(
-    part: &Cells<'_>,
+    part: &ElementCells<'_>,
     amounts: &[f64],
     strains: &[[f64; S]],
     is_asked: &(dyn Fn(usize) -> bool + Sync),
@@ -170,7 +172,7 @@ pub(super) fn fitted_strains<const S: usize>(
 pub(super) fn judged_strains(
     bricks: &Bricks,
     card: &StrengthCard,
-    part: &Cells<'_>,
+    part: &ElementCells<'_>,
     strains: &[[f64; 6]],
     is_asked: &(dyn Fn(usize) -> bool + Sync),
 ) -> Vec<[[f64; 6]; 2]> {
@@ -209,7 +211,7 @@ mod tests {
         let cells: Vec<u32> = (0..count as u32).collect();
         let element_of: Vec<Option<u32>> = cells.iter().map(|c| Some(*c)).collect();
         let strains: Vec<[f64; 6]> = (0..count).map(|c| strain(at(c))).collect();
-        let part = Cells { n, cell_mm, element_of: &element_of, cells: &cells };
+        let part = ElementCells { n, cell_mm, element_of: &element_of, cells: &cells };
         let fitted = fitted_strains(&part, &vec![1.0; count], &strains, &|_| true);
         fitted.into_iter().enumerate().map(|(c, found)| (at(c), found)).collect()
     }
@@ -259,7 +261,7 @@ mod tests {
         let amounts: Vec<f64> = cells.iter().map(|c| of(*c as usize)).collect();
         let strains: Vec<[f64; 3]> =
             cells.iter().map(|c| strain(*c as usize % n[0], *c as usize / n[0])).collect();
-        let part = Cells {
+        let part = ElementCells {
             n: [n[0], n[1], 1],
             cell_mm: DVec3::splat(cell_mm),
             element_of: &element_of,

@@ -334,10 +334,10 @@ impl<'a> LaidCells<'a> {
     /// mean of many parts, and one on the interval, for how far single parts are from that.
     fn for_larger_cells(&self) -> (IndexScale, f64) {
         let larger = self.cell_mm / self.test_mm;
-        let LargerCells { exponent, spread } = match self.fidelity {
-            _ if !self.is_over_a_length => OF_SINGLE_CELLS,
-            Fidelity::Plane => OF_PLATES,
-            Fidelity::Voxels => OF_SOLIDS,
+        let LargerCells { exponent, spread } = match (self.is_over_a_length, self.fidelity) {
+            (false, Fidelity::Plane | Fidelity::Voxels) => OF_SINGLE_CELLS,
+            (true, Fidelity::Plane) => OF_PLATES,
+            (true, Fidelity::Voxels) => OF_SOLIDS,
         };
         let scale = IndexScale {
             in_plane: math::pow(larger, exponent.in_plane),
