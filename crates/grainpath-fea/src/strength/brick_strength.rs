@@ -773,7 +773,8 @@ mod tests {
         let n = [24, 9, 4];
         let beside = |c: usize| c / n[0] % n[1] == 4;
         let is_edge = |c: usize| beside(c) && c % n[0] == 18 && c / (n[0] * n[1]) == 1;
-        let first_n = |edge: Option<(f32, f32)>| {
+        let is_neck = |c: usize| beside(c) && (15..19).contains(&(c % n[0]));
+        let first_n = |card: StrengthCard, is_edge: &dyn Fn(usize) -> bool, edge: Option<(f32, f32)>| {
             let mut bricks = block(n, |_| 0.0, |_| 1.0);
             let count = bricks.filled.len();
             for c in (0..count).filter(|c| is_edge(*c)) {
@@ -794,26 +795,31 @@ mod tests {
                 forces_n: &forces,
                 load_n: 100.0,
                 unbreakable: &unbreakable,
-                card: &pla(),
+                card: &card,
                 max_mib: 1024.0,
                 cancel: CancelFlag::default(),
             };
-            let all = test.first_failures(&[pla()], IndexScale::ONE);
+            let all = test.first_failures(&[card], IndexScale::ONE);
             let told = 100.0 / all.expect("an answer").first[0].expect("a failure").index;
             // What the test finds while it loads the part is the same.
             let tested = test.run().expect("an answer").first_failure_n;
             assert!((told / tested - 1.0).abs() < 0.01, "{told} {tested}");
             told
         };
-        let alone = first_n(None);
+        // A brittle material is judged cell by cell.
+        let brittle = StrengthCard { g_along_n_mm: 0.1, g_across_n_mm: 0.1, ..pla() };
+        let alone = first_n(pla(), &is_edge, None);
         for edge in [(0.07, 1.0), (0.07, 0.1), (0.15, 0.02)] {
-            let with = first_n(Some(edge));
-            println!("{edge:?}: {with:.0} N, {alone:.0} N without it");
+            let [with, of_cell] = [pla(), brittle].map(|card| first_n(card, &is_edge, Some(edge)));
+            println!("{edge:?}: {with:.0} N, {alone:.0} N without it, {of_cell:.0} N cell by cell");
             assert!((with / alone - 1.0).abs() < 0.06, "{edge:?}: {with} {alone}");
         }
-        // A full cell there is a part of the piece, and tears first.
-        let full = first_n(Some((1.0, 1.0)));
-        assert!(full < 0.6 * alone, "{full} {alone}");
+        // The single cell that is most of all strained tears at a twelfth of the load.
+        let of_cell = first_n(brittle, &is_edge, Some((0.07, 1.0)));
+        assert!(of_cell < 0.1 * alone, "{of_cell} {alone}");
+        // A full neck of four by four cells is a part of the piece, and both tell the same.
+        let [neck, of_cells] = [pla(), brittle].map(|card| first_n(card, &is_neck, Some((1.0, 1.0))));
+        assert!(neck < 0.9 * alone && (neck / of_cells - 1.0).abs() < 0.02, "{neck} {of_cells}");
     }
 
     #[test]
