@@ -39,7 +39,6 @@ use super::first_failure::{FirstFailure, IndexScale, Judged, first_failures_of};
 use super::load_stepping::{
     FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, highest_index, run_to_failure,
 };
-
 use super::strain_fit::{ElementCells, judged_strains};
 use super::wall_bending::{
     BendingSample, CellsAlong, MIN_CELLS_ACROSS, UnresolvedBending, WallThrough, is_outside,
@@ -412,7 +411,17 @@ impl LoadedSolid<'_> {
         strain: [f64; 6],
         states: &[PlyState],
     ) -> impl Iterator<Item = FailureIndices> {
-        let stresses = self.stresses_of_strains(element, [strain; 2], states);
+        self.indices_of_strains(element, [strain; 2], states)
+    }
+
+    /// Failure indices of an element under one strain in its layers and another between them.
+    fn indices_of_strains(
+        &self,
+        element: usize,
+        strains: [[f64; 6]; 2],
+        states: &[PlyState],
+    ) -> impl Iterator<Item = FailureIndices> {
+        let stresses = self.stresses_of_strains(element, strains, states);
         stresses.enumerate().map(|(k, stress)| indices_of_stress(self.test.card, k, stress))
     }
 
@@ -449,7 +458,7 @@ impl LoadedSolid<'_> {
                 return BendingSample::default();
             }
             let displacement = self.system.displacement();
-            let middle = self.system.strain(displacement, cell).unwrap_or_default();
+            let middle = self.strain(element);
             let index = |strain: [f64; 6]| highest_index(self.indices_of_strain(element, strain, states));
             let wall = test.wall_through(cell);
             let around = || {
@@ -548,8 +557,7 @@ impl LoadedPart for LoadedSolid<'_> {
 
     fn first_indices(&self, states: &[PlyState]) -> Vec<f64> {
         let of_element = |(element, strains): (usize, [[f64; 6]; 2])| {
-            let stresses = self.stresses_of_strains(element, strains, states).enumerate();
-            highest_index(stresses.map(|(k, stress)| indices_of_stress(self.test.card, k, stress)))
+            highest_index(self.indices_of_strains(element, strains, states))
         };
         self.judged_strains().into_par_iter().enumerate().map(of_element).collect()
     }

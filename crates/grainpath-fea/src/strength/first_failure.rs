@@ -1,9 +1,10 @@
 //! Where printed material fails first: under a known stress without a finite-element solution on its cells, or in a part
 //! whose cells were solved (`PlateTest::first_failures`, `SolidTest::first_failures`).
 //!
-//! Method under a known stress: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of [`Bricks`]. All
-//! plies of a cell have the same strain, so the inverse of their mean stiffness gives the strain, and the stiffness of each
-//! ply gives its stress. The failure indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are
+//! Method under a known stress: the stress of a homogeneous part acts on the filled share of each cell of a [`Laminate`] or of
+//! [`Bricks`]. All plies of a cell have the same strain, so the inverse of their mean stiffness gives the strain. In bricks a
+//! field fitted to the strains around each cell takes its place (`strain_fit`), as in the virtual test. The stiffness of each ply
+//! gives its stress. The failure indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are
 //! those of the virtual test. Indices grow with the load, so the load at first failure is the load divided by the highest
 //! index.
 //!

@@ -168,9 +168,9 @@ pub(super) fn fitted_strains<const S: usize>(
     part.cells.par_iter().enumerate().map_init(Vec::new, fitted).collect()
 }
 
-/// The strains of every element of a solid from which the first failure in its layers and between them is told. They are zero
-/// where nothing is asked, and in elements that hold little beside others: those are the edges of beads whose middle lies
-/// there.
+/// The strains of every element of a solid from which the first failure in its layers and between them is told. Over a
+/// length they are zero where nothing is asked, and in elements that hold little beside others: those are the edges of beads
+/// whose middle lies there.
 pub(super) fn judged_strains(
     bricks: &Bricks,
     card: &StrengthCard,

@@ -14,7 +14,7 @@
 //!   1.75 cells) do not count, because the test does not let them fail. Dense plates whose loads the test does not have are
 //!   judged in the same way.
 //!
-//! Parts of more than `MOST_CELLS` cells get larger ones. Indices of solved cells are scaled to the cells of the test.
+//! Parts of more than `MOST_CELLS` cells get larger ones. Their indices are scaled to the cells of the test.
 //!
 //! The report states three factors, for the low, nominal and high strengths of the material's card. The low and the high
 //! factor are moved apart by `METHOD`, and by the mesh error of the stress or the size of the cells.
