@@ -493,9 +493,12 @@ fn merge_thin(plies: &mut Vec<Ply>, first: usize, least_mm: f64) {
 pub(super) struct LayerCells {
     /// What each cell holds, mm.
     held: Vec<f32>,
-    /// For each fan of each cell the thickness, and its products with cosine and sine of twice the angle.
-    fans: Vec<[f32; 3]>,
+    /// What each cell holds of each material.
+    fans: Vec<Fans>,
 }
+
+/// What a cell holds of a material, by fan: the thicknesses, and their products with cosine and sine of twice the angle.
+type Fans = [[f32; FANS]; 3];
 
 /// The material of a layer.
 pub(super) fn layer(
@@ -504,32 +507,32 @@ pub(super) fn layer(
     layer: &DistinctLayer,
     LayerCells { held, fans }: &mut LayerCells,
 ) -> Vec<Share> {
-    let n = grid.nx * grid.ny;
+    let (n, n_materials) = (grid.nx * grid.ny, n_fans / FANS);
     held.clear();
     held.resize(n, 0.0);
     fans.clear();
-    fans.resize(n * n_fans, [0.0; 3]);
+    fans.resize(n * n_materials, [[0.0; FANS]; 3]);
     for bead in ribbons(layer) {
         let along = bead.along;
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
         let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
-        let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS
-            + FANS * usize::from(bead.material);
+        let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS;
         let corners = bead.corners.map(|p| (p - grid.low) / grid.cell_mm);
         // The width of a blob is limited, so its height follows from its volume.
         let fill = bead.volume_mm3 / bead.area_mm2;
         covered_cells(&corners, grid, &mut |cell, area| {
             let t = area * fill;
             held[cell] += t as f32;
-            let f = &mut fans[cell * n_fans + fan];
-            f[0] += t as f32;
-            f[1] += (t * double.x) as f32;
-            f[2] += (t * double.y) as f32;
+            let [sum, cos, sin] = &mut fans[cell * n_materials + usize::from(bead.material)];
+            sum[fan] += t as f32;
+            cos[fan] += (t * double.x) as f32;
+            sin[fan] += (t * double.y) as f32;
         });
     }
-    spread(grid, n_fans, layer.height_mm as f32, held, fans);
-    let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
-    shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
+    spread(grid, layer.height_mm as f32, held, fans);
+    let sums = fans.iter().flat_map(|f| (0..FANS).map(|k| f.map(|of_fans| of_fans[k])));
+    let shares = sums.enumerate().filter(|(_, sum)| sum[0] > 0.0);
+    shares.map(|(slot, sum)| Share { slot: slot as u32, sum }).collect()
 }
 
 /// The mean width of the beads of some layers, mm.
@@ -555,89 +558,99 @@ static OVERFULL: Tuned<f32> = Tuned::new("fea.strength.laminate.OVERFULL", 1.000
 /// this margin, rounding would decide whether the row of cells outside the part is filled.
 const LEAST_TAKING: f32 = 0.02;
 
+/// A cell that is fuller than it may be, and what it gives to its neighbours in a pass.
+struct Giver {
+    cell: usize,
+    /// What it holds before the pass, mm.
+    before: f32,
+    gifts: Gifts,
+}
+
+/// What a cell gives to each of its neighbours.
+enum Gifts {
+    /// This share of the room that a neighbour has.
+    OfRoom(f32),
+    /// The same thickness, mm, where no neighbour has room: half of the excess is spread, and a later pass moves it on.
+    Equal(f32),
+}
+
 /// Moves the excess of overfull cells to their neighbours, in proportion to the free space of each. All cells of a pass give
 /// at once: were one to give after the other, the order of the cells would show, and a turned part would get others.
-fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
-    let mut asked = vec![0f32; held.len()];
+///
+/// Cost: most of the time in which the cells of a dense solid are made. A layer full of beads has no room, so most gifts are
+/// equal ones, and each cell gives to all neighbours in every pass. A gift therefore moves all fans of a material at once,
+/// with as many lanes as the processor has, where a list of the fans that hold something takes twice as long.
+fn spread(grid: &CellGrid, full: f32, held: &mut [f32], fans: &mut [Fans]) {
+    let n_materials = fans.len() / held.len();
     let nearly = 2.0 - OVERFULL.value();
+    // Empty neighbours lie outside the part, and no material leaves the part. Cells that take only become fuller or give of
+    // their excess, so each takes in all passes or in none.
+    let takes = |held: f32| held > full * LEAST_TAKING;
     // The outermost cells hold nothing (`grid_over`), so every cell that gives has all its neighbours.
     let inner = |j: usize| (j * grid.nx + 1)..((j + 1) * grid.nx - 1);
-    let around = AROUND.map(|(di, dj)| dj * grid.nx as isize + di);
-    // Each gift: the giver's place in `over`, the receiver, and the thickness.
-    let (mut over, mut gifts): (Vec<usize>, Vec<(u32, u32, f32)>) = (Vec::new(), Vec::new());
-    // What each giver holds before it gives: most cells hold beads of one or two directions.
-    let mut owned: Vec<(usize, [f32; 3])> = Vec::new();
-    let mut givers: Vec<(usize, f32)> = Vec::new();
+    let offsets = AROUND.map(|(di, dj)| dj * grid.nx as isize + di);
+    let around = |cell: usize| offsets.map(|off| cell.wrapping_add_signed(off));
+    // How much each cell has room for, how much it is asked to take, and the share of each gift that it takes.
+    let (mut room, mut asked, mut taken) = (vec![0f32; held.len()], vec![0f32; held.len()], Vec::new());
+    let (mut givers, mut owned): (Vec<Giver>, Vec<Fans>) = (Vec::new(), Vec::new());
     for _ in 0..PASSES.value() {
-        over.clear();
-        over.extend((1..grid.ny - 1).flat_map(inner).filter(|&c| held[c] > full * OVERFULL.value()));
-        if over.is_empty() {
+        // A cell that was filled is full apart from rounding, and has no room.
+        let has_room = |held: f32| takes(held) && held <= full * nearly;
+        room.iter_mut()
+            .zip(&*held)
+            .for_each(|(room, &held)| *room = if has_room(held) { full - held } else { 0.0 });
+        givers.clear();
+        owned.clear();
+        for cell in (1..grid.ny - 1).flat_map(inner).filter(|&c| held[c] > full * OVERFULL.value()) {
+            let (before, near) = (held[cell], around(cell));
+            let excess = before - full;
+            let space: f32 = near.iter().map(|&other| room[other]).sum();
+            let gifts = if space > 0.0 {
+                let share = (excess / space).min(1.0);
+                near.iter().for_each(|&other| asked[other] += share * room[other]);
+                Gifts::OfRoom(share)
+            } else {
+                let n = near.iter().filter(|&&other| takes(held[other])).count();
+                Gifts::Equal(0.5 * excess / n as f32)
+            };
+            givers.push(Giver { cell, before, gifts });
+            owned.extend_from_slice(&fans[cell * n_materials..(cell + 1) * n_materials]);
+        }
+        if givers.is_empty() {
             return;
         }
-        gifts.clear();
-        for (i, &cell) in over.iter().enumerate() {
-            let excess = held[cell] - full;
-            // The neighbours that take, and how much room each has.
-            let (mut near, mut n) = ([(0, 0.0); 8], 0);
-            for other in around.map(|off| cell.wrapping_add_signed(off)) {
-                let held = held[other];
-                // Empty neighbours lie outside the part, and no material leaves the part.
-                if held > full * LEAST_TAKING {
-                    // A cell that was filled is full apart from rounding, and has no room.
-                    near[n] = (other, if held > full * nearly { 0.0 } else { full - held });
-                    n += 1;
-                }
-            }
-            let near = &near[..n];
-            let space: f32 = near.iter().map(|(_, free)| free).sum();
-            if space > 0.0 {
-                let share = (excess / space).min(1.0);
-                for &(other, free) in near.iter().filter(|(_, free)| *free > 0.0) {
-                    asked[other] += share * free;
-                    gifts.push((i as u32, other as u32, share * free));
-                }
-            } else {
-                // If no neighbour has free space, half of the excess is spread over all; a later pass moves it on.
-                let gift = 0.5 * excess / n as f32;
-                gifts.extend(near.iter().map(|(other, _)| (i as u32, *other as u32, gift)));
-            }
-        }
         // A cell that is asked to take more than it has room for takes the same share of each gift.
-        for (_, other, gift) in &mut gifts {
-            let free = full - held[*other as usize];
-            if asked[*other as usize] > free && free > 0.0 {
-                *gift *= free / asked[*other as usize];
-            }
-        }
-        owned.clear();
-        givers.clear();
-        for &cell in &over {
-            let own = fans[cell * n_fans..(cell + 1) * n_fans].iter().enumerate();
-            owned.extend(own.filter(|(_, fan)| **fan != [0.0; 3]).map(|(k, fan)| (k, *fan)));
-            givers.push((owned.len(), held[cell]));
-        }
-        for of_giver in gifts.chunk_by(|a, b| a.0 == b.0) {
-            let i = of_giver[0].0 as usize;
-            let (cell, (end, before)) = (over[i], givers[i]);
-            let owned = &owned[if i > 0 { givers[i - 1].0 } else { 0 }..end];
-            // Receivers get the directions of the giver's beads in the shares that it held before.
-            let mut given = 0.0;
-            for &(_, other, gift) in of_giver {
-                let (other, share) = (other as usize, gift / before);
-                for (k, own) in owned {
-                    let to = &mut fans[other * n_fans + k];
-                    to.iter_mut().zip(own).for_each(|(to, own)| *to += own * share);
+        taken.clear();
+        taken.extend(
+            asked.iter().zip(&room).map(|(asked, room)| if asked > room { room / asked } else { 1.0 }),
+        );
+        asked.fill(0.0);
+        for (Giver { cell, before, gifts }, owned) in givers.iter().zip(owned.chunks_exact(n_materials)) {
+            let near = around(*cell);
+            let gifts = near.map(|other| match gifts {
+                Gifts::OfRoom(share) => share * room[other] * taken[other],
+                Gifts::Equal(gift) if takes(held[other]) => *gift,
+                Gifts::Equal(_) => 0.0,
+            });
+            let given: f32 = gifts.iter().sum();
+            // Receivers get the directions of the giver's beads in the shares that it held before, and the giver loses at
+            // once what all its gifts took.
+            for (material, &own) in owned.iter().enumerate() {
+                let mut add = |cell: usize, share: f32| {
+                    let to = &mut fans[cell * n_materials + material];
+                    for (to, own) in to.iter_mut().zip(own) {
+                        for (to, own) in to.iter_mut().zip(own) {
+                            *to += own * share;
+                        }
+                    }
+                };
+                for (other, gift) in near.into_iter().zip(gifts).filter(|(_, gift)| *gift > 0.0) {
+                    add(other, gift / before);
                 }
-                held[other] += gift;
-                asked[other] = 0.0;
-                given += gift;
+                add(*cell, -(given / before));
             }
-            // The giver loses at once what all its gifts took from what it held before.
-            for (k, own) in owned {
-                let from = &mut fans[cell * n_fans + k];
-                from.iter_mut().zip(own).for_each(|(from, own)| *from -= own * (given / before));
-            }
-            held[cell] -= given;
+            near.into_iter().zip(gifts).for_each(|(other, gift)| held[other] += gift);
+            held[*cell] -= given;
         }
     }
 }
