@@ -202,6 +202,8 @@ pub struct Seeding<'a> {
     pub seed_share: f64,
     /// Whether a line that comes too near to another is dropped as a whole instead of cut.
     pub whole: bool,
+    /// Whether a place lies on something below. A line that starts on it ends where it no longer does.
+    pub is_held: &'a dyn Fn(DVec2) -> bool,
 }
 
 /// A seed found here is taken if no line is nearer than this share of the separation. Source: derived. Such seeds lie
@@ -253,9 +255,10 @@ pub fn evenly_spaced(
             continue;
         }
         // `stop` is a shared closure, so the result leaves it through a cell.
+        let is_held = (seeding.is_held)(seed);
         let met = std::cell::Cell::new(false);
         let stop = |p: DVec2, _: f64| {
-            let hit = is_near(p, seeding.end_share);
+            let hit = is_near(p, seeding.end_share) || is_held && !(seeding.is_held)(p);
             met.set(met.get() || hit);
             hit
         };
@@ -399,6 +402,7 @@ mod tests {
             shortest_across_mm: 0.45,
             seed_share: 0.98,
             whole: false,
+            is_held: &|_| true,
         };
         let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
         let mut at: Vec<f64> = lines.iter().map(|line| line.points[0].x).collect();
@@ -441,6 +445,7 @@ mod tests {
             shortest_across_mm: 3.0,
             seed_share: 0.98,
             whole: false,
+            is_held: &|_| true,
         };
         let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
         assert!((12..=20).contains(&lines.len()), "{}", lines.len());
@@ -462,6 +467,33 @@ mod tests {
     }
 
     #[test]
+    fn lines_that_start_on_something_end_where_they_leave_it() {
+        let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 12.0) };
+        let axis = |p: DVec2| (p.clamp(bounds.min, bounds.max) == p).then_some(DVec2::X);
+        // Something lies below the left half of the two lower lines.
+        let is_held = |p: DVec2| p.x < 20.0 && p.y < 6.0;
+        let seeding = Seeding {
+            separation_mm: &|_| 3.0,
+            end_share: 0.5,
+            shortest_mm: 3.0,
+            shortest_across_mm: 3.0,
+            seed_share: FOUND_SHARE,
+            whole: false,
+            is_held: &is_held,
+        };
+        let seeds = [1.5, 4.5, 7.5].map(|y| DVec2::new(5.0, y));
+        let lines = evenly_spaced(&seeds, bounds, &axis, &seeding, &SETTINGS);
+        for line in &lines[..2] {
+            let ends = [line.points[0].x, line.points[line.points.len() - 1].x];
+            assert!(ends[0] < 0.1 && (20.0..21.1).contains(&ends[1]), "{ends:?}");
+        }
+        // The others lie on nothing, or start beside what is held, and run on to the border.
+        assert!(lines[2].length_mm() > 39.0, "{}", lines[2].length_mm());
+        let beside = |line: &TracedLine| line.points.iter().all(|p| p.x > 20.0 && p.y < 6.0);
+        assert_eq!(lines.iter().filter(|line| beside(line) && line.length_mm() > 15.0).count(), 2);
+    }
+
+    #[test]
     fn lines_do_not_move_with_a_border_that_they_meet_aslant() {
         // A border that moves by 1e-3 mm moves the end of a line that meets it at a small angle by much more.
         for turn in [2.0, 8.0, 21.0, 35.0, 38.0] {
@@ -480,6 +512,7 @@ mod tests {
                     shortest_across_mm: 1.0,
                     seed_share: FOUND_SHARE,
                     whole: false,
+                    is_held: &|_| true,
                 };
                 let settings = LineSettings { tolerance_mm: 0.005, step_mm: 0.4, longest_mm: 1e3 };
                 evenly_spaced(&[DVec2::new(80.0, 10.0)], bounds, &axis, &seeding, &settings)

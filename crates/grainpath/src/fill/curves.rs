@@ -509,7 +509,7 @@ mod tests {
             border_mm: 0.11,
             ends: grainpath_job::choices::BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
-            below: &[],
+            below: None,
             fills_wedges: true,
             widths: grainpath_job::choices::BeadWidths::Variable,
             field: None,

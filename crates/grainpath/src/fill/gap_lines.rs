@@ -21,10 +21,10 @@ use grainpath_core::streamlines::{LineSettings, trace_line};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
 
-use super::FillContext;
 use super::density_windows::{Sums, WINDOW_MM, Windows, pieces};
 use super::field::seed_lines::{LONGEST_SIDES, TOLERANCE_MM};
 use super::field::stripes::WIDEST;
+use super::{FillContext, LinesBelow};
 
 /// Lines shorter than this, in beads, are left out. Source: derived. Twice the shortest piece of `stripes`:
 /// lines of sparse infill have no support between their ends.
@@ -86,7 +86,7 @@ pub(super) fn lines_in_gaps(
         longest_mm: LONGEST_SIDES * reach.size().element_sum(),
     };
     // A line of the layer below goes on first, so that it carries the one above.
-    let mut below = context.below.iter().copied();
+    let mut below = context.below.into_iter().flat_map(LinesBelow::places).copied();
     loop {
         let named = below.next();
         let worst = if named.is_some() {
@@ -114,7 +114,8 @@ pub(super) fn lines_in_gaps(
             (None, None) => break,
         };
         let in_gap = |p: DVec2| windows.cells_in(windows.cell_of(p)).any(|k| lacks[k] > 0.0);
-        let stop = |p: DVec2, _: f64| !is_free(p) || !in_gap(p);
+        let is_held = seed.is_some_and(|seed| context.is_held(seed));
+        let stop = |p: DVec2, _: f64| !is_free(p) || !in_gap(p) || is_held && !context.is_held(p);
         let line = seed.filter(|p| !stop(*p, 0.0)).map(|p| trace_line(p, &axis, &stop, &settings));
         let long = line.filter(|line| line.length_mm() > SHORTEST * context.bead_width_mm);
         if let Some(line) = long {

@@ -751,7 +751,7 @@ mod tests {
             border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
             ends: BeadEnds::Joined,
             shift: crate::fill::Shift::NONE,
-            below: &[],
+            below: None,
             fills_wedges: true,
             widths: BeadWidths::Variable,
             field: Some(&FIELD),
@@ -822,7 +822,7 @@ mod tests {
             .collect();
         let bounds = areas.iter().filter_map(|a| a.bounds()).reduce(|a, b| a.union(b)).expect("an area");
         let border_mm = 0.5 * bead_spacing_mm(0.45, LAYER_MM);
-        let mut below: Vec<DVec2> = Vec::new();
+        let mut below: Option<crate::fill::LinesBelow> = None;
         let mut layers: Vec<LayerPaths> = Vec::new();
         for (i, area) in areas.iter().enumerate() {
             let mut fills = Vec::new();
@@ -832,7 +832,7 @@ mod tests {
                 border_mm,
                 angle_rad: angle_rad + if turned { FRAC_PI_2 } else { 0.0 },
                 part: bounds,
-                below: &below,
+                below: below.as_ref(),
                 ..context(z_mm(i) - 0.5 * LAYER_MM)
             };
             for polygon in &area.offset(-border_mm, Join::Miter(2.0)).polygons {
@@ -844,7 +844,7 @@ mod tests {
                     fill(pattern, &context, map, polygon, &mut fills);
                 }
             }
-            below = crate::fill::places_on(fills.iter().map(|p| p.points.as_slice()));
+            below = Some(crate::fill::LinesBelow::new(fills.iter(), fills.iter(), 0.45));
             let islands = vec![Island { walls: Vec::new(), fills }];
             layers.push(LayerPaths { islands, ..LayerPaths::default() });
         }

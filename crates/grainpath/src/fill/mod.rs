@@ -17,6 +17,7 @@ pub mod graded_infill;
 mod gyroid;
 mod hatch;
 mod honeycomb;
+mod lines_below;
 mod rectilinear;
 pub(crate) mod shift;
 mod side_by_side;
@@ -31,11 +32,12 @@ pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub(crate) use field::band;
 pub(crate) use field::is_streamlines;
-pub(crate) use field::streamlines::places_on;
 pub use field::{SeedLines, Streamlines, Stripes};
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
+pub(crate) use lines_below::HELD;
+pub use lines_below::LinesBelow;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 pub use shift::{Ends, Shift};
 pub use side_by_side::{LineFit, SideBySide};
@@ -69,8 +71,8 @@ pub struct FillContext<'a> {
     pub widths: BeadWidths,
     /// Where beads end, so that they differ from layer to layer.
     pub shift: Shift,
-    /// Places on the lines of the highest layer below with the same directions; lines along a field go on from them.
-    pub below: &'a [DVec2],
+    /// Lines of the highest layer below with the same directions; lines along a field go on from them.
+    pub below: Option<&'a LinesBelow>,
     /// Whether straight solid lines fill the wedges beside borders that they meet at a small angle.
     pub fills_wedges: bool,
     /// Direction field for the patterns that follow one.
@@ -101,6 +103,11 @@ impl FillContext<'_> {
                 self.widths == BeadWidths::Constant && self.density.is_dense() && !self.is_one_width()
             }
         }
+    }
+
+    /// Whether a bead at this place lies on the layer below; everywhere where lines do not go on from one.
+    pub(crate) fn is_held(&self, place: DVec2) -> bool {
+        self.below.is_none_or(|below| below.holds(place, self.bead_width_mm))
     }
 
     /// Whether the field asks for distances of its own in an area; these then decide the density.
@@ -188,7 +195,7 @@ mod tests {
             border_mm,
             ends: BeadEnds::Joined,
             shift: Shift::NONE,
-            below: &[],
+            below: None,
             fills_wedges: true,
             widths: BeadWidths::Variable,
             field: Some(&FIELD),

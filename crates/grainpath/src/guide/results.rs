@@ -220,6 +220,7 @@ impl Guide {
             shortest_across_mm: 2.0 * separation,
             seed_share: FOUND_SHARE,
             whole: false,
+            is_held: &|_| true,
         };
         let settings = LineSettings {
             tolerance_mm: 1e-3 * separation,

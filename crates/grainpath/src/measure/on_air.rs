@@ -15,12 +15,11 @@ use grainpath_core::segments::Segments;
 use grainpath_core::{DVec2, LayerPlan, Role, Warning, WarningId};
 use rayon::prelude::*;
 
+use crate::fill::HELD;
+
 /// Distance of the places that are looked at, in bead widths. Source: derived; an end is then found a tenth of a width too
 /// long on average.
 const STEP: f64 = 0.2;
-/// A place is held if the middle of a bead below is at most this many bead widths away in plan. Source: as for beads of
-/// supports (`REACH` of `held.rs`); a seventh of the bead lies on the one below.
-const HELD: f64 = 0.86;
 /// Shorter ends are not counted, mm. Source: chosen; about two beads, as long as a line that meets a wall at a flat angle
 /// lies beside the bead below.
 const SHORT_MM: f64 = 1.0;

@@ -22,8 +22,8 @@ use crate::fibre::{FibrePlace, FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::graded_infill::{FittedLayer, fit_layers};
 use crate::fill::{
-    Concentric, FillContext, Infill, SeedLines, SideBySide, Solid, Stripes, band, bridge_angle_rad,
-    graded_infill, infill, join_rings,
+    Concentric, FillContext, Infill, LinesBelow, SeedLines, SideBySide, Solid, Stripes, band,
+    bridge_angle_rad, graded_infill, infill, join_rings,
 };
 use crate::guide::graded_density::DensityMap;
 use crate::guide::grain::GrainGuide;
@@ -49,8 +49,8 @@ struct RegionFill<'a> {
     grain: Option<&'a GrainGuide>,
     /// Whether the regions of an island are filled with one path.
     one_path: bool,
-    /// Places on lines of a layer below, from which lines go on.
-    below: &'a [DVec2],
+    /// Lines of a layer below, from which those along a field go on.
+    below: Option<&'a LinesBelow>,
     /// Direction of the lines, radians; `None` takes the direction of the layer's infill.
     angle_rad: Option<f64>,
 }
@@ -221,7 +221,7 @@ impl Steps<'_> {
                 grain,
                 one_path,
                 angle_rad,
-                below: &[],
+                below: None,
             };
             // All regions of an island are filled together: the continuous pattern reports the
             // necks between them.
@@ -306,13 +306,13 @@ impl Steps<'_> {
         left
     }
 
-    /// Lays sparse infill. Lines along a field go on from `below`, places on those of a layer below.
+    /// Lays sparse infill. Lines along a field go on from `below`.
     pub(super) fn sparse_fill(
         &self,
         i: usize,
         split: &SkinSplit,
         density: Density,
-        below: &[DVec2],
+        below: Option<&LinesBelow>,
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();

@@ -88,7 +88,7 @@ impl Steps<'_> {
             }));
         let of_sparse = |density: f64, i: usize| {
             let mut mass = 0.0;
-            self.sparse_fill(i, &skins[i], Density::new(density), &[], &mut |_, p| {
+            self.sparse_fill(i, &skins[i], Density::new(density), None, &mut |_, p| {
                 mass += grams(&p, height(i))
             });
             mass
@@ -101,7 +101,7 @@ impl Steps<'_> {
             let lay = |&i: &usize| {
                 let mut paths = Vec::new();
                 let mut add = |island, path| paths.push((island, path));
-                self.sparse_fill(i, &skins[i], Density::new(density), &[], &mut add);
+                self.sparse_fill(i, &skins[i], Density::new(density), None, &mut add);
                 paths
             };
             let mut laid: Vec<IslandPaths> = layers.par_iter().map(lay).collect();

@@ -130,7 +130,7 @@ impl Steps<'_> {
         let split = self.line_seams(k, split, &mut paths);
         let mut add = |island, path| paths.push((island, path));
         self.dense_fill(k, &split, &mut add);
-        self.sparse_fill(k, &split, density, &[], &mut add);
+        self.sparse_fill(k, &split, density, None, &mut add);
         paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
         paths
     }

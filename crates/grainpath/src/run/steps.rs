@@ -27,8 +27,8 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::Mask;
 use grainpath_core::{
-    Bounds2, DVec2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role,
-    SpeedClass, Toolpath, UniformField, Warning,
+    Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Region, Role, SpeedClass,
+    Toolpath, UniformField, Warning,
 };
 use grainpath_job::choices::{BeadEnds, BeadWidths, Pattern};
 use rayon::prelude::*;
@@ -36,7 +36,7 @@ use rayon::prelude::*;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::shift::{Ends, TURNS};
 use crate::fill::{
-    Continuous, FillContext, Note, Shift, SideBySide, graded_infill, is_streamlines, places_on,
+    Continuous, FillContext, LinesBelow, Note, Shift, SideBySide, graded_infill, is_streamlines,
 };
 use crate::guide::Guide;
 use crate::guide::given_field::FieldGuide;
@@ -276,9 +276,8 @@ struct Copies {
     laid: BTreeMap<usize, (IslandPaths, Tally)>,
 }
 
-/// Places on sparse lines along a field ([`places_on`]) in the highest layer of each turn of directions
-/// ([`Guide::turn_of`]).
-type LinesBelow = BTreeMap<usize, Vec<DVec2>>;
+/// Sparse lines along a field in the highest layer of each turn of directions ([`Guide::turn_of`]).
+type BelowByTurn = BTreeMap<usize, LinesBelow>;
 
 impl Copies {
     /// The layer that a layer copies.
@@ -789,7 +788,7 @@ impl<'a> Steps<'a> {
     ) -> Result<FilledLayers, Interrupted> {
         let mut copies =
             Copies { first: window.start, of: self.duplicates(window.start, &skins), laid: BTreeMap::new() };
-        self.infill_beside(window, walls, skins, density, &mut copies, &mut LinesBelow::new(), diagnostics)
+        self.infill_beside(window, walls, skins, density, &mut copies, &mut BelowByTurn::new(), diagnostics)
     }
 
     /// Whether sparse lines go on from layer to layer: those along a field have to, since it may turn and spread with the
@@ -811,7 +810,7 @@ impl<'a> Steps<'a> {
         skins: Vec<SkinSplit>,
         density: Density,
         copies: &mut Copies,
-        below: &mut LinesBelow,
+        below: &mut BelowByTurn,
         diagnostics: &Diagnostics,
     ) -> Result<FilledLayers, Interrupted> {
         self.fit_lines(density)?;
@@ -830,7 +829,7 @@ impl<'a> Steps<'a> {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &split, &mut add);
                 if !goes_on {
-                    tally = tally.and(self.sparse_fill(first + k, &split, density, &[], &mut add));
+                    tally = tally.and(self.sparse_fill(first + k, &split, density, None, &mut add));
                 }
             }
             paths.iter_mut().for_each(|(_, path)| path.shrink_to_fit());
@@ -856,7 +855,7 @@ impl<'a> Steps<'a> {
             let turn = self.guide.map_or(0, |guide| guide.turn_of(first + k));
             let original = copies.original(first + k);
             if original == first + k {
-                let lines = below.get(&turn).map_or(&[][..], Vec::as_slice);
+                let lines = below.get(&turn);
                 let mut add = |island, mut path: Toolpath| {
                     path.shrink_to_fit();
                     laid[k].push((island, path));
@@ -866,7 +865,11 @@ impl<'a> Steps<'a> {
             let paths =
                 original.checked_sub(first).map_or_else(|| &copies.laid[&original].0, |own| &laid[own]);
             let sparse = paths.iter().filter(|(_, path)| path.role == Role::SparseFill);
-            below.insert(turn, places_on(sparse.map(|(_, path)| path.points.as_slice())));
+            let walls = walls[k].islands.iter().flat_map(|island| island.walls.iter().map(|wall| &wall.path));
+            let all = walls.chain(paths.iter().map(|(_, path)| path));
+            let lines = LinesBelow::new(sparse.map(|(_, path)| path), all, self.settings.walls.bead_width_mm);
+            below.values_mut().for_each(LinesBelow::cover);
+            below.insert(turn, lines);
             diagnostics.advance(1);
         }
         let islands: Vec<&[Island]> = walls.iter().map(|walls| walls.islands.as_slice()).collect();
@@ -996,7 +999,7 @@ impl<'a> Steps<'a> {
         let mut state = OrderState::new(order);
         let mut copies = Copies { first: 0, of: self.duplicates(0, &skins), laid: BTreeMap::new() };
         let sections = self.stack.layers();
-        let (mut first, mut below) = (0, LinesBelow::new());
+        let (mut first, mut below) = (0, BelowByTurn::new());
         while first < sections.len() {
             let window = first..(GROWTH * first).clamp(first + 1, sections.len());
             let of_window = walls.drain(..window.len()).collect();
@@ -1091,7 +1094,7 @@ impl<'a> Steps<'a> {
             ends: self.settings.infill.ends,
             widths: self.settings.infill.widths,
             shift: self.shift(layer_idx),
-            below: &[],
+            below: None,
             // Nothing would hold the short beads of a bridge.
             fills_wedges: role != Role::Bridge,
             field: Some(match (self.guide, self.grain) {

@@ -193,7 +193,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         border_mm: 0.0,
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
-        below: &[],
+        below: None,
         fills_wedges: false,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: None,

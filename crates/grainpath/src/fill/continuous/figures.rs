@@ -40,7 +40,7 @@ fn the_figure_of_strips_and_cells() {
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
-        below: &[],
+        below: None,
         fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&Waves),

@@ -44,7 +44,7 @@ pub(super) fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionFie
         border_mm: 0.5 * width,
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
-        below: &[],
+        below: None,
         fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(field),

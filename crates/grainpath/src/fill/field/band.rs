@@ -137,7 +137,7 @@ mod tests {
             border_mm: 0.5 * SPACING_MM,
             ends: BeadEnds::Joined,
             shift: Shift::NONE,
-            below: &[],
+            below: None,
             fills_wedges: true,
             widths: BeadWidths::Variable,
             field: None,

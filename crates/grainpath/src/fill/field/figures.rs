@@ -132,7 +132,7 @@ fn the_figure_of_stripes() {
         border_mm: 0.5 * width_mm,
         ends: grainpath_job::choices::BeadEnds::Joined,
         shift: crate::fill::Shift::NONE,
-        below: &[],
+        below: None,
         fills_wedges: true,
         widths: grainpath_job::choices::BeadWidths::Variable,
         field: Some(&flow),

@@ -197,6 +197,7 @@ impl FreeArea<'_> {
             shortest_across_mm: SHORTEST.value() * self.step,
             seed_share: FOUND_SHARE,
             whole,
+            is_held: &|_| true,
         };
         let settings = LineSettings {
             tolerance_mm: TOLERANCE_MM,
