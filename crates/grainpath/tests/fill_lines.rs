@@ -40,7 +40,7 @@ fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> 
         border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
         ends: BeadEnds::Joined,
         shift: grainpath::fill::Shift::NONE,
-        below: &[],
+        below: None,
         fills_wedges: false,
         widths: BeadWidths::Variable,
         field: Some(&FIELD),
