@@ -245,6 +245,26 @@ fn sparse_lines_stand_on_those_below_where_the_stress_changes_with_the_height() 
 }
 
 #[test]
+fn lines_that_part_in_a_bend_do_not_take_the_place_of_others() {
+    let dir = folder("lines in a bend");
+    let angle = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"45mm\" height=\"40mm\" viewBox=\"0 0 45 40\">\
+        <path d=\"M0 40 H45 V34 H12 L6 28 V0 H0 Z\"/></svg>";
+    fs::write(dir.join("angle.svg"), angle).expect("written");
+    // The angle stands on its foot, turned by 37 degrees.
+    let job = "[shape]\noutline = \"angle.svg\"\nthickness_mm = 20\nrotate_deg = [90, 0, 37]\n\
+        [process]\nlayer_height_mm = 0.3\ntop_layers = 2\nbottom_layers = 2\n[guide]\nkind = \"stress\"\n\
+        [[guide.fixture]]\non = { box_mm = [[-100, -100, 0], [100, 100, 0.1]] }\nfix = \"xyz\"\n\
+        [[guide.load]]\non = { box_mm = [[-100, -100, 39.9], [100, 100, 40]] }\nforce_n = [60, 80, -20]\n\
+        [fill]\npattern = \"stripes\"\ndensity = { min = 0.1, max = 1.0, by = \"stress\" }\n[output]\ngcode = \"angle.gcode\"\n";
+    fs::write(dir.join("job.toml"), job).expect("written");
+    run(&dir, &[]);
+    // Lines that did not end where they left the beads below had 20 %.
+    let share = share_on_air(&dir.join("angle.gcode"));
+    println!("{:.2} % on air", 100.0 * share);
+    assert!(share < 0.1, "{share}");
+}
+
+#[test]
 fn stripes_by_the_stress_leave_no_cell_empty_at_any_mass() {
     let dir = folder("mass of a bracket");
     let outline = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/gallery/bracket.svg");
