@@ -5,7 +5,7 @@
 
 use crate::buckets::{Buckets, CellGrid};
 use crate::segment::{Meeting, closest_share, meeting};
-use crate::{Bounds2, DVec2};
+use crate::{Bounds2, DVec2, Toolpath};
 
 /// Largest number of cells along a side of the grid. Source: derived; a cell takes 4 bytes, so all take 16 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
@@ -34,6 +34,12 @@ impl Segments {
         let cells = CellGrid::covering(bounds, cell_mm, MAX_CELLS_PER_SIDE);
         let near = Buckets::of_segments(cells, all.len(), |i| all[i]);
         Self { all, near }
+    }
+
+    /// Prepares a search among the segments of paths, in their order, with cells of `cell_mm`.
+    pub fn of_paths<'a>(paths: impl Iterator<Item = &'a Toolpath>, cell_mm: f64) -> Self {
+        let of_path = |path: &'a Toolpath| (0..path.n_segments()).map(|i| path.segment(i));
+        Self::new(paths.flat_map(of_path).map(|(a, b, _)| [a, b]).collect(), cell_mm)
     }
 
     /// The ends of a piece.

@@ -399,19 +399,24 @@ mod tests {
         assert!(line.points[0].length() > 19.9 && line.points[line.points.len() - 1].length() > 19.9);
     }
 
+    /// Lines that are shorter are left out, wherever they end. Nothing below is needed to hold them.
+    fn spaced(separation_mm: &dyn Fn(DVec2) -> f64, end_share: f64, shortest_mm: f64) -> Seeding<'_> {
+        Seeding {
+            separation_mm,
+            end_share,
+            shortest_mm,
+            shortest_across_mm: shortest_mm,
+            seed_share: FOUND_SHARE,
+            whole: false,
+            is_held: &|_| true,
+        }
+    }
+
     /// Lines across a strip of this size, sorted by their places along it.
     fn lines_across(length_mm: f64, width_mm: f64, separation_mm: &dyn Fn(DVec2) -> f64) -> Vec<f64> {
         let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(length_mm, width_mm) };
         let axis = |p: DVec2| (p.clamp(bounds.min, bounds.max) == p).then_some(DVec2::Y);
-        let seeding = Seeding {
-            separation_mm,
-            end_share: 0.55,
-            shortest_mm: 4.5,
-            shortest_across_mm: 0.45,
-            seed_share: 0.98,
-            whole: false,
-            is_held: &|_| true,
-        };
+        let seeding = Seeding { shortest_across_mm: 0.45, ..spaced(separation_mm, 0.55, 4.5) };
         let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
         let mut at: Vec<f64> = lines.iter().map(|line| line.points[0].x).collect();
         at.sort_by(f64::total_cmp);
@@ -446,15 +451,7 @@ mod tests {
             inside.then(|| DVec2::new(1.0, 0.02 * (p.x - 20.0)).normalize())
         };
         let separation = |_| 2.0;
-        let seeding = Seeding {
-            separation_mm: &separation,
-            end_share: 0.6,
-            shortest_mm: 3.0,
-            shortest_across_mm: 3.0,
-            seed_share: 0.98,
-            whole: false,
-            is_held: &|_| true,
-        };
+        let seeding = spaced(&separation, 0.6, 3.0);
         let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
         assert!((12..=20).contains(&lines.len()), "{}", lines.len());
         for (i, a) in lines.iter().enumerate() {
@@ -480,15 +477,7 @@ mod tests {
         let axis = |p: DVec2| (p.clamp(bounds.min, bounds.max) == p).then_some(DVec2::X);
         // Something lies below the left half of the two lower lines.
         let is_held = |p: DVec2| p.x < 20.0 && p.y < 6.0;
-        let seeding = Seeding {
-            separation_mm: &|_| 3.0,
-            end_share: 0.5,
-            shortest_mm: 3.0,
-            shortest_across_mm: 3.0,
-            seed_share: FOUND_SHARE,
-            whole: false,
-            is_held: &is_held,
-        };
+        let seeding = Seeding { is_held: &is_held, ..spaced(&|_| 3.0, 0.5, 3.0) };
         let seeds = [1.5, 4.5, 7.5].map(|y| DVec2::new(5.0, y));
         let lines = evenly_spaced(&seeds, bounds, &axis, &seeding, &SETTINGS);
         for line in &lines[..2] {
@@ -513,15 +502,7 @@ mod tests {
                     let is_below = p.y < 10.0 + 0.06 * p.x + moved_mm;
                     (inside && is_below).then(|| DVec2::new(1.0, rise).normalize())
                 };
-                let seeding = Seeding {
-                    separation_mm: &|_| 3.0,
-                    end_share: 0.125,
-                    shortest_mm: 1.0,
-                    shortest_across_mm: 1.0,
-                    seed_share: FOUND_SHARE,
-                    whole: false,
-                    is_held: &|_| true,
-                };
+                let seeding = spaced(&|_| 3.0, 0.125, 1.0);
                 let settings = LineSettings { tolerance_mm: 0.005, step_mm: 0.4, longest_mm: 1e3 };
                 evenly_spaced(&[DVec2::new(80.0, 10.0)], bounds, &axis, &seeding, &settings)
             };

@@ -578,8 +578,8 @@ enum Gifts {
 /// at once: were one to give after the other, the order of the cells would show, and a turned part would get others.
 ///
 /// Cost: most of the time in which the cells of a dense solid are made. A layer full of beads has no room, so most gifts are
-/// equal ones, and each cell gives to all neighbours in every pass. A gift therefore moves all fans of a material at once,
-/// with as many lanes as the processor has, where a list of the fans that hold something takes twice as long.
+/// equal ones, and each cell gives to all neighbours in every pass. A gift therefore moves all fans of a material at once, in
+/// vector instructions; a list of only those fans that hold something takes twice as long.
 fn spread(grid: &CellGrid, full: f32, held: &mut [f32], fans: &mut [Fans]) {
     let n_materials = fans.len() / held.len();
     let nearly = 2.0 - OVERFULL.value();

@@ -729,6 +729,8 @@ mod tests {
     use grainpath_core::{Layer, LayerStack, Role, UniformField};
     use grainpath_job::choices::{BeadEnds, BeadWidths, Choice, DensityBy};
 
+    use crate::fill::LinesBelow;
+
     static FIELD: UniformField = UniformField { axis_rad: 0.3 };
 
     /// Densities from 0.1 to 0.9 along x.
@@ -822,7 +824,7 @@ mod tests {
             .collect();
         let bounds = areas.iter().filter_map(|a| a.bounds()).reduce(|a, b| a.union(b)).expect("an area");
         let border_mm = 0.5 * bead_spacing_mm(0.45, LAYER_MM);
-        let mut below: Option<crate::fill::LinesBelow> = None;
+        let mut below: Option<LinesBelow> = None;
         let mut layers: Vec<LayerPaths> = Vec::new();
         for (i, area) in areas.iter().enumerate() {
             let mut fills = Vec::new();
@@ -844,7 +846,7 @@ mod tests {
                     fill(pattern, &context, map, polygon, &mut fills);
                 }
             }
-            below = Some(crate::fill::LinesBelow::new(fills.iter(), fills.iter(), 0.45));
+            below = Some(LinesBelow::new(fills.iter(), fills.iter(), 0.45));
             let islands = vec![Island { walls: Vec::new(), fills }];
             layers.push(LayerPaths { islands, ..LayerPaths::default() });
         }

@@ -30,8 +30,6 @@ impl LinesBelow {
         all: impl Iterator<Item = &'a Toolpath>,
         bead_width_mm: f64,
     ) -> Self {
-        let pieces =
-            all.flat_map(|p| (0..p.n_segments()).map(|i| [p.segment(i).0, p.segment(i).1])).collect();
         // The middle of each line, then points a quarter of it from its ends, for lines that a hole or another line cuts in
         // two there.
         let at = |share: f64| {
@@ -42,7 +40,7 @@ impl LinesBelow {
             })
         };
         let places = at(0.5).chain(at(0.25)).chain(at(0.75)).collect();
-        Self { places, beads: Some(Segments::new(pieces, CELL * bead_width_mm)) }
+        Self { places, beads: Some(Segments::of_paths(all, CELL * bead_width_mm)) }
     }
 
     /// Places on the lines, from which others go on.

@@ -77,8 +77,7 @@ fn of_layer(layers: &[LayerPlan], k: usize) -> Hanging {
         return out;
     }
     let below = layers[k - 1].paths.iter().map(|p| &p.path);
-    let below = below.flat_map(|p| (0..p.n_segments()).map(|i| [p.segment(i).0, p.segment(i).1])).collect();
-    let below = Segments::new(below, 4.0 * widest_mm);
+    let below = Segments::of_paths(below, 4.0 * widest_mm);
     for line in lines() {
         let length_mm = line.length_mm();
         out.all_mm += length_mm;

@@ -149,12 +149,9 @@ impl Steps<'_> {
         let mut seen: Option<(Segments, LineClipper)> = None;
         for (island, path) in laid.iter().filter(long) {
             let (beads, section) = seen.get_or_insert_with(|| {
-                let pieces = |path: &&Toolpath| -> Vec<[DVec2; 2]> {
-                    (0..path.n_segments()).map(|i| [path.segment(i).0, path.segment(i).1]).collect()
-                };
-                let cell_mm = 2.0 * self.settings.walls.bead_width_mm;
-                let all = below.iter().flat_map(pieces).collect();
-                (Segments::new(all, cell_mm), LineClipper::new(self.stack.layers()[k - 1].region()))
+                let beads =
+                    Segments::of_paths(below.iter().copied(), 2.0 * self.settings.walls.bead_width_mm);
+                (beads, LineClipper::new(self.stack.layers()[k - 1].region()))
             });
             let reach_mm = HELD_BEADS * path.width_at(0);
             let is_free = |p: &DVec2| beads.within(*p, reach_mm).next().is_none() && section.contains(*p);
