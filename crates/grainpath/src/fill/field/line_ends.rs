@@ -26,6 +26,8 @@
 //! cells. Limits: ends are extended one after the other in the order of the lines, so of two ends that want the same space
 //! the first takes it. Tips are taken when all ends have their least room, so that no tip keeps a line out.
 
+use std::ops::Range;
+
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::cross;
 use grainpath_core::poly::LineClipper;
@@ -34,8 +36,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
 use super::widths::{
-    CELL_BEADS, Earlier, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, Side, smooth,
-    stretches_along, strips,
+    CELL_BEADS, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, Side, smooth, stretches_along, strips,
 };
 
 /// A line is cut where it deviates from the field by more than this. Source: measured on a radial disk with beads of one
@@ -113,30 +114,24 @@ pub(super) struct Room {
     pub rests: f64,
 }
 
-/// Lets lines begin and end where there is room for them. Returns them with the sides that they had before.
-pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> (Vec<Line>, Earlier) {
+/// Lets lines begin and end where there is room for them.
+pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Line> {
     let along = |line| stretches_along(line, place.cosine, FARTHEST_RAD, place.shortest_mm);
     let lines: Vec<Line> = lines.into_iter().flat_map(along).collect();
     // Searches are built anew only where lines have changed, since that costs as much as the steps themselves.
     let mut neighbours = place.neighbours(&lines);
-    let far_mm = FAR_BEADS.value() * place.spacing_mm;
-    let earlier = Earlier::new(&lines, &neighbours, far_mm);
-    let (mut lines, rooms, changed) = without_crowded(lines, &earlier, place, room);
-    if changed {
-        neighbours = place.neighbours(&lines);
-    }
+    let (mut lines, rooms) = without_crowded(lines, &mut neighbours, place, room);
     let more = begun(&lines, &rooms, &neighbours, place, room);
-    if !more.is_empty() {
-        lines.extend(more);
-        neighbours = place.neighbours(&lines);
-    }
+    let of_more = Neighbours::new(&more, &Region::default(), CELL_BEADS * place.spacing_mm);
+    let n_before = lines.len();
+    lines.extend(more);
     let n = lines.len();
-    let mut lines = facing_joined(lines, &neighbours, place);
-    if lines.len() != n {
+    let mut lines = facing_joined(lines, [&neighbours, &of_more], place);
+    if [n_before, lines.len()] != [n; 2] {
         neighbours = place.neighbours(&lines);
     }
     extend(&mut lines, &neighbours, place, room);
-    (lines, earlier)
+    lines
 }
 
 impl<'a> Place<'a> {
@@ -169,54 +164,61 @@ struct RoomAt {
     full: [bool; 2],
 }
 
-/// Keeps the stretches of lines that have the least room, each with its room at its points. True if anything was removed.
+/// Keeps the stretches of lines that have the least room, each with its room at its points. `neighbours` holds the lines, and
+/// afterwards what is kept of them.
 fn without_crowded(
-    lines: Vec<Line>,
-    earlier: &Earlier,
+    mut lines: Vec<Line>,
+    neighbours: &mut Neighbours,
     place: &Place<'_>,
     room: Room,
-) -> (Vec<Line>, Vec<Vec<RoomAt>>, bool) {
+) -> (Vec<Line>, Vec<Vec<RoomAt>>) {
     let spacing_mm = place.spacing_mm;
-    let sides = earlier.by_line(&lines);
+    let sides = neighbours.sides(&lines, FAR_BEADS.value() * spacing_mm);
     let widths: Vec<Vec<f64>> =
         lines.iter().zip(&sides).map(|(line, sides)| strips(sides, line.closed, spacing_mm)).collect();
-    // A line that is crowded somewhere is cut there, all others stay whole.
-    let is_crowded = |mm: f64| mm < room.least * spacing_mm;
-    let loses: Vec<bool> = widths.iter().map(|w| w.iter().any(|mm| is_crowded(*mm))).collect();
+    let is_crowded = |mm: &f64| *mm < room.least * spacing_mm;
+    // The line that each stretch is a part of, its points, and whether it is the whole line.
+    let mut stretches: Vec<(usize, Range<usize>, bool)> = Vec::with_capacity(lines.len());
+    // All crowded stretches are removed at once, even if two of them lie side by side. The ends that remain
+    // are then extended into the free space.
+    for (l, (line, widths)) in lines.iter().zip(&widths).enumerate() {
+        // A line that is crowded somewhere is cut there, all others stay whole.
+        if !widths.iter().any(is_crowded) {
+            stretches.push((l, 0..line.points.len(), true));
+            continue;
+        }
+        let mut from = 0;
+        for stretch in widths.split_inclusive(is_crowded) {
+            // The last point of a stretch is crowded, except at the end of the line.
+            let n = stretch.len() - usize::from(stretch.last().is_some_and(is_crowded));
+            if length_mm(&line.points[from..from + n], false) > place.shortest_mm {
+                stretches.push((l, from..from + n, false));
+            }
+            from += stretch.len();
+        }
+    }
+    let segments = |(l, points, whole): &(usize, Range<usize>, bool)| {
+        (*l, points.start..if *whole { lines[*l].n_segments() } else { points.end - 1 })
+    };
+    neighbours.keep(lines.len(), &stretches.iter().map(segments).collect::<Vec<_>>());
     let is_full = |side: &Side| match *side {
-        // Of a line that loses a stretch the near part may be gone.
-        Side::Line { distance_mm, line } => {
-            loses.get(line as usize) != Some(&true) && !has_room_beside(distance_mm, true, place, room)
+        Side::Line { distance_mm, piece } => {
+            !neighbours.is_gone(piece) && !has_room_beside(distance_mm, true, place, room)
         }
         Side::Border(mm) | Side::Ahead(mm) => !has_room_beside(mm, false, place, room),
         Side::Open => false,
     };
-    let mut kept = Vec::with_capacity(lines.len());
-    // All crowded stretches are removed at once, even if two of them lie side by side. The ends that remain
-    // are then extended into the free space.
-    for ((l, line), (widths, sides)) in lines.into_iter().enumerate().zip(widths.iter().zip(&sides)) {
+    let kept = |(l, points, whole): (usize, Range<usize>, bool)| {
         let at = |(mm, sides): (&f64, &[Side; 2])| RoomAt {
             mm: *mm,
             full: [is_full(&sides[0]), is_full(&sides[1])],
         };
-        let rooms: Vec<RoomAt> = widths.iter().zip(*sides).map(at).collect();
-        if !loses[l] {
-            kept.push((line, rooms));
-            continue;
-        }
-        let mut from = 0;
-        for stretch in rooms.split_inclusive(|room| is_crowded(room.mm)) {
-            // The last point of a stretch is crowded, except at the end of the line.
-            let n = stretch.len() - usize::from(stretch.last().is_some_and(|room| is_crowded(room.mm)));
-            let points = line.points[from..from + n].to_vec();
-            from += stretch.len();
-            if length_mm(&points, false) > place.shortest_mm {
-                kept.push((Line { points, closed: false }, stretch[..n].to_vec()));
-            }
-        }
-    }
-    let (lines, rooms) = kept.into_iter().unzip();
-    (lines, rooms, loses.contains(&true))
+        let rooms = widths[l][points.clone()].iter().zip(&sides[l][points.clone()]).map(at).collect();
+        let line = &mut lines[l];
+        let points = if whole { std::mem::take(&mut line.points) } else { line.points[points].to_vec() };
+        (Line { points, closed: whole && line.closed }, rooms)
+    };
+    stretches.into_iter().map(kept).unzip()
 }
 
 /// The share of the distance to a line or to the border at which one more line would lie. Beside a border the new line takes
@@ -279,8 +281,8 @@ fn begun(
     out
 }
 
-/// Joins ends inside the region that face each other, the nearest first.
-fn facing_joined(lines: Vec<Line>, neighbours: &Neighbours, place: &Place<'_>) -> Vec<Line> {
+/// Joins ends inside the region that face each other, the nearest first. The neighbours together hold all lines.
+fn facing_joined(lines: Vec<Line>, neighbours: [&Neighbours; 2], place: &Place<'_>) -> Vec<Line> {
     let Some(bounds) = bounds_of(&lines) else { return lines };
     let within_border = LineClipper::new(place.border);
     // End `2 l` is the first point of line `l`, end `2 l + 1` its last. Each has the direction in which its line would go on.
@@ -310,7 +312,8 @@ fn facing_joined(lines: Vec<Line>, neighbours: &Neighbours, place: &Place<'_>) -
     for (_, e, f) in pairs {
         let (p, q) = (end(e).0, end(f).0);
         let free = joined_to[e].is_none() && joined_to[f].is_none();
-        if free && !neighbours.between(p, q, [p, q]) && within_border.segment_inside(p, q) {
+        let is_between = |n: &&Neighbours| n.between(p, q, [p, q]);
+        if free && !neighbours.iter().any(is_between) && within_border.segment_inside(p, q) {
             (joined_to[e], joined_to[f]) = (Some(f), Some(e));
         }
     }

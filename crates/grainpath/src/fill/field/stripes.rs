@@ -47,7 +47,7 @@ use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
 use super::voids::short_beads;
-use super::widths::{CELL_BEADS, Earlier, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
+use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -258,16 +258,16 @@ pub(crate) fn spaced(
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
             let room = Room { least, tip: TIP_ROOM * least, begins: 0.5 * WIDEST, middle: true, rests: 0.0 };
-            let (mut lines, earlier) = fitted(lines, &place, room);
-            centre(&mut lines, earlier, &border, spacing);
+            let mut lines = fitted(lines, &place, room);
+            centre(&mut lines, &border, spacing);
             // Moving lines may push points of them out of their area.
             let mut inside = Vec::with_capacity(lines.len());
             for line in lines {
                 push_inside(&near_border, line.points, line.closed, shortest_mm, step_mm, &mut inside);
             }
-            let (lines, earlier) = fitted(inside, &place, room);
+            let lines = fitted(inside, &place, room);
             let lines = trimmed(lines, &place);
-            let (mut lines, mut widths, freed) = filling_their_space(lines, earlier, &[], &border, spacing);
+            let (mut lines, mut widths, freed) = filling_their_space(lines, &[], &border, spacing);
             if !freed.is_empty() {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
@@ -279,7 +279,7 @@ pub(crate) fn spaced(
             (lines, widths)
         }
         BeadWidths::Constant => {
-            let (lines, _) = fitted(lines, &place, one_width::ROOM);
+            let lines = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
             let (lines, widths, _) = ended_before_crossings(lines, widths, &[], &border, spacing);
             lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
@@ -319,9 +319,8 @@ fn fitted_around(
         staying_widths.push(widths);
     }
     let place = place.beside(&others);
-    let (lines, earlier) = fitted(moving, &place, room);
-    let (lines, widths, _) =
-        filling_their_space(trimmed(lines, &place), earlier, &others, place.border, spacing);
+    let lines = fitted(moving, &place, room);
+    let (lines, widths, _) = filling_their_space(trimmed(lines, &place), &others, place.border, spacing);
     staying.extend(lines);
     staying_widths.extend(widths);
     (staying, staying_widths)
@@ -367,10 +366,8 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
-/// `earlier` holds the sides of the lines before some of them changed.
 pub(super) fn filling_their_space(
     lines: Vec<Line>,
-    earlier: Earlier,
     others: &[Line],
     border: &Region,
     spacing: f64,
@@ -378,7 +375,7 @@ pub(super) fn filling_their_space(
     let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
     let (lines, steps) = neighbours.with_steps(lines, spacing);
     let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
-    let sides = earlier.sides(&neighbours, &lines);
+    let sides = neighbours.sides(&lines, FAR_BEADS.value() * spacing);
     let moved = |l: usize| {
         let line = &lines[l];
         let reaches = settled(&sides[l], line.closed, FREE * spacing);
@@ -605,9 +602,9 @@ pub(super) fn push_inside(
 }
 
 /// Moves every line to the middle of its space.
-fn centre(lines: &mut [Line], earlier: Earlier, border: &Region, spacing_mm: f64) {
+fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, CELL_BEADS * spacing_mm);
-    let sides = earlier.sides(&neighbours, lines);
+    let sides = neighbours.sides(lines, FAR_BEADS.value() * spacing_mm);
     let moved: Vec<Vec<DVec2>> = lines
         .iter()
         .enumerate()
@@ -721,7 +718,10 @@ fn between_beads(
     // Narrower gaps need smaller cells.
     let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
     let cell_mm = GAP_CELL * context.spacing_mm() * share;
-    let mut left = gaps(area, beads.iter(), h, cell_mm, STRIP_LONGER);
+    let strips = beads.iter().flat_map(|b| strips_of(b, h, 0.0));
+    let open = Open::beside(area, strips.collect(), cell_mm);
+    // For single beads, lines reach beyond their ends by about what round ends hold.
+    let mut left = open.without(beads.iter().flat_map(|b| end_strips_of(b, h, STRIP_LONGER)).collect());
     let mut singles = Vec::new();
     if !one_width {
         rings_in(&mut left, narrowest_mm, context, &mut singles);
@@ -745,7 +745,7 @@ fn between_beads(
     // A crumb of a section that gets no other bead gets none here: one as wide as the area reaches out of the crumb.
     if context.widths == BeadWidths::Variable && !(beads.is_empty() && kept.is_empty()) {
         // Ends are flat here: what a round end closes of a corner it takes from elsewhere, for it has the volume of a flat one.
-        let open = gaps(area, beads.iter().chain(&kept), h, cell_mm, 0.0);
+        let open = open.without(kept.iter().flat_map(|b| strips_of(b, h, 0.0)).collect());
         kept.extend(short_beads(&open, narrowest_mm, WIDEST * nominal, context));
     }
     kept
@@ -770,36 +770,47 @@ fn rings_in(gaps: &mut Region, narrowest_mm: f64, context: &FillContext<'_>, out
     }
 }
 
-/// The part of `area` that the beads leave open, where it is wider than about one and a half cells. Strips reach beyond the ends
-/// of beads as in [`strips_of`].
+/// What strips leave open of an area, where it is wider than about one and a half cells.
 ///
-/// Gaps are found on a raster. Only around them are the beads' areas subtracted exactly, because a union of the
-/// areas of all beads would cost more than the rest of the fill together.
-fn gaps<'a>(
-    area: &Region,
-    beads: impl Iterator<Item = &'a Toolpath>,
-    height_mm: f64,
-    cell_mm: f64,
-    ends_longer: f64,
-) -> Region {
-    let Some(bounds) = area.bounds() else { return Region::default() };
-    let grid = MaskGrid::exactly(bounds, cell_mm);
-    let mut filled = Mask::empty(grid);
-    let strips: Vec<[DVec2; 4]> = beads.flat_map(|b| strips_of(b, height_mm, ends_longer)).collect();
-    strips.iter().for_each(|s| filled.add_convex(s));
-    // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly
-    // touch.
-    let open = Mask::from_region(grid, area).and_not(&filled).without_lone();
-    if open.is_empty() {
-        return Region::default();
+/// It is found on a raster. Only around open cells are the strips subtracted exactly, because a union of all strips would cost more
+/// than the rest of the fill together.
+struct Open {
+    grid: MaskGrid,
+    /// The open cells.
+    cells: Mask,
+    /// The open part around those of them that are more than one cell wide.
+    region: Region,
+}
+
+impl Open {
+    fn beside(area: &Region, strips: Vec<[DVec2; 4]>, cell_mm: f64) -> Self {
+        let bounds = area.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let grid = MaskGrid::exactly(bounds, cell_mm);
+        Self { grid, cells: Mask::from_region(grid, area), region: area.clone() }.narrowed_by(&strips)
     }
-    // The window extends some cells beyond the open cells, so that the narrow ends of a gap are cut out as
-    // well.
-    let near = open.grown(AROUND_GAP);
-    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(area);
-    let there: Vec<Contour> =
-        strips.iter().filter(|s| near.meets_convex(&s[..])).map(|s| s.to_vec()).collect();
-    window.difference(&Region::from_contours(&there, FillRule::NonZero))
+
+    /// The part that further strips leave open.
+    fn without(&self, strips: Vec<[DVec2; 4]>) -> Region {
+        self.narrowed_by(&strips).region
+    }
+
+    fn narrowed_by(&self, strips: &[[DVec2; 4]]) -> Self {
+        let mut filled = Mask::empty(self.grid);
+        strips.iter().for_each(|s| filled.add_convex(s));
+        let cells = self.cells.clone().and_not(&filled);
+        // A gap worth a bead is more than one cell long. Single cells lie between strips that nearly touch.
+        let wide = cells.without_lone();
+        if wide.is_empty() {
+            return Self { cells, region: Region::default(), ..*self };
+        }
+        // The window extends some cells beyond the open cells, so that the narrow ends of a gap are cut out as well.
+        let near = wide.grown(AROUND_GAP);
+        let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(&self.region);
+        let there: Vec<Contour> =
+            strips.iter().filter(|s| near.meets_convex(&s[..])).map(|s| s.to_vec()).collect();
+        let region = window.difference(&Region::from_contours(&there, FillRule::NonZero));
+        Self { cells, region, ..*self }
+    }
 }
 
 /// The area that the strips of beads fill.
@@ -817,14 +828,26 @@ pub(super) fn strips_of(
     height_mm: f64,
     ends_longer: f64,
 ) -> impl Iterator<Item = [DVec2; 4]> + '_ {
+    (0..bead.n_segments()).map(move |i| strip(bead, i, height_mm, ends_longer))
+}
+
+/// The first and the last of [`strips_of`] an open bead.
+fn end_strips_of(bead: &Toolpath, height_mm: f64, ends_longer: f64) -> impl Iterator<Item = [DVec2; 4]> + '_ {
+    let n = if bead.closed { 0 } else { bead.n_segments() };
+    let ends = (0..n.min(1)).chain(n.max(2) - 1..n);
+    ends.map(move |i| strip(bead, i, height_mm, ends_longer))
+}
+
+/// The strip of segment `i` of a bead.
+fn strip(bead: &Toolpath, i: usize, height_mm: f64, ends_longer: f64) -> [DVec2; 4] {
     let n = bead.n_segments();
-    let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
-    let along = move |i: usize| {
+    let half = |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
+    let along = |i: usize| {
         let (a, b, _) = bead.segment(i % n);
         (b - a).normalize_or(DVec2::X)
     };
     // How much longer than a segment its strip is at vertex `v`, so that a bend leaves no wedge open, mm.
-    let longer = move |v: usize| {
+    let longer = |v: usize| {
         if !bead.closed && !(1..n).contains(&v) {
             return ends_longer * half(v);
         }
@@ -833,14 +856,12 @@ pub(super) fn strips_of(
         let tangent = cross(before, after).abs() / (1.0 + before.dot(after)).max(f64::MIN_POSITIVE);
         half(v) * tangent.min(BEND_LONGER)
     };
-    (0..n).map(move |i| {
-        let (a, b, _) = bead.segment(i);
-        let along = along(i);
-        let across = DVec2::new(-along.y, along.x);
-        let (a, b) = (a - longer(i) * along, b + longer(i + 1) * along);
-        let (p, q) = (across * half(i), across * half(i + 1));
-        [a - p, b - q, b + q, a + p]
-    })
+    let (a, b, _) = bead.segment(i);
+    let along = along(i);
+    let across = DVec2::new(-along.y, along.x);
+    let (a, b) = (a - longer(i) * along, b + longer(i + 1) * along);
+    let (p, q) = (across * half(i), across * half(i + 1));
+    [a - p, b - q, b + q, a + p]
 }
 
 /// A bead with its widths.

@@ -10,7 +10,7 @@ use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Reg
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
 use super::stripes::{covered, filling_their_space, strips_of};
-use super::widths::{Earlier, Line, Neighbours};
+use super::widths::{Line, Neighbours, Side, is_own};
 use super::{SeedLines, Streamlines, Stripes};
 use crate::fill::{FillContext, Infill, Solid};
 
@@ -210,37 +210,100 @@ fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
     [gap, (laid - strips.area_mm2()).max(0.0), spill].map(|mm2| mm2 / area)
 }
 
-fn measured(lines: &[Line], border: &Region, spacing_mm: f64) -> (Neighbours, Earlier) {
-    let neighbours = Neighbours::new(lines, border, 0.7 * spacing_mm);
-    let sides = Earlier::new(lines, &neighbours, 1.8 * spacing_mm);
-    (neighbours, sides)
+/// Waves 0.4 mm apart, of which some end or begin inside, a ring, parabolas that turn back around one focus, and straight lines with
+/// an end and a turn between them, in a rectangle.
+fn waves_ring_and_hairpins() -> (Vec<Line>, Region) {
+    let wave = |k: usize, y: f64| DVec2::new(0.22 * k as f64, y + 0.1 * sin_cos(0.15 * k as f64 + y).0);
+    let mut lines: Vec<Line> = (1..16)
+        .map(|row| {
+            let points = (1..90).map(|k| wave(k, 0.4 * row as f64)).collect::<Vec<DVec2>>();
+            let ended = match row % 5 {
+                3 => points[45..].to_vec(),
+                4 => points[..80].to_vec(),
+                _ => points,
+            };
+            Line { points: ended, closed: false }
+        })
+        .collect();
+    let round = |k: usize| DVec2::new(16.0, 8.0) + 0.9 * direction(k as f64 / 40.0 * TAU);
+    lines.push(Line { points: (0..40).map(round).collect(), closed: true });
+    for k in 1..6 {
+        let focal_mm = 0.2 * f64::from(k);
+        let at = |v: i32| {
+            let y = 0.16 * f64::from(v);
+            DVec2::new(4.0 + y * y / (4.0 * focal_mm) - focal_mm, 8.0 + y)
+        };
+        let points = (-10..=10).map(at).filter(|p| p.x < 12.0).collect();
+        lines.push(Line { points, closed: false });
+    }
+    // Three straight lines so close together that a line which turns back between two of them, and one which begins between the
+    // other two, are met in place of a line within two cells.
+    let straight = |y: f64, from: i32, to: i32| (from..to).map(move |k| DVec2::new(0.2 * f64::from(k), y));
+    for points in [
+        straight(10.5, 5, 90).collect::<Vec<DVec2>>(),
+        straight(11.0, 5, 90).collect(),
+        straight(11.5, 5, 90).collect(),
+        straight(10.67, 40, 70).rev().chain(straight(10.83, 40, 70)).collect(),
+        straight(11.25, 50, 90).collect(),
+    ] {
+        lines.push(Line { points, closed: false });
+    }
+    (lines, Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 12.0)))
 }
 
 #[test]
-fn sides_kept_from_before_a_change_are_those_measured_anew() {
-    let border = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
-    let wave = |k: usize, y: f64| DVec2::new(0.22 * k as f64, y + 0.1 * sin_cos(0.15 * k as f64 + y).0);
-    let straight = |y: f64| Line { points: (1..90).map(|k| wave(k, y)).collect(), closed: false };
-    let round = |k: usize| DVec2::new(10.0, 8.0) + 0.9 * direction(k as f64 / 40.0 * TAU);
-    let mut before: Vec<Line> = (1..16).map(|k| straight(0.4 * k as f64)).collect();
-    before.push(Line { points: (0..40).map(round).collect(), closed: true });
-    let (_, earlier) = measured(&before, &border, 0.4);
-    let at_first = earlier.by_line(&before)[0].to_vec();
-    // A line loses its first half, one its last points, one gets points, one goes elsewhere, one is turned round, the ring is
-    // opened, and one line more lies between others.
-    let mut after = before.clone();
-    after[2].points.drain(..45);
-    after[4].points.truncate(80);
-    let middle = after[6].points[20].lerp(after[6].points[21], 0.3);
-    after[6].points.insert(21, middle);
-    after[8].points[50..60].iter_mut().for_each(|p| p.y += 0.1);
-    after[10].points.reverse();
-    after[15] = Line { points: after[15].points[3..].to_vec(), closed: false };
-    after.push(Line { points: (30..60).map(|k| wave(k, 5.0 * 0.4 + 0.2)).collect(), closed: false });
-    let (neighbours, anew) = measured(&after, &border, 0.4);
-    let kept = earlier.sides(&neighbours, &after);
-    assert_eq!(kept, anew.by_line(&after));
-    assert_eq!(kept[0], at_first, "the first line and the one beside it have not changed");
+fn sides_are_what_rays_through_all_cells_meet() {
+    let (lines, border) = waves_ring_and_hairpins();
+    let neighbours = Neighbours::new(&lines, &border, 0.28);
+    let sides = neighbours.sides(&lines, 0.72);
+    let distance_mm = |side: &Side| match *side {
+        Side::Line { distance_mm: mm, .. } | Side::Border(mm) | Side::Ahead(mm) => Some(mm),
+        Side::Open => None,
+    };
+    let mut met_lines = 0;
+    for (l, (line, sides)) in lines.iter().zip(&sides).enumerate() {
+        assert_eq!(line.points.len(), sides.len());
+        for (v, sides) in sides.iter().enumerate() {
+            let along = line.tangent(v);
+            for (side, way) in sides.iter().zip([along.perp(), -along.perp()]) {
+                let skips = |other: usize, segment: usize| other == l && is_own(line, v, segment);
+                let expect = neighbours.hit(line.points[v], way, 0.72, skips);
+                assert_eq!(distance_mm(side), expect.map(|hit| hit.distance_mm), "line {l}, vertex {v}");
+                assert_eq!(matches!(side, Side::Line { .. }), expect.is_some_and(|hit| hit.line.is_some()));
+                met_lines += usize::from(matches!(side, Side::Line { .. }));
+            }
+        }
+    }
+    assert!(met_lines > 2500, "{met_lines}");
+}
+
+#[test]
+fn rays_meet_what_is_kept_of_lines() {
+    let (lines, border) = waves_ring_and_hairpins();
+    let mut neighbours = Neighbours::new(&lines, &border, 0.28);
+    // Line 3 loses its middle, line 5 goes as a whole, the ring is opened.
+    let mut stretches: Vec<(usize, usize, usize)> = Vec::new();
+    for (l, line) in lines.iter().enumerate() {
+        match l {
+            3 => stretches.extend([(3, 0, 20), (3, 40, line.points.len())]),
+            5 => {}
+            15 => stretches.push((15, 5, 30)),
+            _ => stretches.push((l, 0, line.points.len())),
+        }
+    }
+    let segments = stretches.iter().map(|&(l, from, to)| (l, from..to - 1)).collect::<Vec<_>>();
+    neighbours.keep(lines.len(), &segments);
+    let kept = |&(l, from, to): &(usize, usize, usize)| Line {
+        points: lines[l].points[from..to].to_vec(),
+        closed: false,
+    };
+    let kept: Vec<Line> = stretches.iter().map(kept).collect();
+    let anew = Neighbours::new(&kept, &border, 0.28);
+    for p in (0..2000).map(|k| DVec2::new(0.01 * f64::from(k), 0.005 * f64::from(k))) {
+        for way in [DVec2::X, DVec2::Y, direction(2.5)] {
+            assert_eq!(neighbours.hit(p, way, 1.5, |_, _| false), anew.hit(p, way, 1.5, |_, _| false), "{p}");
+        }
+    }
 }
 
 #[test]
@@ -257,8 +320,7 @@ fn beads_keep_their_width_up_to_the_end_of_another() {
         let corners = [(0.0, -0.2), (20.0, -0.2), (20.0, 0.9), (0.0, 0.9)];
         let outer = corners.map(|(x, y)| turn.rotate(DVec2::new(x, y))).to_vec();
         let border = Region::from(Polygon { outer, holes: Vec::new() });
-        let (_, earlier) = measured(&lines, &border, 0.4);
-        let (lines, widths, freed) = filling_their_space(lines, earlier, &[], &border, 0.4);
+        let (lines, widths, freed) = filling_their_space(lines, &[], &border, 0.4);
         assert!(freed.is_empty() && lines.len() == 3);
         for (line, widths) in lines.iter().zip(&widths).step_by(2) {
             for (p, width) in line.points.iter().zip(widths) {

@@ -18,10 +18,11 @@
 //! [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it into the width that is printed.
 //! The space is exact for parallel beads. For beads that converge at an angle it is too large by a factor
 //! of one over the cosine of half the angle. Cost: a ray passes the buckets up to what it meets, whatever the size of
-//! the region.
+//! the region. Most rays need no bucket: along a line, the ray of a vertex meets the line that the one before it met.
+
+use std::ops::Range;
 
 use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::hash::splitmix64;
 use grainpath_core::math::{cos, cross};
 use grainpath_core::poly::edges;
 use grainpath_core::polyline;
@@ -181,12 +182,31 @@ pub(crate) struct Hit {
 struct BeadSegment {
     a: DVec2,
     b: DVec2,
-    /// Number of the line, `u32::MAX` for the border, and of the segment.
+    /// Number of the line, [`BORDER`] or [`GONE`], and of the segment.
     line: u32,
     segment: u32,
 }
 
 const BORDER: u32 = u32::MAX;
+/// Stands for the line of a piece that is gone ([`Neighbours::keep`]).
+const GONE: u32 = u32::MAX - 1;
+
+impl BeadSegment {
+    /// How far away the ray from `p` along the unit vector `way` meets the segment, mm, if it does so within `far_mm`.
+    #[inline]
+    fn met_by(&self, p: DVec2, way: DVec2, far_mm: f64) -> Option<f64> {
+        let (d, to) = (self.b - self.a, self.a - p);
+        // The ray misses most segments, so the division is done only when both parameters are known
+        // to be in range. All four comparisons are made without a branch: a processor foresees none of them.
+        let det = cross(way, d);
+        let (size, sign) = (det.abs(), det.signum());
+        let (t, u) = (sign * cross(to, d), sign * cross(to, way));
+        // The tolerance at the ends of a segment keeps a ray from slipping through the
+        // vertex between two segments.
+        let hit = (u >= -1e-9 * size) & (u <= (1.0 + 1e-9) * size) & (t > 0.0) & (t <= far_mm * size);
+        hit.then(|| t / size)
+    }
+}
 
 fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = BeadSegment> + '_ {
     (0..line.n_segments()).map(move |s| {
@@ -217,6 +237,33 @@ impl Neighbours {
             pieces.extend(edges(contour).map(|(a, b)| BeadSegment { a, b, line: BORDER, segment: 0 }));
         }
         Self::from_pieces(pieces, cell_mm)
+    }
+
+    /// Keeps these segments of the `n_lines` lines: for each line that remains, in their order, the number of the line of which it
+    /// was a part, and its segments there.
+    pub(super) fn keep(&mut self, n_lines: usize, kept: &[(usize, Range<usize>)]) {
+        let mut rest = kept.iter().enumerate().peekable();
+        for piece in self.pieces.iter_mut().filter(|piece| piece.line != BORDER) {
+            let (line, segment) = (piece.line as usize, piece.segment as usize);
+            if line >= n_lines {
+                // Lines beside those that are kept follow them.
+                piece.line = (line - n_lines + kept.len()) as u32;
+                continue;
+            }
+            // Pieces come in the order of lines and segments, as what is kept of them does.
+            while rest.next_if(|(_, (l, s))| (*l, s.end) <= (line, segment)).is_some() {}
+            match rest.peek() {
+                Some((k, (l, s))) if *l == line && s.start <= segment => {
+                    (piece.line, piece.segment) = (*k as u32, (segment - s.start) as u32);
+                }
+                _ => piece.line = GONE,
+            }
+        }
+    }
+
+    /// Whether a piece is gone.
+    pub(super) fn is_gone(&self, piece: u32) -> bool {
+        self.pieces[piece as usize].line == GONE
     }
 
     /// Indexes only those segments of `lines` that lie within about `reach_mm` of the lines for which
@@ -316,22 +363,14 @@ impl Neighbours {
         self.buckets.cells.for_each_along(p, way, far_mm, |cell| {
             for &m in self.buckets.members(cell) {
                 let piece = &self.pieces[m as usize];
-                let d = piece.b - piece.a;
-                let to = piece.a - p;
-                // The ray misses most segments, so the division is done only when both parameters are known
-                // to be in range. All four comparisons are made without a branch: a processor foresees none of them.
-                let det = cross(way, d);
-                let (size, sign) = (det.abs(), det.signum());
-                let (t, u) = (sign * cross(to, d), sign * cross(to, way));
-                // The tolerance at the ends of a segment keeps a ray from slipping through the
-                // vertex between two segments.
-                let hit =
-                    (u >= -1e-9 * size) & (u <= (1.0 + 1e-9) * size) & (t > 0.0) & (t <= nearest_mm * size);
-                if hit && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize)) {
-                    let t = t / size;
-                    if best.is_none() || t < nearest_mm {
-                        (best, nearest_mm) = (Some(m), t);
-                    }
+                let Some(mm) = piece.met_by(p, way, nearest_mm) else { continue };
+                let counts = match piece.line {
+                    BORDER => true,
+                    GONE => false,
+                    line => !skips(line as usize, piece.segment as usize),
+                };
+                if counts && (best.is_none() || mm < nearest_mm) {
+                    (best, nearest_mm) = (Some(m), mm);
                 }
             }
             nearest_mm
@@ -347,7 +386,7 @@ impl Neighbours {
             for &m in self.buckets.members(cell) {
                 let piece = &self.pieces[m as usize];
                 let ends = [piece.a, piece.b];
-                if piece.line == BORDER || own.iter().any(|p| ends.contains(p)) {
+                if piece.line >= GONE || own.iter().any(|p| ends.contains(p)) {
                     continue;
                 }
                 // Touching counts as crossing: a joint through the end of another bead would be
@@ -406,28 +445,112 @@ impl Neighbours {
         lines.into_iter().zip(places).map(with_points).unzip()
     }
 
-    /// What lies to the left and to the right of a vertex, within `far_mm`.
-    pub(super) fn sides_at(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Side; 2] {
-        let l = &lines[line];
-        let t = l.tangent(vertex);
-        let left = DVec2::new(-t.y, t.x);
-        // The last segments of a closed line touch its first vertex, so near the seam the whole
-        // line is skipped.
-        let n = l.n_segments();
-        let at_seam = l.closed && (vertex < OWN_SEGMENTS || vertex + OWN_SEGMENTS > n);
-        let near = if at_seam { n } else { OWN_SEGMENTS };
-        let skips = |other: usize, segment: usize| other == line && segment.abs_diff(vertex) <= near;
-        [left, -left].map(|way| {
-            let Some((d, m)) = self.first(l.points[vertex], way, far_mm, skips) else { return Side::Open };
+    /// What lies to the left and to the right of every vertex of the lines, within `far_mm`, line by line. Where nothing ends or turns
+    /// back, the rays of a vertex meet the lines that those of the vertex before met, so that only the pieces beside the one met
+    /// there are tried.
+    pub(super) fn sides(&self, lines: &[Line], far_mm: f64) -> Vec<Vec<[Side; 2]>> {
+        let calm = self.calm();
+        let cells = &self.buckets.cells;
+        let of_line = |(number, line): (usize, &Line)| {
+            // The piece of another line that the ray of the vertex before met on each side.
+            let mut before = [None; 2];
+            let at = |(vertex, &p): (usize, &DVec2)| {
+                let along = line.tangent(vertex);
+                let skips = |other: usize, segment: usize| other == number && is_own(line, vertex, segment);
+                let is_calm = calm[cells.index(cells.cell_of(p))];
+                let mut sides = [Side::Open; 2];
+                for (k, way) in [along.perp(), -along.perp()].into_iter().enumerate() {
+                    let beside = before[k].filter(|_| is_calm).and_then(|m| self.first_beside(p, way, m));
+                    let found = beside.or_else(|| self.first(p, way, far_mm, skips));
+                    before[k] = found.map(|(_, m)| m).filter(|&m| {
+                        let met = self.pieces[m as usize].line;
+                        met != BORDER && met as usize != number
+                    });
+                    sides[k] = self.side(along, found);
+                }
+                sides
+            };
+            line.points.iter().enumerate().map(at).collect()
+        };
+        lines.iter().enumerate().map(of_line).collect()
+    }
+
+    /// Distance and index of the first of a piece of a line and the pieces before and behind it that a ray meets within
+    /// [`CALM_CELLS`].
+    fn first_beside(&self, p: DVec2, way: DVec2, m: u32) -> Option<(f64, u32)> {
+        let (line, far_mm) = (self.pieces[m as usize].line, CALM_CELLS as f64 * self.buckets.cells.cell_mm);
+        let near = m.saturating_sub(1)..(m + 2).min(self.pieces.len() as u32);
+        let mut first: Option<(f64, u32)> = None;
+        for m in near {
             let piece = &self.pieces[m as usize];
-            if piece.line != BORDER {
-                return Side::Line { distance_mm: d, line: piece.line };
+            let nearest_mm = first.map_or(far_mm, |(mm, _)| mm);
+            if piece.line == line
+                && let Some(mm) = piece.met_by(p, way, nearest_mm)
+                && (first.is_none() || mm < nearest_mm)
+            {
+                first = Some((mm, m));
             }
-            let sine = cross(t, (piece.b - piece.a).normalize_or_zero()).abs();
-            if sine > AHEAD_SINE { Side::Ahead(d) } else { Side::Border(d) }
-        })
+        }
+        first
+    }
+
+    /// For each cell, whether no line begins, ends or turns sharply in it or in [`CALM_CELLS`] cells around it and no border passes
+    /// them.
+    fn calm(&self) -> Vec<bool> {
+        let cells = &self.buckets.cells;
+        let mut calm = vec![true; cells.nx * cells.ny];
+        let mut mark = |at: [usize; 2]| {
+            cells.neighbourhood(at, CALM_CELLS).for_each(|at| calm[cells.index(at)] = false);
+        };
+        let goes_straight_on = |first: &BeadSegment, second: &BeadSegment| {
+            let (a, b) = (first.b - first.a, second.b - second.a);
+            let dot = a.dot(b);
+            let least = CALM_COS * CALM_COS * a.length_squared() * b.length_squared();
+            first.line == second.line && dot > 0.0 && dot * dot >= least
+        };
+        // Pieces come line by line. The seam of a closed line counts as an end.
+        let mut before: Option<&BeadSegment> = None;
+        for piece in &self.pieces {
+            if piece.line == BORDER {
+                cells.for_each_passed(piece.a, piece.b, |cell| mark([cell % cells.nx, cell / cells.nx]));
+            } else if !before.is_some_and(|before| goes_straight_on(before, piece)) {
+                before.into_iter().for_each(|before| mark(cells.cell_of(before.b)));
+                mark(cells.cell_of(piece.a));
+            }
+            before = Some(piece);
+        }
+        // Without a border the last piece has no other behind it.
+        before.into_iter().for_each(|before| mark(cells.cell_of(before.b)));
+        calm
+    }
+
+    /// What a ray across a line met.
+    fn side(&self, along: DVec2, found: Option<(f64, u32)>) -> Side {
+        let Some((mm, m)) = found else { return Side::Open };
+        let piece = &self.pieces[m as usize];
+        if piece.line != BORDER {
+            return Side::Line { distance_mm: mm, piece: m };
+        }
+        let sine = cross(along, (piece.b - piece.a).normalize_or_zero()).abs();
+        if sine > AHEAD_SINE { Side::Ahead(mm) } else { Side::Border(mm) }
     }
 }
+
+/// Whether a segment lies so near along its line to one of the vertices that it is no neighbour of it.
+pub(super) fn is_own(line: &Line, vertex: usize, segment: usize) -> bool {
+    // The last segments of a closed line touch its first vertex, so near the seam the whole line is skipped.
+    let n = line.n_segments();
+    let at_seam = line.closed && (vertex < OWN_SEGMENTS || vertex + OWN_SEGMENTS > n);
+    let near = if at_seam { n } else { OWN_SEGMENTS };
+    segment.abs_diff(vertex) <= near
+}
+
+/// Rays of two vertices that follow each other meet the same line if no line begins, ends or turns back within so many cells and
+/// no border passes them. Source: derived; two cells of [`CELL_BEADS`] reach beyond the line beside a line.
+const CALM_CELLS: usize = 2;
+/// A line turns sharply where the cosine of its turn at a vertex is smaller. Source: derived. 0.95 is 18 degrees. A line that goes back
+/// within the length of a step turns by far more at one of its vertices.
+const CALM_COS: f64 = 0.95;
 
 /// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle the next line
 /// has ended less than two spacings before this one.
@@ -437,191 +560,13 @@ const AHEAD_SINE: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Side {
     /// Another line or a far part of the same one.
-    Line { distance_mm: f64, line: u32 },
+    Line { distance_mm: f64, piece: u32 },
     /// A border that runs with the line: its distance, mm.
     Border(f64),
     /// A border that the line ends on: its distance, mm.
     Ahead(f64),
     /// Nothing near.
     Open,
-}
-
-impl Side {
-    /// The distance of what lies there, infinite where nothing is near.
-    fn distance_mm(&self) -> f64 {
-        match *self {
-            Self::Line { distance_mm: mm, .. } | Self::Border(mm) | Self::Ahead(mm) => mm,
-            Self::Open => f64::INFINITY,
-        }
-    }
-}
-
-/// Side of the cells in which changes are marked, as a share of the distance that rays reach. Source: derived. Two cells reach
-/// as far from one half on, and one of 1.1 spacings holds what lies a spacing away.
-const NEAR_SHARE: f64 = 0.61;
-
-/// The sides of lines as they were, for the same lines after changes in places: a point far from all changes keeps its sides.
-pub(super) struct Earlier {
-    /// The points of the lines, one line after the other, and their sides.
-    points: Vec<DVec2>,
-    sides: Vec<[Side; 2]>,
-    /// For each point the one that followed it on its line.
-    next: Vec<u32>,
-    far_mm: f64,
-}
-
-impl Earlier {
-    /// Finds the sides of all lines within `far_mm`. `neighbours` holds the lines.
-    pub(super) fn new(lines: &[Line], neighbours: &Neighbours, far_mm: f64) -> Self {
-        let n = lines.iter().map(|l| l.points.len()).sum();
-        let mut points = Vec::with_capacity(n);
-        let (mut sides, mut next) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        for (l, line) in lines.iter().enumerate() {
-            let first = next.len() as u32;
-            points.extend_from_slice(&line.points);
-            sides.extend((0..line.points.len()).map(|v| neighbours.sides_at(lines, l, v, far_mm)));
-            next.extend((first + 1..).take(line.points.len()));
-            if let Some(last) = next.last_mut() {
-                *last = if line.closed { first } else { NO_POINT };
-            }
-        }
-        Self { points, sides, next, far_mm }
-    }
-
-    /// The sides of the lines as they were, line by line.
-    pub(super) fn by_line(&self, lines: &[Line]) -> Vec<&[[Side; 2]]> {
-        let mut rest = &self.sides[..];
-        lines.iter().filter_map(|line| rest.split_off(..line.points.len())).collect()
-    }
-
-    /// The sides of changed lines, as [`Neighbours::sides_at`] finds them; numbers of lines beside them may be those of before.
-    pub(super) fn sides(self, neighbours: &Neighbours, lines: &[Line]) -> Vec<Vec<[Side; 2]>> {
-        let all = self.points.iter().chain(lines.iter().flat_map(|l| &l.points)).copied();
-        let Some(bounds) = Bounds2::around_points(all) else { return vec![Vec::new(); lines.len()] };
-        // What lies within `far_mm` of a point passes its cell or one of the two cells around it on each side. What lies within
-        // the side of a cell, as most neighbours do, passes its cell or the next.
-        let cells = CellGrid::covering(bounds, NEAR_SHARE * self.far_mm, 4000);
-        let near_mm = cells.cell_mm;
-        // For each cell, how many cells away the nearest change is: 3 for more than two.
-        let mut cells_to_change = vec![3u8; cells.nx * cells.ny];
-        let mut mark = |a: DVec2, b: DVec2| {
-            cells.for_each_passed(a, b, |cell| {
-                let at @ [column, row] = [cell % cells.nx, cell / cells.nx];
-                for [x, y] in cells.neighbourhood(at, 2) {
-                    let away = &mut cells_to_change[cells.index([x, y])];
-                    *away = (*away).min(x.abs_diff(column).max(y.abs_diff(row)) as u8);
-                }
-            });
-        };
-        // A segment stays where the same two points follow each other on a line before and after. Every other segment, new or
-        // gone, marks the cells around it.
-        let index = PointIndex::new(&self.points);
-        let next = &self.next;
-        let mut stays = vec![false; next.len()];
-        let mut earlier: Vec<Vec<u32>> = Vec::with_capacity(lines.len());
-        for line in lines {
-            let of_line = index.find_all(&line.points);
-            for s in 0..line.n_segments() {
-                let (a, b) = (of_line[s], of_line[if s + 1 < of_line.len() { s + 1 } else { 0 }]);
-                if a != NO_POINT && b != NO_POINT && next[a as usize] == b {
-                    stays[a as usize] = true;
-                } else {
-                    let (a, b) = line.segment(s);
-                    mark(a, b);
-                }
-            }
-            earlier.push(of_line);
-        }
-        // What is gone leaves room to the points around it.
-        for k in (0..next.len()).filter(|&k| !stays[k] && next[k] != NO_POINT) {
-            mark(self.points[k], self.points[next[k] as usize]);
-        }
-        let of_line = |(l, earlier): (usize, &Vec<u32>)| {
-            // A new point, and an old one near a change, looks around itself; the others keep what they saw.
-            let at = |(v, k): (usize, &u32)| {
-                // A ray sees no change beyond what it met.
-                let keeps = |sides: &[Side; 2]| {
-                    let away = cells_to_change[cells.index(cells.cell_of(lines[l].points[v]))];
-                    away > 2 || away == 2 && sides.iter().all(|side| side.distance_mm() < near_mm)
-                };
-                match self.sides.get(*k as usize) {
-                    Some(sides) if keeps(sides) => *sides,
-                    _ => neighbours.sides_at(lines, l, v, self.far_mm),
-                }
-            };
-            earlier.iter().enumerate().map(at).collect()
-        };
-        earlier.iter().enumerate().map(of_line).collect()
-    }
-}
-
-/// Marks a point that was on no line before, and the end of a line.
-const NO_POINT: u32 = u32::MAX;
-
-/// One of so many points is indexed; the others are found as its neighbours. Source: chosen; it changes speed alone.
-const INDEXED: usize = 8;
-
-/// Finds numbered points by their exact coordinates.
-struct PointIndex<'a> {
-    points: &'a [DVec2],
-    /// Numbers of points at the place of their hash or behind it.
-    slots: Vec<u32>,
-}
-
-impl<'a> PointIndex<'a> {
-    fn new(points: &'a [DVec2]) -> Self {
-        let mut slots = vec![NO_POINT; (2 * points.len() / INDEXED + 2).next_power_of_two()];
-        // Open addressing: a point takes the first free place from that of its hash on. At least half of all places stay free,
-        // so that a search takes few steps.
-        for (k, p) in points.iter().enumerate().step_by(INDEXED) {
-            let mut at = Self::slot(*p, slots.len());
-            while slots[at] != NO_POINT {
-                at = (at + 1) & (slots.len() - 1);
-            }
-            slots[at] = k as u32;
-        }
-        Self { points, slots }
-    }
-
-    fn slot(p: DVec2, n: usize) -> usize {
-        splitmix64(p.x.to_bits() ^ p.y.to_bits().rotate_left(32)) as usize & (n - 1)
-    }
-
-    /// The numbers of points at exactly these places, one after the other; [`NO_POINT`] where there is none.
-    fn find_all(&self, places: &[DVec2]) -> Vec<u32> {
-        let n = places.len();
-        let mut found = vec![NO_POINT; n];
-        let mut v = 0;
-        while v < n {
-            let mut k = self.find(places[v]);
-            found[v] = k;
-            if k != NO_POINT {
-                // Places before this one may be those of points that are not indexed.
-                let before = (0..v).rev().zip((0..k).rev());
-                for (v, k) in before.take_while(|(v, k)| self.points[*k as usize] == places[*v]) {
-                    found[v] = k;
-                }
-                while v + 1 < n && self.points.get(k as usize + 1) == Some(&places[v + 1]) {
-                    (v, k) = (v + 1, k + 1);
-                    found[v] = k;
-                }
-            }
-            v += 1;
-        }
-        found
-    }
-
-    /// The number of an indexed point at exactly this place, [`NO_POINT`] if there is none.
-    fn find(&self, p: DVec2) -> u32 {
-        let mut at = Self::slot(p, self.slots.len());
-        loop {
-            let k = self.slots[at];
-            if k == NO_POINT || self.points[k as usize] == p {
-                return k;
-            }
-            at = (at + 1) & (self.slots.len() - 1);
-        }
-    }
 }
 
 /// The space of a line with these sides at each of its vertices: on each side the distance to the border, or half of the
