@@ -265,6 +265,8 @@ const ROWS: &[Row] = &[
     row("fill.continuous.strips.LEAST_WEIGHT", &[0.01, 0.03, 0.1, 0.3, 1.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 5.0, 8.0], CONTINUOUS),
     row("fill.continuous.strips.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
+    row("fill.continuous.strips.PHASE_TOLERANCE", &[0.001, 0.003, 0.01, 0.03, 0.1], CONTINUOUS),
+    row("fill.continuous.strips.DRIFT_TOLERANCE", &[0.00001, 0.0001, 0.001, 0.01, 0.1], CONTINUOUS),
     // The search for last joints; few pieces need it.
     row("fill.continuous.tree.REST_MAX", &[0.7, 0.85, 1.0, 1.1, 1.25], CONTINUOUS),
     row("fill.continuous.tree.REST_STEP", &[0.25, 0.5, 1.0, 2.0, 4.0], CONTINUOUS),
@@ -272,19 +274,19 @@ const ROWS: &[Row] = &[
     // Beads along a border that lines meet across.
     ends("fill.field.band.SHORTEST", &[2.0, 4.0, 6.0, 10.0, 20.0]),
     // The phase of dense beads along a field.
-    row("core.phase.DIFFUSION_ROUNDS", &[1.0, 3.0, 6.0, 10.0, 16.0], STRIPES),
-    row("core.phase.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
     row("core.phase.MAX_DRIFT", &[1.05, 1.12, 1.22, 1.35, 1.5], STRIPES),
     row("core.phase.DRIFT_MM", &[3.0, 6.0, 12.0, 24.0, 48.0], STRIPES),
     row("core.phase.ACROSS", &[0.001, 0.005, 0.02, 0.08, 0.3], STRIPES),
     row("core.phase.LEAST_SUM", &[1.5, 2.0, 2.4, 2.7, 2.9], STRIPES),
-    row("core.phase.DRIFT_TOLERANCE", &[0.00001, 0.0001, 0.001, 0.01, 0.1], STRIPES),
-    row("core.phase.TOLERANCE", &[0.0001, 0.001, 0.01, 0.03, 0.1], STRIPES),
     row("core.phase.STEPS", &[15.0, 30.0, 60.0, 120.0, 240.0], STRIPES),
     // From level lines to beads.
     row("fill.field.stripes.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], STRIPES),
     row("fill.field.stripes.LONGEST_JOINT", &[1.2, 1.6, 2.0, 2.5, 3.0], STRIPES),
     row("fill.field.stripes.MESH", &[0.7, 0.9, 1.1, 1.5, 2.0], STRIPES),
+    row("fill.field.stripes.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 6.0, 10.0], STRIPES),
+    row("fill.field.stripes.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
+    row("fill.field.stripes.PHASE_TOLERANCE", &[0.001, 0.01, 0.03, 0.1, 0.3], STRIPES),
+    row("fill.field.stripes.DRIFT_TOLERANCE", &[0.00001, 0.0001, 0.001, 0.01, 0.1], STRIPES),
     row("fill.field.stripes.LEVEL_SMOOTHING", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),
     row("fill.field.stripes.SHIFT_SMOOTHING", &[0.0, 2.0, 4.0, 6.0, 10.0], STRIPES),
     row("fill.field.stripes.MOST_MOVE", &[0.1, 0.2, 0.4, 0.6, 1.0], STRIPES),

@@ -22,8 +22,8 @@
 //! Before the phase is solved, [`drift`] varies the spacing slowly along the field, so that fewer beads
 //! have to end.
 //!
-//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps of at
-//! most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region
+//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: each round of diffusion takes
+//! at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region
 //! in several pieces is swept piece by piece; a node whose neighbours cancel each other keeps its last
 //! phase. The same input gives the same bits, because no step depends on threads.
 //!
@@ -65,19 +65,6 @@ pub struct Turn {
     pub mirrored: bool,
 }
 
-/// How many rounds of diffusion are made at each width.
-/// Measured: row `core.phase.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
-static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("core.phase.DIFFUSION_ROUNDS", 6);
-/// Factor on all widths of the diffusion.
-/// Measured: row `core.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
-static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("core.phase.DIFFUSION_SCALE", 1.0);
-
-/// Steps of diffusion, widest first: the width of each in grid squares, and its number of rounds. Wide
-/// steps settle the pattern of the whole region, narrow ones its details.
-pub fn diffusion_steps() -> [(f64, usize); 3] {
-    [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
-}
-
 /// The spacing may differ from the nominal one by this factor before beads end or begin. It lies well
 /// inside the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
 /// `core.phase.MAX_DRIFT` of `cargo xtask bench constants`.
@@ -93,12 +80,6 @@ static ACROSS: Tuned<f64> = Tuned::new("core.phase.ACROSS", 0.02);
 /// A triangle has a divergence where the sum of the three axes at its corners is at least this long. Measured: row
 /// `core.phase.LEAST_SUM` of `cargo xtask bench constants`.
 static LEAST_SUM: Tuned<f64> = Tuned::new("core.phase.LEAST_SUM", 2.4);
-/// The spacing is solved to this residual, as a share of the right side. Measured: row
-/// `core.phase.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
-static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("core.phase.DRIFT_TOLERANCE", 1e-3);
-/// Each round of diffusion is solved to this residual, as a share of the right side. Measured: row
-/// `core.phase.TOLERANCE` of `cargo xtask bench constants`.
-static TOLERANCE: Tuned<f64> = Tuned::new("core.phase.TOLERANCE", 1e-2);
 /// Most steps of the solver in a round of diffusion. Measured: row `core.phase.STEPS` of `cargo xtask bench
 /// constants`.
 static STEPS: Tuned<usize> = Tuned::new("core.phase.STEPS", 60);
@@ -107,8 +88,8 @@ static STEPS: Tuned<usize> = Tuned::new("core.phase.STEPS", 60);
 const DRIFT_STEPS: usize = 300;
 
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
-/// to end.
-pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
+/// to end. It is solved to a residual of `tolerance` times the right side.
+pub fn drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
@@ -146,7 +127,7 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
             rhs[corner] -= 0.5 * cell2 * divergence * along[k];
         }
     }
-    let x = matrix.solve(vec![0.0; n], &rhs, DRIFT_TOLERANCE.value(), DRIFT_STEPS);
+    let x = matrix.solve(vec![0.0; n], &rhs, tolerance, DRIFT_STEPS);
     let limit = MAX_DRIFT.value() - 1.0;
     x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
 }
@@ -223,9 +204,22 @@ impl Carried {
     }
 }
 
-/// The phase at every node, radians, after diffusion in these steps. Each step is a width in grid squares
-/// and a number of rounds.
-pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
+/// How a phase is diffused.
+#[derive(Debug, Clone, Copy)]
+pub struct Diffusion<const N: usize> {
+    /// Width of each step in grid squares, the widest first, and its number of rounds.
+    pub steps: [(f64, usize); N],
+    /// Each round is solved to this residual, as a share of the right side.
+    pub tolerance: f64,
+}
+
+/// The phase at every node, radians.
+pub fn solve<const N: usize>(
+    mesh: &FieldMesh,
+    input: &PhaseInput,
+    turns: &[Turn],
+    diffusion: &Diffusion<N>,
+) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);
     // The phase wanted at the border: real and imaginary part, times the weight.
@@ -243,7 +237,7 @@ pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64
         around[k] += weight as f32;
     }
     let mut z = swept(mesh, &carried, &wanted);
-    for &(width, times) in steps {
+    for (width, times) in diffusion.steps {
         let width = width as f32;
         let own: Vec<f32> = around.iter().map(|a| 1.0 + width * a).collect();
         let apply = |x: &[f32], y: &mut [f32]| {
@@ -258,7 +252,7 @@ pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64
                 &apply,
                 &rhs,
                 &mut x,
-                CgSettings::relative(&rhs, TOLERANCE.value(), STEPS.value()),
+                CgSettings::relative(&rhs, diffusion.tolerance, STEPS.value()),
             );
             for k in 0..n {
                 let length = (x[k] * x[k] + x[n + k] * x[n + k]).sqrt();

@@ -9,9 +9,10 @@ use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Role};
 
 use super::levels::{Level, trace};
-use super::stripes::{dense, phase_input};
+use super::stripes::{dense, diffusion, phase_input};
 use crate::fill::FillContext;
-use grainpath_core::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
+use grainpath_core::phase::{PhaseInput, drift, solve, turns};
+use grainpath_job::choices::BeadWidths;
 
 const CRATE: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -64,13 +65,14 @@ fn the_figure_of_the_phase() {
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|p| axis(*p)).collect();
     let n = mesh.nodes.len();
     let input = PhaseInput {
-        frequency: drift(&mesh, &axes).into_iter().map(|f| f / spacing_mm).collect(),
+        frequency: drift(&mesh, &axes, 1e-3).into_iter().map(|f| f / spacing_mm).collect(),
         axes,
         strength: vec![1.0; n],
         wanted: vec![(0.0, 0.0); n],
     };
     let turns = turns(&mesh, &input);
-    let phase = solve(&mesh, &input, &turns, &diffusion_steps());
+    // On squares this small the wider steps make lines begin.
+    let phase = solve(&mesh, &input, &turns, &diffusion(BeadWidths::Constant));
     let levels = trace(&mesh, &turns, &phase);
 
     let mut figure = Figure::new(640.0, 190.0);
@@ -134,7 +136,7 @@ fn the_figure_of_stripes() {
         shift: crate::fill::Shift::NONE,
         below: None,
         fills_wedges: true,
-        widths: grainpath_job::choices::BeadWidths::Variable,
+        widths: BeadWidths::Variable,
         field: Some(&flow),
     };
     let infill_region = part.offset(-0.5 * width_mm, Join::Miter(3.0));
@@ -142,7 +144,7 @@ fn the_figure_of_stripes() {
     let mesh = FieldMesh::over(&border, 1.1 * context.spacing_mm()).expect("a mesh");
     let input = phase_input(&mesh, &flow, &context, &border, context.spacing_mm());
     let turns = turns(&mesh, &input);
-    let phase = solve(&mesh, &input, &turns, &diffusion_steps());
+    let phase = solve(&mesh, &input, &turns, &diffusion(BeadWidths::Variable));
     let clipper = LineClipper::new(&infill_region);
     let levels = clipped(&clipper, &trace(&mesh, &turns, &phase));
     let mut beads = Vec::new();

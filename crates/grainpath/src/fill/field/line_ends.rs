@@ -122,6 +122,8 @@ pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Lin
     let mut neighbours = place.neighbours(&lines);
     let (mut lines, rooms) = without_crowded(lines, &mut neighbours, place, room);
     let more = begun(&lines, &rooms, &neighbours, place, room);
+    // Lines are joined where none lies between them. The few that begin are looked up by themselves: all lines are indexed anew
+    // only once, for the ends that are extended.
     let of_more = Neighbours::new(&more, &Region::default(), CELL_BEADS * place.spacing_mm);
     let n_before = lines.len();
     lines.extend(more);
@@ -200,8 +202,10 @@ fn without_crowded(
     let segments = |(l, points, whole): &(usize, Range<usize>, bool)| {
         (*l, points.start..if *whole { lines[*l].n_segments() } else { points.end - 1 })
     };
+    // What is removed leaves the index in place, which is faster than building it anew.
     neighbours.keep(lines.len(), &stretches.iter().map(segments).collect::<Vec<_>>());
     let is_full = |side: &Side| match *side {
+        // A line whose near part is gone leaves its room to others.
         Side::Line { distance_mm, piece } => {
             !neighbours.is_gone(piece) && !has_room_beside(distance_mm, true, place, room)
         }

@@ -20,6 +20,8 @@
 //! Lengths are in mm. Limits: on a field that diverges like that of a radial disk of 50 beads, about 4 % of the area stays
 //! open and 4 % is laid twice.
 
+use grainpath_core::phase::Diffusion;
+
 use super::line_ends::Room;
 
 /// The least space of a line, in spacings: half of the distance between its two neighbours. Source:
@@ -31,3 +33,7 @@ pub(super) const LEAST_GAP: f64 = 0.5;
 /// Where lines of beads of one width begin and end.
 pub(super) const ROOM: Room =
     Room { least: LEAST_ROOM, tip: LEAST_ROOM, begins: LEAST_ROOM, middle: false, rests: 0.0 };
+/// How the phase of such lines is diffused. Source: measured on ten fields at five sizes of squares, with open ends: with the steps for
+/// beads of any width 2.74 in place of 2.67 % stay open and 1.78 in place of 1.75 % are laid twice.
+pub(super) const DIFFUSION: Diffusion<3> =
+    Diffusion { steps: [(60.0, 6), (25.0, 6), (8.0, 6)], tolerance: 0.01 };

@@ -53,7 +53,7 @@ use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::{single_beads, widest_single_mm};
 use grainpath_core::math::cross;
-use grainpath_core::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
+use grainpath_core::phase::{Diffusion, PhaseInput, drift, solve, turns};
 use grainpath_job::choices::BeadWidths;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4
@@ -82,6 +82,18 @@ const GAP_CELL: f64 = 0.33;
 /// Side of the grid squares on which the phase is found, in spacings. Measured: row `fill.field.stripes.MESH` of `cargo
 /// xtask bench constants`.
 static MESH: Tuned<f64> = Tuned::new("fill.field.stripes.MESH", 1.1);
+/// Rounds of diffusion of the phase at each width.
+/// Measured: row `fill.field.stripes.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
+static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.stripes.DIFFUSION_ROUNDS", 3);
+/// Factor on all widths of the diffusion.
+/// Measured: row `fill.field.stripes.DIFFUSION_SCALE` of `cargo xtask bench constants`.
+static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.stripes.DIFFUSION_SCALE", 1.0);
+/// Each round is solved to this residual, as a share of the right side.
+/// Measured: row `fill.field.stripes.PHASE_TOLERANCE` of `cargo xtask bench constants`.
+static PHASE_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.stripes.PHASE_TOLERANCE", 0.03);
+/// The drift of the spacing is solved to this residual, as a share of the right side.
+/// Measured: row `fill.field.stripes.DRIFT_TOLERANCE` of `cargo xtask bench constants`.
+static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.stripes.DRIFT_TOLERANCE", 0.01);
 /// How often level lines are smoothed. Measured: row `fill.field.stripes.LEVEL_SMOOTHING` of `cargo xtask bench
 /// constants`.
 static LEVEL_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.LEVEL_SMOOTHING", 3);
@@ -207,7 +219,7 @@ pub(crate) fn spaced(
     let (levels, axes) = {
         let input = phase_input(&mesh, field, context, &border, spacing);
         let turns = turns(&mesh, &input);
-        let phase = solve(&mesh, &input, &turns, &diffusion_steps());
+        let phase = solve(&mesh, &input, &turns, &diffusion(context.widths));
         (trace(&mesh, &turns, &phase), input.axes)
     };
     // Beads that are narrowed come nearer to the border.
@@ -481,6 +493,18 @@ fn to_middle(r: Reach, spacing_mm: f64) -> f64 {
     0.5 * (r.left_mm - r.right_mm).clamp(-most_mm, most_mm)
 }
 
+/// How the phase of lines for beads of these widths is diffused. Wide steps settle the pattern of the whole region, narrow ones
+/// its details.
+pub(super) fn diffusion(widths: BeadWidths) -> Diffusion<3> {
+    match widths {
+        BeadWidths::Variable => Diffusion {
+            steps: [30.0, 12.5, 4.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value())),
+            tolerance: PHASE_TOLERANCE.value(),
+        },
+        BeadWidths::Constant => one_width::DIFFUSION,
+    }
+}
+
 /// The input from which the phase is found, for lines `spacing` apart, mm.
 pub(super) fn phase_input(
     mesh: &FieldMesh,
@@ -491,7 +515,9 @@ pub(super) fn phase_input(
 ) -> PhaseInput {
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = match context.widths {
-        BeadWidths::Variable => drift(mesh, &axes).into_iter().map(|f| f / spacing).collect(),
+        BeadWidths::Variable => {
+            drift(mesh, &axes, DRIFT_TOLERANCE.value()).into_iter().map(|f| f / spacing).collect()
+        }
         BeadWidths::Constant => vec![1.0 / spacing; axes.len()],
     };
     let near = NearBorder::new(border, BORDER_CELL * spacing);
@@ -719,6 +745,7 @@ fn between_beads(
     let share = (narrowest_mm / (NARROWEST * nominal)).clamp(FINEST_CELL, 1.0);
     let cell_mm = GAP_CELL * context.spacing_mm() * share;
     let strips = beads.iter().flat_map(|b| strips_of(b, h, 0.0));
+    // What lies open beside flat ends is found once: beads with longer ends, and single beads, close parts of it.
     let open = Open::beside(area, strips.collect(), cell_mm);
     // For single beads, lines reach beyond their ends by about what round ends hold.
     let mut left = open.without(beads.iter().flat_map(|b| end_strips_of(b, h, STRIP_LONGER)).collect());

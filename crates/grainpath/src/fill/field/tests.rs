@@ -267,6 +267,7 @@ fn sides_are_what_rays_through_all_cells_meet() {
             let along = line.tangent(v);
             for (side, way) in sides.iter().zip([along.perp(), -along.perp()]) {
                 let skips = |other: usize, segment: usize| other == l && is_own(line, v, segment);
+                // A search through the cells along the ray knows nothing of the vertex before.
                 let expect = neighbours.hit(line.points[v], way, 0.72, skips);
                 assert_eq!(distance_mm(side), expect.map(|hit| hit.distance_mm), "line {l}, vertex {v}");
                 assert_eq!(matches!(side, Side::Line { .. }), expect.is_some_and(|hit| hit.line.is_some()));
@@ -298,6 +299,7 @@ fn rays_meet_what_is_kept_of_lines() {
         closed: false,
     };
     let kept: Vec<Line> = stretches.iter().map(kept).collect();
+    // An index of the lines that remain gives the numbers and the distances.
     let anew = Neighbours::new(&kept, &border, 0.28);
     for p in (0..2000).map(|k| DVec2::new(0.01 * f64::from(k), 0.005 * f64::from(k))) {
         for way in [DVec2::X, DVec2::Y, direction(2.5)] {

@@ -457,11 +457,14 @@ impl Neighbours {
             let at = |(vertex, &p): (usize, &DVec2)| {
                 let along = line.tangent(vertex);
                 let skips = |other: usize, segment: usize| other == number && is_own(line, vertex, segment);
+                // Between the rays of two vertices lies a narrow area. A line can come into it only by ending or turning back there,
+                // since lines do not cross; in a calm cell none does.
                 let is_calm = calm[cells.index(cells.cell_of(p))];
                 let mut sides = [Side::Open; 2];
                 for (k, way) in [along.perp(), -along.perp()].into_iter().enumerate() {
                     let beside = before[k].filter(|_| is_calm).and_then(|m| self.first_beside(p, way, m));
                     let found = beside.or_else(|| self.first(p, way, far_mm, skips));
+                    // Borders have corners, and a line that meets itself goes round: there rays look around themselves.
                     before[k] = found.map(|(_, m)| m).filter(|&m| {
                         let met = self.pieces[m as usize].line;
                         met != BORDER && met as usize != number
