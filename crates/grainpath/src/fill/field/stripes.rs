@@ -167,6 +167,8 @@ const NARROWING: f64 = 0.15;
 /// The smallest cells with which gaps are searched, as a share of those for the narrowest bead of `stripes`. Source: chosen.
 /// Beads narrower than a quarter of that, 0.07 mm, are not laid well, and a mask of 250 x 250 mm takes 7 MB.
 const FINEST_CELL: f64 = 0.25;
+/// Points nearer than this are one place, mm. Source: G-code has coordinates of three digits.
+const ROUNDED_MM: f64 = 1e-3;
 /// Corners of rings in a gap, and of thin places, stay sharp. Source: as for walls, whose tips are cut off likewise.
 const MITER: Join = Join::Miter(2.0);
 /// Strips of up to this many beads are filled by rings and single beads where beads have one width. Source: derived. With `n`
@@ -946,11 +948,14 @@ impl WideBead {
     /// Narrows the bead at its end to `width_mm`.
     fn narrow_end(&mut self, width_mm: f64) {
         let loses_mm = self.widths[self.widths.len() - 1] - width_mm;
-        if loses_mm > 0.0 {
-            let end = self.points[self.points.len() - 1];
+        let last = self.points.len() - 1;
+        if NARROWING * loses_mm > ROUNDED_MM {
+            let end = self.points[last];
             self.shorten(NARROWING * loses_mm);
             self.points.push(end);
             self.widths.push(width_mm);
+        } else if loses_mm > 0.0 {
+            self.widths[last] = width_mm;
         }
     }
 
