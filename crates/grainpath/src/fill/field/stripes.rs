@@ -862,8 +862,8 @@ pub(super) fn strips_of(
 
 /// The first and the last of [`strips_of`] an open bead.
 fn end_strips_of(bead: &Toolpath, height_mm: f64, ends_longer: f64) -> impl Iterator<Item = [DVec2; 4]> + '_ {
-    let n = if bead.closed { 0 } else { bead.n_segments() };
-    let ends = (0..n.min(1)).chain(n.max(2) - 1..n);
+    let n = bead.n_segments();
+    let ends = (0..n).filter(move |i| !bead.closed && (*i == 0 || i + 1 == n));
     ends.map(move |i| strip(bead, i, height_mm, ends_longer))
 }
 

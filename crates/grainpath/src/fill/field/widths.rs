@@ -483,18 +483,11 @@ impl Neighbours {
     fn first_beside(&self, p: DVec2, way: DVec2, m: u32) -> Option<(f64, u32)> {
         let (line, far_mm) = (self.pieces[m as usize].line, CALM_CELLS as f64 * self.buckets.cells.cell_mm);
         let near = m.saturating_sub(1)..(m + 2).min(self.pieces.len() as u32);
-        let mut first: Option<(f64, u32)> = None;
-        for m in near {
+        let met = |m: u32| {
             let piece = &self.pieces[m as usize];
-            let nearest_mm = first.map_or(far_mm, |(mm, _)| mm);
-            if piece.line == line
-                && let Some(mm) = piece.met_by(p, way, nearest_mm)
-                && (first.is_none() || mm < nearest_mm)
-            {
-                first = Some((mm, m));
-            }
-        }
-        first
+            (piece.line == line).then(|| piece.met_by(p, way, far_mm)).flatten().map(|mm| (mm, m))
+        };
+        near.filter_map(met).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// For each cell, whether no line begins, ends or turns sharply in it or in [`CALM_CELLS`] cells around it and no border passes
