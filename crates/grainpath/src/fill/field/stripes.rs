@@ -946,7 +946,7 @@ impl WideBead {
     }
 
     /// Narrows the bead at its end to `width_mm`.
-    fn narrow_end(&mut self, width_mm: f64) {
+    pub(super) fn narrow_end(&mut self, width_mm: f64) {
         let loses_mm = self.widths[self.widths.len() - 1] - width_mm;
         let last = self.points.len() - 1;
         if NARROWING * loses_mm > ROUNDED_MM {

@@ -9,7 +9,7 @@ use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Reg
 
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
-use super::stripes::{covered, filling_their_space, strips_of};
+use super::stripes::{WideBead, covered, filling_their_space, strips_of};
 use super::widths::{Line, Neighbours, Side, is_own};
 use super::{SeedLines, Streamlines, Stripes};
 use crate::fill::{FillContext, Infill, Solid};
@@ -249,6 +249,19 @@ fn waves_ring_and_hairpins() -> (Vec<Line>, Region) {
         lines.push(Line { points, closed: false });
     }
     (lines, Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 12.0)))
+}
+
+#[test]
+fn a_bead_narrows_to_its_joint_over_no_piece_that_g_code_rounds_away() {
+    for (loses_mm, n_points) in [(0.0, 3), (1e-6, 3), (0.004, 3), (0.02, 4), (0.2, 4)] {
+        let width_mm = 0.3 + loses_mm;
+        let points = vec![DVec2::ZERO, DVec2::X, 2.0 * DVec2::X];
+        let mut bead = WideBead { points, widths: vec![width_mm; 3], closed: false };
+        bead.narrow_end(0.3);
+        assert_eq!((bead.points.len(), bead.widths.len()), (n_points, n_points), "{loses_mm}");
+        assert_eq!((bead.points[n_points - 1], bead.widths[n_points - 1]), (2.0 * DVec2::X, 0.3));
+        assert!(bead.points.windows(2).all(|p| p[0].distance(p[1]) > 1e-3), "{loses_mm}");
+    }
 }
 
 #[test]
