@@ -167,8 +167,9 @@ const NARROWING: f64 = 0.15;
 /// The smallest cells with which gaps are searched, as a share of those for the narrowest bead of `stripes`. Source: chosen.
 /// Beads narrower than a quarter of that, 0.07 mm, are not laid well, and a mask of 250 x 250 mm takes 7 MB.
 const FINEST_CELL: f64 = 0.25;
-/// Points nearer than this are one place, mm. Source: G-code has coordinates of three digits.
-const ROUNDED_MM: f64 = 1e-3;
+/// Points nearer than this are one place, mm. Source: G-code has coordinates of three digits, and points as far apart as the
+/// diagonal of a square of 0.001 mm, 0.0014 mm, can have the same ones.
+const ROUNDED_MM: f64 = 1.5e-3;
 /// Corners of rings in a gap, and of thin places, stay sharp. Source: as for walls, whose tips are cut off likewise.
 const MITER: Join = Join::Miter(2.0);
 /// Strips of up to this many beads are filled by rings and single beads where beads have one width. Source: derived. With `n`
@@ -936,9 +937,12 @@ impl WideBead {
         (self.points[end], along, self.widths[end])
     }
 
-    /// Shortens the bead by `by_mm` at its end.
+    /// Shortens the bead by `by_mm` at its end. A vertex in the place of the new end goes.
     fn shorten(&mut self, by_mm: f64) {
-        let (kept, end, width_mm) = self.shortened_end(false, by_mm);
+        let (mut kept, end, width_mm) = self.shortened_end(false, by_mm);
+        if kept > 1 && self.points[kept - 1].distance(end) <= ROUNDED_MM {
+            kept -= 1;
+        }
         self.points.truncate(kept);
         self.widths.truncate(kept);
         self.points.push(end);
