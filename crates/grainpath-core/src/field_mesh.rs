@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
 use crate::math::{rotated, turned_back};
 use crate::poly::{Join, LineClipper};
-use crate::{DVec2, Region, lanes};
+use crate::{DVec2, DisjointSets, Region, lanes};
 
 /// Marks a place of the grid without a node.
 const NONE: u32 = u32::MAX;
@@ -120,6 +120,36 @@ impl FieldMesh {
         let mut mesh = Self { nodes, cell_mm, along, origin, nx, ny, index, edges, runs, triangles };
         mesh.connect();
         Some(mesh)
+    }
+
+    /// The mesh of every second row and column, and the nodes of this mesh that are its nodes. `None` where it would have more or fewer
+    /// parts than this mesh: larger squares bridge a slit that smaller ones do not.
+    pub fn coarser(&self) -> Option<(Self, Vec<u32>)> {
+        let (nx, ny) = (self.nx.div_ceil(2), self.ny.div_ceil(2));
+        let mut index = vec![NONE; nx * ny];
+        let mut kept = Vec::with_capacity(self.nodes.len() / 4 + nx + ny);
+        for j in 0..ny {
+            for i in 0..nx {
+                let node = self.index[2 * j * self.nx + 2 * i];
+                if node != NONE {
+                    index[j * nx + i] = kept.len() as u32;
+                    kept.push(node);
+                }
+            }
+        }
+        let nodes = kept.iter().map(|&k| self.nodes[k as usize]).collect();
+        let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let cell_mm = 2.0 * self.cell_mm;
+        let mut mesh = Self { nodes, cell_mm, nx, ny, index, edges, runs, triangles, ..*self };
+        mesh.connect();
+        (mesh.n_pieces() == self.n_pieces()).then_some((mesh, kept))
+    }
+
+    /// Number of parts of the mesh that no side of a square connects.
+    fn n_pieces(&self) -> usize {
+        let mut pieces = DisjointSets::new(self.nodes.len());
+        let sides = self.runs().flat_map(|run| run.from.zip(run.to));
+        self.nodes.len() - sides.filter(|&(a, b)| pieces.union(a, b)).count()
     }
 
     /// The sides of squares in runs of consecutive edges. They are all edges except the diagonals, which come last.
@@ -346,6 +376,34 @@ mod tests {
                 assert_eq!(nodes, of_turned, "{deg}");
                 assert!(shares.iter().zip(their).all(|(a, b)| (a - b).abs() < 1e-9), "{deg}");
             }
+        }
+    }
+
+    #[test]
+    fn a_coarser_mesh_has_every_second_row_and_column() {
+        let l = Region::rectangle(DVec2::ZERO, DVec2::new(7.0, 5.0))
+            .difference(&Region::rectangle(DVec2::new(3.0, 2.0), DVec2::new(8.0, 6.0)));
+        let by = crate::math::direction(0.6);
+        let mesh = FieldMesh::along(&l.turned(by), 0.3, by).expect("a mesh");
+        let (coarse, kept) = mesh.coarser().expect("one part, as the mesh");
+        assert_eq!((coarse.cell_mm, coarse.nodes.len()), (0.6, kept.len()));
+        assert!((mesh.nodes.len() / 5..mesh.nodes.len() / 3).contains(&kept.len()));
+        assert!(kept.iter().zip(&coarse.nodes).all(|(&k, p)| mesh.nodes[k as usize] == *p));
+        for edge in coarse.edges.iter().filter(|e| !e.diagonal) {
+            let [a, b] = edge.ends.map(|k| coarse.nodes[k as usize]);
+            assert!((a.distance(b) - 0.6).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_coarser_mesh_bridges_no_slit() {
+        // One column of nodes is missing between both halves. Larger squares have it where its number is even.
+        for (left_mm, has_coarser) in [(3.0, false), (4.0, true)] {
+            let half = |from: f64, to: f64| Region::rectangle(DVec2::new(from, 0.0), DVec2::new(to, 10.0));
+            let both = half(0.0, left_mm).union(&half(left_mm + 3.6, 12.0));
+            let mesh = FieldMesh::over(&both, 1.0).expect("a mesh");
+            assert_eq!(mesh.n_pieces(), 2);
+            assert_eq!(mesh.coarser().is_some(), has_coarser, "{left_mm}");
         }
     }
 

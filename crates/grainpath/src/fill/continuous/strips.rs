@@ -87,7 +87,7 @@ static DRIFT_TOLERANCE: Tuned<f64> = Tuned::new("fill.continuous.strips.DRIFT_TO
 /// How the phase is diffused. Wide steps arrange the strips of the whole region, narrow steps adjust their borders.
 fn diffusion() -> Diffusion<4> {
     let step = |width: f64| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value());
-    Diffusion { steps: [60.0, 25.0, 8.0, 3.0].map(step), tolerance: PHASE_TOLERANCE.value() }
+    Diffusion { steps: [60.0, 25.0, 8.0, 3.0].map(step), n_coarse: 0, tolerance: PHASE_TOLERANCE.value() }
 }
 
 /// The outlines of all strips of a region at this bead spacing. They are closed, lie inside the region and

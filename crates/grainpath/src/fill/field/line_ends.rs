@@ -35,6 +35,7 @@ use grainpath_core::polyline::{length_mm, resampled, shorten_start};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
+use super::refit::Beside;
 use super::widths::{
     CELL_BEADS, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, Side, smooth, stretches_along, strips,
 };
@@ -79,8 +80,8 @@ const LOOK_AHEAD: f64 = 1.5;
 pub(super) struct Place<'a> {
     /// The edge where the strips of the surrounding beads begin.
     pub border: &'a Region,
-    /// Lines beside those that are fitted, which stay as they are.
-    pub others: &'a [Line],
+    /// What lies beside the lines that are fitted.
+    pub beside: &'a Beside,
     /// The same edge, searchable.
     pub edge: &'a Neighbours,
     /// Lines that meet the border across end this far from it, mm.
@@ -138,15 +139,15 @@ pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Lin
 
 impl<'a> Place<'a> {
     /// The same place with these lines beside those that are fitted.
-    pub(super) fn beside<'b>(&self, others: &'b [Line]) -> Place<'b>
+    pub(super) fn beside<'b>(&self, beside: &'b Beside) -> Place<'b>
     where
         'a: 'b,
     {
-        Place { others, ..*self }
+        Place { beside, ..*self }
     }
 
     fn neighbours(&self, lines: &[Line]) -> Neighbours {
-        Neighbours::beside(lines, self.others, self.border, CELL_BEADS * self.spacing_mm)
+        Neighbours::beside(lines, &self.beside.lines, self.border, CELL_BEADS * self.spacing_mm)
     }
 
     /// If a line that goes on from `at` along a unit vector meets the border soon and across: how much longer it may
@@ -298,8 +299,11 @@ fn facing_joined(lines: Vec<Line>, neighbours: [&Neighbours; 2], place: &Place<'
         (at, (at - before).normalize_or_zero())
     };
     let mut grid = PointGrid2::new(bounds, place.longest_joint_mm);
-    let open: Vec<usize> =
-        (0..2 * lines.len()).filter(|e| !lines[e / 2].closed && lines[e / 2].points.len() > 1).collect();
+    let is_open = |e: &usize| {
+        let line = &lines[e / 2];
+        !line.closed && line.points.len() > 1 && !place.beside.cuts.contains(end(*e).0)
+    };
+    let open: Vec<usize> = (0..2 * lines.len()).filter(is_open).collect();
     open.iter().for_each(|&e| grid.insert(end(e).0, e));
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for &e in &open {
@@ -326,31 +330,39 @@ fn facing_joined(lines: Vec<Line>, neighbours: [&Neighbours; 2], place: &Place<'
 
 /// Puts lines together whose ends are joined. A line is entered at one end and left at the other.
 fn chained(lines: &[Line], joined_to: &[Option<usize>], step_mm: f64) -> Vec<Line> {
-    let mut used = vec![false; lines.len()];
-    let mut out = Vec::with_capacity(lines.len());
+    let joined = |chain: Vec<(usize, bool)>| {
+        if let [(l, false)] = chain[..] {
+            return lines[l].clone();
+        }
+        let mut points: Vec<DVec2> = Vec::new();
+        for (l, reversed) in chain {
+            let line = &lines[l].points;
+            if reversed { points.extend(line.iter().rev()) } else { points.extend(line) }
+        }
+        let mut points = resampled(&points, false, step_mm);
+        smooth(&mut points, false, JOINT_SMOOTHING);
+        Line { points, closed: false }
+    };
+    chains(lines.len(), joined_to).into_iter().map(joined).collect()
+}
+
+/// The lines of each chain of `n_lines` lines whose ends are joined, and whether the chain goes through a line from its last point
+/// to its first. End `2 l` is the first point of line `l`, end `2 l + 1` its last.
+pub(super) fn chains(n_lines: usize, joined_to: &[Option<usize>]) -> Vec<Vec<(usize, bool)>> {
+    let mut used = vec![false; n_lines];
+    let mut out = Vec::with_capacity(n_lines);
     // Chains are followed from their free ends first; those that remain go round.
     let free = (0..joined_to.len()).filter(|&e| joined_to[e].is_none());
-    for first in free.chain((0..lines.len()).map(|l| 2 * l)) {
-        let mut points: Vec<DVec2> = Vec::new();
-        let (mut at, mut n_lines) = (first, 0);
+    for first in free.chain((0..n_lines).map(|l| 2 * l)) {
+        let (mut at, mut chain) = (first, Vec::new());
         while !used[at / 2] {
             used[at / 2] = true;
-            n_lines += 1;
-            let line = &lines[at / 2].points;
-            if at.is_multiple_of(2) {
-                points.extend(line)
-            } else {
-                points.extend(line.iter().rev())
-            }
+            chain.push((at / 2, !at.is_multiple_of(2)));
             let Some(next) = joined_to[at ^ 1] else { break };
             at = next;
         }
-        if n_lines == 1 {
-            out.push(Line { points, closed: lines[first / 2].closed });
-        } else if n_lines > 1 {
-            let mut points = resampled(&points, false, step_mm);
-            smooth(&mut points, false, JOINT_SMOOTHING);
-            out.push(Line { points, closed: false });
+        if !chain.is_empty() {
+            out.push(chain);
         }
     }
     out
@@ -368,6 +380,7 @@ pub(super) fn trimmed(lines: Vec<Line>, place: &Place<'_>) -> Vec<Line> {
         for _ in 0..2 {
             if let [end, before, ..] = line.points[..]
                 && !line.closed
+                && !place.beside.cuts.contains(end)
                 && let Some(free_mm) = place.free_ahead_mm(end, (end - before).normalize_or_zero())
                 && free_mm < 0.0
             {
@@ -389,15 +402,18 @@ fn extend(lines: &mut [Line], neighbours: &Neighbours, place: &Place<'_>, room: 
     // Ends of lines and the points added to them, which `neighbours` does not contain: for each point its
     // line, and whether it is an original end.
     let mut added = PointGrid2::new(bounds, place.spacing_mm);
-    for (l, line) in lines.iter().chain(place.others).enumerate().filter(|l| !l.1.closed) {
+    for (l, line) in lines.iter().chain(&place.beside.lines).enumerate().filter(|l| !l.1.closed) {
         let ends = line.points.first().into_iter().chain(line.points.last());
         ends.for_each(|&p| added.insert(p, (l, true)));
     }
     let open: Vec<usize> =
         (0..lines.len()).filter(|&l| !lines[l].closed && lines[l].points.len() > 1).collect();
     // The points added to both ends of each line, and whether the end may still go on.
-    let mut extensions: Vec<[(Vec<DVec2>, bool); 2]> =
-        open.iter().map(|_| [(Vec::new(), true), (Vec::new(), true)]).collect();
+    let goes_on = |end: DVec2| (Vec::new(), !place.beside.cuts.contains(end));
+    let mut extensions: Vec<[(Vec<DVec2>, bool); 2]> = open
+        .iter()
+        .map(|&l| [lines[l].points[0], lines[l].points[lines[l].points.len() - 1]].map(goes_on))
+        .collect();
     // Ends are extended one by one in the order of the lines, so the result does not depend on threads. All go as far as
     // there is the least room before the first goes into a tip: where many lines meet, tips would keep others out.
     for tip in [room.least, room.tip] {

@@ -12,7 +12,7 @@
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
 //! 4. [`line_ends`] lets lines begin and end where there is room for them;
 //! 5. [`stripes`] moves the lines to the middle of their space, joins ends along the border and fills
-//!    remaining gaps with single beads;
+//!    remaining gaps with single beads; [`refit`] takes steps 4 and 5 once more around lines that would have crossed others;
 //! 6. [`widths`] measures the space of each bead between its neighbours, which decides the bead's width;
 //! 7. [`voids`] finds short straight beads for corners that all these leave open.
 //!
@@ -29,6 +29,7 @@ pub(super) mod levels;
 mod line_ends;
 mod one_width;
 mod own_frame;
+mod refit;
 pub(super) mod seed_lines;
 pub(super) mod streamlines;
 pub(super) mod stripes;

@@ -36,4 +36,4 @@ pub(super) const ROOM: Room =
 /// How the phase of such lines is diffused. Source: measured on ten fields at five sizes of squares, with open ends: with the steps for
 /// beads of any width 2.74 in place of 2.67 % stay open and 1.78 in place of 1.75 % are laid twice.
 pub(super) const DIFFUSION: Diffusion<3> =
-    Diffusion { steps: [(60.0, 6), (25.0, 6), (8.0, 6)], tolerance: 0.01 };
+    Diffusion { steps: [(60.0, 6), (25.0, 6), (8.0, 6)], n_coarse: 0, tolerance: 0.01 };

@@ -36,6 +36,7 @@ use grainpath_core::{DVec2, Polygon, Region, Role, Toolpath};
 
 use super::axis_of;
 use super::own_frame::{OwnFrame, foremost};
+use super::refit::Beside;
 use super::stripes::{BEYOND, LEAST_SINE, WideBead, ended, ended_before_crossings, push_inside};
 use super::widths::{CELL_BEADS, Line, Neighbours, stretches_along};
 use crate::fill::{FillContext, Infill};
@@ -114,7 +115,8 @@ impl Infill for SeedLines {
         let n_seeds = seeds.len();
         seeds.append(&mut offsets);
         let widths = seeds.iter().map(|l| vec![context.bead_width_mm; l.points.len()]).collect();
-        let (mut seeds, _, _) = ended_before_crossings(seeds, widths, &[], &border, context.spacing_mm());
+        let (mut seeds, _, _) =
+            ended_before_crossings(seeds, widths, &Beside::default(), &border, context.spacing_mm());
         let mut offsets = seeds.split_off(n_seeds);
         for lines in [&mut seeds, &mut offsets] {
             lines.retain(|line| line.points.len() > 1);

@@ -46,6 +46,7 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 use super::levels::trace;
 use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimmed};
 use super::one_width;
+use super::refit::{Beside, fitted_around};
 use super::voids::short_beads;
 use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
 use super::{axis_of, band};
@@ -82,12 +83,15 @@ const GAP_CELL: f64 = 0.33;
 /// Side of the grid squares on which the phase is found, in spacings. Measured: row `fill.field.stripes.MESH` of `cargo
 /// xtask bench constants`.
 static MESH: Tuned<f64> = Tuned::new("fill.field.stripes.MESH", 1.1);
-/// Rounds of diffusion of the phase at each width.
+/// Rounds of diffusion of the phase at the narrowest width; the wider ones have twice as many.
 /// Measured: row `fill.field.stripes.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
 static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.stripes.DIFFUSION_ROUNDS", 3);
 /// Factor on all widths of the diffusion.
 /// Measured: row `fill.field.stripes.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.stripes.DIFFUSION_SCALE", 1.0);
+/// So many of the first steps of the diffusion are taken on squares twice as large.
+/// Measured: row `fill.field.stripes.N_COARSE` of `cargo xtask bench constants`.
+static N_COARSE: Tuned<usize> = Tuned::new("fill.field.stripes.N_COARSE", 2);
 /// Each round is solved to this residual, as a share of the right side.
 /// Measured: row `fill.field.stripes.PHASE_TOLERANCE` of `cargo xtask bench constants`.
 static PHASE_TOLERANCE: Tuned<f64> = Tuned::new("fill.field.stripes.PHASE_TOLERANCE", 0.03);
@@ -103,11 +107,6 @@ static SHIFT_SMOOTHING: Tuned<usize> = Tuned::new("fill.field.stripes.SHIFT_SMOO
 /// When a line is moved to the middle of its space, the difference between the space on its left and on its right counts
 /// at most this much, in spacings. Measured: row `fill.field.stripes.MOST_MOVE` of `cargo xtask bench constants`.
 static MOST_MOVE: Tuned<f64> = Tuned::new("fill.field.stripes.MOST_MOVE", 0.4);
-/// Lines that pass so near to a place that a line lost are fitted once more, in spacings. Source: measured on the radial disk with
-/// joined ends (`cargo xtask bench jobs fields`): with 3, 4, 6 and 10, and for all lines, 0.83, 0.75, 0.60, 0.53 and 0.47 % stay
-/// open, 0.63, 0.51, 0.47, 0.49 and 0.57 % are laid twice. The plate of `cargo xtask bench paths` takes 0.43 s with 3 and with
-/// 10, and 0.50 s for all lines.
-const FREED_REACH: f64 = 10.0;
 /// So much per length a line moves farther or less far sidewise when it takes the middle of its space; 0.25 is 14 degrees.
 /// Source: measured as `BESIDE_END` of [`widths`](super::widths), with points at 0.2 spacings: with 0.15, 0.25 and 0.36 and
 /// without a bound 1.02, 0.91, 0.89 and 0.88 % of the two charges stay open, beads lie 2.51, 2.61, 2.66 and 2.75 degrees off, and
@@ -255,9 +254,10 @@ pub(crate) fn spaced(
         if least >= CLEARLY_ALONG { least } else { axis(p).dot(along).abs() }
     };
     let edge = Neighbours::new(&[], &border, CELL_BEADS * spacing);
+    let beside = Beside::default();
     let place = Place {
         border: &border,
-        others: &[],
+        beside: &beside,
         edge: &edge,
         border_mm: context.border_mm,
         area: &near_border,
@@ -282,7 +282,7 @@ pub(crate) fn spaced(
             }
             let lines = fitted(inside, &place, room);
             let lines = trimmed(lines, &place);
-            let (mut lines, mut widths, freed) = filling_their_space(lines, &[], &border, spacing);
+            let (mut lines, mut widths, freed) = filling_their_space(lines, &beside, &border, spacing);
             if !freed.is_empty() {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
@@ -296,63 +296,13 @@ pub(crate) fn spaced(
         BeadWidths::Constant => {
             let lines = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
-            let (lines, widths, _) = ended_before_crossings(lines, widths, &[], &border, spacing);
+            let (lines, widths, _) = ended_before_crossings(lines, widths, &beside, &border, spacing);
             lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
         }
     };
     let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
     let centrelines = Centrelines { lines, neighbours, widths };
     lay(centrelines, &infill_region, &border, context, share, out);
-}
-
-/// Lets lines near these places begin and end and fill their space once more, as in the rounds before. All other lines stay as
-/// they are.
-fn fitted_around(
-    freed: &[DVec2],
-    (lines, widths): (Vec<Line>, Vec<Vec<f64>>),
-    place: &Place<'_>,
-    room: Room,
-) -> (Vec<Line>, Vec<Vec<f64>>) {
-    let spacing = place.spacing_mm;
-    let again = passing_near(&lines, freed.iter().copied(), FREED_REACH * spacing);
-    let moving = lines.iter().zip(&again).filter(|(_, again)| **again);
-    // A line with room on one side looks twice as far for one more.
-    let far_mm = 2.0 * FAR_BEADS.value() * spacing;
-    let beside = passing_near(&lines, moving.flat_map(|(line, _)| line.points.iter().copied()), far_mm);
-    let (mut moving, mut others) = (Vec::new(), Vec::new());
-    let (mut staying, mut staying_widths) = (Vec::new(), Vec::new());
-    for ((line, widths), (again, beside)) in lines.into_iter().zip(widths).zip(again.into_iter().zip(beside))
-    {
-        if again {
-            moving.push(line);
-            continue;
-        }
-        if beside {
-            others.push(line.clone());
-        }
-        staying.push(line);
-        staying_widths.push(widths);
-    }
-    let place = place.beside(&others);
-    let lines = fitted(moving, &place, room);
-    let (lines, widths, _) = filling_their_space(trimmed(lines, &place), &others, place.border, spacing);
-    staying.extend(lines);
-    staying_widths.extend(widths);
-    (staying, staying_widths)
-}
-
-/// Which lines have a point within about `reach_mm` of one of the places.
-fn passing_near(lines: &[Line], places: impl Iterator<Item = DVec2>, reach_mm: f64) -> Vec<bool> {
-    let Some(bounds) = Bounds2::around_points(lines.iter().flat_map(|l| l.points.iter().copied())) else {
-        return Vec::new();
-    };
-    let cells = CellGrid::covering(bounds, reach_mm, 4000);
-    let mut is_near = vec![false; cells.nx * cells.ny];
-    for p in places {
-        cells.neighbourhood(cells.cell_of(p), 1).for_each(|at| is_near[cells.index(at)] = true);
-    }
-    let passes = |line: &Line| line.points.iter().any(|&p| is_near[cells.index(cells.cell_of(p))]);
-    lines.iter().map(passes).collect()
 }
 
 /// The strips in an area that beads along the field would leave open in part. Beads of any width do so where one single bead
@@ -376,20 +326,19 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
 }
 
 /// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
-/// space is at its points, mm, and the points of lines that were ended before others that they would have crossed. `others` are
-/// lines beside them that stay as they are.
+/// space is at its points, mm, and the points of lines that were ended before others that they would have crossed.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
 pub(super) fn filling_their_space(
     lines: Vec<Line>,
-    others: &[Line],
+    beside: &Beside,
     border: &Region,
     spacing: f64,
 ) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
-    let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
-    let (lines, steps) = neighbours.with_steps(lines, spacing);
-    let neighbours = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing);
+    let neighbours = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing);
+    let (lines, steps) = neighbours.with_steps(lines, &beside.cuts, spacing);
+    let neighbours = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing);
     let sides = neighbours.sides(&lines, FAR_BEADS.value() * spacing);
     let moved = |l: usize| {
         let line = &lines[l];
@@ -409,12 +358,14 @@ pub(super) fn filling_their_space(
             steps[l].iter().zip(stepped).for_each(|(&v, value)| values[v] = value);
         }
         limit_slope(&mut shifts, line, STEEPEST);
-        let to = |(v, &p): (usize, &DVec2)| p + shifts[v] * line.tangent(v).perp();
+        let to = |(v, &p): (usize, &DVec2)| {
+            if beside.cuts.contains(p) { p } else { p + shifts[v] * line.tangent(v).perp() }
+        };
         let points = line.points.iter().enumerate().map(to).collect();
         (Line { points, closed: line.closed }, widths)
     };
     let (lines, widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    let (lines, widths, freed) = ended_before_crossings(lines, widths, others, border, spacing);
+    let (lines, widths, freed) = ended_before_crossings(lines, widths, beside, border, spacing);
     let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
     (lines, widths, freed)
 }
@@ -438,18 +389,25 @@ fn limit_slope(values: &mut [f64], line: &Line, most: f64) {
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
 /// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end; one of
-/// the `others`, which stay as they are, never does. Returns the lines with their widths, and the points that they lost. Little
+/// the lines `beside`, which stay as they are, never does. Returns the lines with their widths, and the points that they lost. Little
 /// is left of a line that is all crossings: it may have a single point.
 pub(super) fn ended_before_crossings(
     mut lines: Vec<Line>,
     mut widths: Vec<Vec<f64>>,
-    others: &[Line],
+    beside: &Beside,
     border: &Region,
     spacing: f64,
 ) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
     let n_lines = lines.len();
-    let mut crossings = Neighbours::beside(&lines, others, border, CELL_BEADS * spacing).crossings();
-    crossings.retain(|pair| pair.iter().any(|(l, _)| *l < n_lines));
+    let mut crossings = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing).crossings();
+    let segment =
+        |(l, s): (usize, usize)| lines.get(l).unwrap_or_else(|| &beside.lines[l - n_lines]).segment(s);
+    // Both parts of a line that was cut touch there.
+    let touch_at_a_cut = |[p, q]: [(usize, usize); 2]| {
+        let ([a, b], [c, d]) = (<[DVec2; 2]>::from(segment(p)), <[DVec2; 2]>::from(segment(q)));
+        [a, b].into_iter().any(|end| (end == c || end == d) && beside.cuts.contains(end))
+    };
+    crossings.retain(|pair| pair.iter().any(|(l, _)| *l < n_lines) && !touch_at_a_cut(*pair));
     let mut freed = Vec::new();
     while !crossings.is_empty() {
         // The vertices that each line keeps.
@@ -458,17 +416,27 @@ pub(super) fn ended_before_crossings(
             if pair.iter().any(|(l, _)| kept.get(*l).is_some_and(Option::is_some)) {
                 continue;
             }
-            // The number of segments between the crossing and the nearer end. A ring has no end, so it is opened only if
-            // it crosses another ring or itself.
-            let from_end = |(l, s): (usize, usize)| {
-                if lines[l].closed { usize::MAX } else { s.min(lines[l].n_segments() - 1 - s) }
+            // The numbers of segments between the crossing and both ends. A ring has no end, so it is opened only if it
+            // crosses another ring or itself, and likewise a line that goes on beyond a cut.
+            let from_ends = |(l, s): (usize, usize)| {
+                let (line, last) = (&lines[l], lines[l].points.len() - 1);
+                let far = |end: usize| line.closed || beside.cuts.contains(line.points[end]);
+                let from = |end: usize, n: usize| if far(end) { usize::MAX } else { n };
+                if line.closed || far(0) && far(last) {
+                    [usize::MAX; 2]
+                } else {
+                    [from(0, s), from(last, last - 1 - s)]
+                }
             };
-            // Lines come before the others in each pair.
-            let is_first = pair[1].0 >= n_lines || from_end(pair[0]) <= from_end(pair[1]);
+            // Lines come before those beside in each pair.
+            let nearest = |at| from_ends(at).into_iter().min();
+            let is_first = pair[1].0 >= n_lines || nearest(pair[0]) <= nearest(pair[1]);
             let (l, s) = if is_first { pair[0] } else { pair[1] };
             let n = lines[l].points.len();
+            let [from_start, from_end] = from_ends((l, s));
+            let at_start = if from_start == from_end { s < n / 2 } else { from_start < from_end };
             // One segment more goes, so that the bead ends beside the other and not on it.
-            kept[l] = Some(if s < n / 2 { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) });
+            kept[l] = Some(if at_start { (s + 2).min(n)..n } else { 0..s.saturating_sub(1) });
         }
         for (l, kept) in kept.iter().enumerate() {
             if let Some(kept) = kept {
@@ -501,7 +469,10 @@ fn to_middle(r: Reach, spacing_mm: f64) -> f64 {
 pub(super) fn diffusion(widths: BeadWidths) -> Diffusion<3> {
     match widths {
         BeadWidths::Variable => Diffusion {
-            steps: [30.0, 12.5, 4.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value())),
+            // A round on larger squares takes a quarter of the time.
+            steps: [(30.0, 2), (12.5, 2), (4.0, 1)]
+                .map(|(width, rounds)| (width * DIFFUSION_SCALE.value(), rounds * DIFFUSION_ROUNDS.value())),
+            n_coarse: N_COARSE.value(),
             tolerance: PHASE_TOLERANCE.value(),
         },
         BeadWidths::Constant => one_width::DIFFUSION,
@@ -838,7 +809,7 @@ impl Open {
         let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(&self.region);
         let there: Vec<Contour> =
             strips.iter().filter(|s| near.meets_convex(&s[..])).map(|s| s.to_vec()).collect();
-        let region = window.difference(&Region::from_contours(&there, FillRule::NonZero));
+        let region = window.difference_by_parts(&there);
         Self { cells, region, ..*self }
     }
 }

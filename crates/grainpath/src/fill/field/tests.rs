@@ -4,11 +4,14 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use grainpath_core::math::{atan2, cross, direction, sin_cos};
 use grainpath_core::poly::{FillRule, Join, LineClipper};
+use grainpath_core::polyline;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Region, Role, Toolpath};
 
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
+use super::line_ends::{Place, Room};
+use super::refit::{Beside, fitted_around};
 use super::stripes::{WideBead, covered, filling_their_space, strips_of};
 use super::widths::{Line, Neighbours, Side, is_own};
 use super::{SeedLines, Streamlines, Stripes};
@@ -324,6 +327,62 @@ fn rays_meet_what_is_kept_of_lines() {
 }
 
 #[test]
+fn lines_far_from_a_place_that_lines_lost_stay_as_they_are() {
+    let spacing = 0.4;
+    for turned_rad in [0.0, 0.7] {
+        let along = direction(turned_rad);
+        let line = |k: i32, to: f64| {
+            let (y, n) = (spacing * (f64::from(k) + 0.5), (to / 0.22).round());
+            let at = |v: i32| along.rotate(DVec2::new(0.1 + (to - 0.1) * f64::from(v) / n, y));
+            Line { points: (0..=n as i32).map(at).collect(), closed: false }
+        };
+        // The line in the middle has lost its second half.
+        let lines: Vec<Line> = (0..21).map(|k| line(k, if k == 10 { 30.0 } else { 59.9 })).collect();
+        let widths: Vec<Vec<f64>> = lines.iter().map(|l| vec![spacing; l.points.len()]).collect();
+        let corners = [(0.0, 0.0), (60.0, 0.0), (60.0, 8.4), (0.0, 8.4)];
+        let outer = corners.map(|(x, y)| along.rotate(DVec2::new(x, y))).to_vec();
+        let border = Region::from(Polygon { outer, holes: Vec::new() });
+        let (area, beside) = (LineClipper::new(&border), Beside::default());
+        let place = Place {
+            border: &border,
+            beside: &beside,
+            edge: &Neighbours::new(&[], &border, 0.28),
+            border_mm: 0.1,
+            area: &area,
+            axis: &|_| along,
+            cosine: &|_, way| along.dot(way).abs(),
+            spacing_mm: spacing,
+            shortest_mm: 2.0 * spacing,
+            longest_joint_mm: 2.0 * spacing,
+        };
+        let room = Room { least: 0.55, tip: 0.4, begins: 0.8, middle: true, rests: 0.0 };
+        let lost = [along.rotate(DVec2::new(30.2, spacing * 10.5))];
+        let (fitted, widths) = fitted_around(&lost, (lines.clone(), widths), &place, room);
+        assert_eq!(fitted.len(), 21);
+        for line in &lines {
+            let y = along.perp().dot(line.points[0]);
+            let by_y = |l: &&Line| (along.perp().dot(l.points[0]) - y).abs() < 0.1 * spacing;
+            let now = fitted.iter().find(by_y).expect("a line in the place of each");
+            // Lines lie whole, and what lies farther than twice the reach from the place has not moved.
+            assert!((polyline::length_mm(&now.points, false) - 59.8).abs() < 0.01);
+            let far = |p: &&DVec2| (along.dot(**p) - 30.2).abs() > 20.0 * spacing;
+            assert!(
+                line.points
+                    .iter()
+                    .filter(far)
+                    .all(|p| now.points.contains(p) || along.dot(*p) > 30.0 && line.points.len() < 200)
+            );
+            let steps = now.points.windows(2).map(|p| along.dot(p[1] - p[0]));
+            assert!(steps.map(f64::abs).all(|mm| mm > 0.01 && mm < 0.35));
+        }
+        for (line, widths) in fitted.iter().zip(&widths) {
+            assert_eq!(line.points.len(), widths.len());
+            assert!(widths.iter().all(|w| (w - spacing).abs() < 0.02 * spacing));
+        }
+    }
+}
+
+#[test]
 fn beads_keep_their_width_up_to_the_end_of_another() {
     // Two lines 0.7 mm apart, and one between them from x = 10 on.
     let line = |y: f64, from: f64| Line {
@@ -337,7 +396,7 @@ fn beads_keep_their_width_up_to_the_end_of_another() {
         let corners = [(0.0, -0.2), (20.0, -0.2), (20.0, 0.9), (0.0, 0.9)];
         let outer = corners.map(|(x, y)| turn.rotate(DVec2::new(x, y))).to_vec();
         let border = Region::from(Polygon { outer, holes: Vec::new() });
-        let (lines, widths, freed) = filling_their_space(lines, &[], &border, 0.4);
+        let (lines, widths, freed) = filling_their_space(lines, &Beside::default(), &border, 0.4);
         assert!(freed.is_empty() && lines.len() == 3);
         for (line, widths) in lines.iter().zip(&widths).step_by(2) {
             for (p, width) in line.points.iter().zip(widths) {

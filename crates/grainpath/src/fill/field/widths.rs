@@ -30,6 +30,8 @@ use grainpath_core::segment::{self, Meeting};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
+use super::refit::Cuts;
+
 /// Distance between the points of a line, in spacings. Measured: row `fill.field.widths.STEP_BEADS` of `cargo xtask
 /// bench constants`.
 pub(super) static STEP_BEADS: Tuned<f64> = Tuned::new("fill.field.widths.STEP_BEADS", 0.55);
@@ -412,13 +414,21 @@ impl Neighbours {
     }
 
     /// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
-    /// farther: there their space changes at once. Returns the lines, and for each the indices of these points.
-    pub(crate) fn with_steps(&self, lines: Vec<Line>, spacing_mm: f64) -> (Vec<Line>, Vec<Vec<usize>>) {
+    /// farther: there their space changes at once. At `cuts` lines do not end. Returns the lines, and for each the indices of these points.
+    pub(super) fn with_steps(
+        &self,
+        lines: Vec<Line>,
+        cuts: &Cuts,
+        spacing_mm: f64,
+    ) -> (Vec<Line>, Vec<Vec<usize>>) {
         let mut places: Vec<Vec<(usize, DVec2)>> = vec![Vec::new(); lines.len()];
         for (l, line) in lines.iter().enumerate().filter(|(_, line)| !line.closed && line.points.len() > 1) {
             let last = line.points.len() - 1;
             for (end, before) in [(0, 1), (last, last - 1)] {
                 let p = line.points[end];
+                if cuts.contains(p) {
+                    continue;
+                }
                 let onward = (p - line.points[before]).normalize_or_zero();
                 let own = |other: usize, s: usize| other == l && s.abs_diff(end) <= OWN_SEGMENTS;
                 // Where the border lies ahead, the lines beside this one end on it too.
