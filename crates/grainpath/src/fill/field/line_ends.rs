@@ -35,7 +35,7 @@ use grainpath_core::polyline::{length_mm, resampled, shorten_start};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
 
-use super::refit::Beside;
+use super::refit::{Beside, chains};
 use super::widths::{
     CELL_BEADS, FAR_BEADS, Line, Neighbours, OWN_SEGMENTS, STEP_BEADS, Side, smooth, stretches_along, strips,
 };
@@ -344,28 +344,6 @@ fn chained(lines: &[Line], joined_to: &[Option<usize>], step_mm: f64) -> Vec<Lin
         Line { points, closed: false }
     };
     chains(lines.len(), joined_to).into_iter().map(joined).collect()
-}
-
-/// The lines of each chain of `n_lines` lines whose ends are joined, and whether the chain goes through a line from its last point
-/// to its first. End `2 l` is the first point of line `l`, end `2 l + 1` its last.
-pub(super) fn chains(n_lines: usize, joined_to: &[Option<usize>]) -> Vec<Vec<(usize, bool)>> {
-    let mut used = vec![false; n_lines];
-    let mut out = Vec::with_capacity(n_lines);
-    // Chains are followed from their free ends first; those that remain go round.
-    let free = (0..joined_to.len()).filter(|&e| joined_to[e].is_none());
-    for first in free.chain((0..n_lines).map(|l| 2 * l)) {
-        let (mut at, mut chain) = (first, Vec::new());
-        while !used[at / 2] {
-            used[at / 2] = true;
-            chain.push((at / 2, !at.is_multiple_of(2)));
-            let Some(next) = joined_to[at ^ 1] else { break };
-            at = next;
-        }
-        if !chain.is_empty() {
-            out.push(chain);
-        }
-    }
-    out
 }
 
 fn bounds_of(lines: &[Line]) -> Option<Bounds2> {

@@ -13,16 +13,14 @@
 //! look at every point. Limits: rings are fitted as a whole; where the fit ends a stretch that was cut, the rest of its line ends at
 //! the cut.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::mem::take;
 
 use grainpath_core::buckets::CellGrid;
 use grainpath_core::polyline::length_mm;
 use grainpath_core::{Bounds2, DVec2};
 
-use super::line_ends::{Place, Room, chains, fitted, trimmed};
-use super::stripes::filling_their_space;
-use super::widths::{FAR_BEADS, Line};
+use super::widths::{Cuts, FAR_BEADS, Line};
 
 /// Stretches of lines that lie so near to a place that a line lost are fitted once more, in spacings. Source: measured on the radial
 /// disk with joined ends (`cargo xtask bench jobs fields`), with the phase diffused on one mesh: with 3, 4, 6, 10 and 20, and for all
@@ -39,38 +37,23 @@ pub(super) struct Beside {
     pub cuts: Cuts,
 }
 
-/// Points at which lines were cut.
-#[derive(Default)]
-pub(super) struct Cuts(HashSet<[u64; 2]>);
-
-impl Cuts {
-    /// Whether a line was cut at this point.
-    pub(super) fn contains(&self, p: DVec2) -> bool {
-        self.0.contains(&bits(p))
-    }
-}
-
-/// Cuts are never moved, so that their coordinates can be compared exactly.
-fn bits(p: DVec2) -> [u64; 2] {
-    [p.x.to_bits(), p.y.to_bits()]
-}
-
 /// Lets lines begin, end and fill their space once more around places that lines have lost. `widths` are those of the lines at their
-/// points, mm.
+/// points, mm. `fit` does so with stretches of lines beside others, and tells them with their widths. Shorter stretches than
+/// `shortest_mm` stay.
 pub(super) fn fitted_around(
     freed: &[DVec2],
     (lines, widths): (Vec<Line>, Vec<Vec<f64>>),
-    place: &Place<'_>,
-    room: Room,
+    spacing_mm: f64,
+    shortest_mm: f64,
+    fit: impl FnOnce(Vec<Line>, &Beside) -> (Vec<Line>, Vec<Vec<f64>>),
 ) -> (Vec<Line>, Vec<Vec<f64>>) {
-    let spacing = place.spacing_mm;
     let points = || lines.iter().flat_map(|l| l.points.iter().copied());
     let Some(bounds) = Bounds2::around_points(points()) else { return (lines, widths) };
-    let around_freed = Near::new(bounds, freed.iter().copied(), FREED_REACH * spacing);
+    let around_freed = Near::new(bounds, freed.iter().copied(), FREED_REACH * spacing_mm);
     let (mut moving, mut staying, mut staying_widths) = (Vec::new(), Vec::new(), Vec::new());
     let mut cuts = Cuts::default();
     for (line, widths) in lines.into_iter().zip(widths) {
-        let runs = around_freed.runs(&line, place.shortest_mm);
+        let runs = around_freed.runs(&line, shortest_mm);
         let n = line.points.len();
         if runs.is_empty() {
             staying.push(line);
@@ -90,21 +73,19 @@ pub(super) fn fitted_around(
             }
             if last > first {
                 let inner = [first, last].into_iter().filter(|v| (1..n - 1).contains(v));
-                cuts.0.extend(inner.map(|v| bits(line.points[v])));
+                inner.for_each(|v| cuts.insert(line.points[v]));
                 moving.push(Line { points: line.points[first..=last].to_vec(), closed: false });
             }
             from = last;
         }
     }
     // A line with room on one side looks twice as far for one more.
-    let far_mm = 2.0 * FAR_BEADS.value() * spacing;
+    let far_mm = 2.0 * FAR_BEADS.value() * spacing_mm;
     let around_moving = Near::new(bounds, moving.iter().flat_map(|l| l.points.iter().copied()), far_mm);
     // A line that goes on may pass them along their whole length.
     let near = staying.iter().filter(|line| around_moving.passed_by(line)).cloned();
     let beside = Beside { lines: near.collect(), cuts };
-    let place = place.beside(&beside);
-    let moved = trimmed(fitted(moving, &place, room), &place);
-    let (lines, widths, _) = filling_their_space(moved, &beside, place.border, spacing);
+    let (lines, widths) = fit(moving, &beside);
     staying.extend(lines);
     staying_widths.extend(widths);
     rejoined(staying, staying_widths, &beside.cuts)
@@ -118,7 +99,7 @@ fn rejoined(mut lines: Vec<Line>, mut widths: Vec<Vec<f64>>, cuts: &Cuts) -> (Ve
     for (l, line) in lines.iter().enumerate().filter(|(_, line)| !line.closed) {
         let ends = [line.points[0], line.points[line.points.len() - 1]];
         for (e, p) in ends.into_iter().enumerate().filter(|(_, p)| cuts.contains(*p)) {
-            if let Some(f) = first_at.insert(bits(p), 2 * l + e) {
+            if let Some(f) = first_at.insert(p.to_array().map(f64::to_bits), 2 * l + e) {
                 (joined_to[2 * l + e], joined_to[f]) = (Some(f), Some(2 * l + e));
             }
         }
@@ -144,6 +125,28 @@ fn rejoined(mut lines: Vec<Line>, mut widths: Vec<Vec<f64>>, cuts: &Cuts) -> (Ve
         (Line { points, closed }, wide)
     };
     chains.into_iter().map(joined).unzip()
+}
+
+/// The lines of each chain of `n_lines` lines whose ends are joined, and whether the chain goes through a line from its last point
+/// to its first. End `2 l` is the first point of line `l`, end `2 l + 1` its last.
+pub(super) fn chains(n_lines: usize, joined_to: &[Option<usize>]) -> Vec<Vec<(usize, bool)>> {
+    let mut used = vec![false; n_lines];
+    let mut out = Vec::with_capacity(n_lines);
+    // Chains are followed from their free ends first; those that remain go round.
+    let free = (0..joined_to.len()).filter(|&e| joined_to[e].is_none());
+    for first in free.chain((0..n_lines).map(|l| 2 * l)) {
+        let (mut at, mut chain) = (first, Vec::new());
+        while !used[at / 2] {
+            used[at / 2] = true;
+            chain.push((at / 2, !at.is_multiple_of(2)));
+            let Some(next) = joined_to[at ^ 1] else { break };
+            at = next;
+        }
+        if !chain.is_empty() {
+            out.push(chain);
+        }
+    }
+    out
 }
 
 /// The surroundings of places.

@@ -286,7 +286,13 @@ pub(crate) fn spaced(
             if !freed.is_empty() {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
-                (lines, widths) = fitted_around(&freed, (lines, widths), &place, room);
+                let again = |moving: Vec<Line>, beside: &Beside| {
+                    let place = place.beside(beside);
+                    let moving = trimmed(fitted(moving, &place, room), &place);
+                    let (lines, widths, _) = filling_their_space(moving, beside, &border, spacing);
+                    (lines, widths)
+                };
+                (lines, widths) = fitted_around(&freed, (lines, widths), spacing, shortest_mm, again);
             }
             for width in widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);

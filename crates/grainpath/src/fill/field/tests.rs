@@ -10,7 +10,7 @@ use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Polygon, Reg
 
 use grainpath_job::choices::{BeadEnds, BeadWidths};
 
-use super::line_ends::{Place, Room};
+use super::line_ends::{Place, Room, fitted, trimmed};
 use super::refit::{Beside, fitted_around};
 use super::stripes::{WideBead, covered, filling_their_space, strips_of};
 use super::widths::{Line, Neighbours, Side, is_own};
@@ -357,12 +357,18 @@ fn lines_far_from_a_place_that_lines_lost_stay_as_they_are() {
         };
         let room = Room { least: 0.55, tip: 0.4, begins: 0.8, middle: true, rests: 0.0 };
         let lost = [along.rotate(DVec2::new(30.2, spacing * 10.5))];
-        let (fitted, widths) = fitted_around(&lost, (lines.clone(), widths), &place, room);
-        assert_eq!(fitted.len(), 21);
+        let again = |moving: Vec<Line>, beside: &Beside| {
+            let place = place.beside(beside);
+            let moving = trimmed(fitted(moving, &place, room), &place);
+            let (lines, widths, _) = filling_their_space(moving, beside, &border, spacing);
+            (lines, widths)
+        };
+        let (all, widths) = fitted_around(&lost, (lines.clone(), widths), spacing, place.shortest_mm, again);
+        assert_eq!(all.len(), 21);
         for line in &lines {
             let y = along.perp().dot(line.points[0]);
             let by_y = |l: &&Line| (along.perp().dot(l.points[0]) - y).abs() < 0.1 * spacing;
-            let now = fitted.iter().find(by_y).expect("a line in the place of each");
+            let now = all.iter().find(by_y).expect("a line in the place of each");
             // Lines lie whole, and what lies farther than twice the reach from the place has not moved.
             assert!((polyline::length_mm(&now.points, false) - 59.8).abs() < 0.01);
             let far = |p: &&DVec2| (along.dot(**p) - 30.2).abs() > 20.0 * spacing;
@@ -375,7 +381,7 @@ fn lines_far_from_a_place_that_lines_lost_stay_as_they_are() {
             let steps = now.points.windows(2).map(|p| along.dot(p[1] - p[0]));
             assert!(steps.map(f64::abs).all(|mm| mm > 0.01 && mm < 0.35));
         }
-        for (line, widths) in fitted.iter().zip(&widths) {
+        for (line, widths) in all.iter().zip(&widths) {
             assert_eq!(line.points.len(), widths.len());
             assert!(widths.iter().all(|w| (w - spacing).abs() < 0.02 * spacing));
         }

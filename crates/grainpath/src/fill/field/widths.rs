@@ -20,6 +20,7 @@
 //! of one over the cosine of half the angle. Cost: a ray passes the buckets up to what it meets, whatever the size of
 //! the region. Most rays need no bucket: along a line, the ray of a vertex meets the line that the one before it met.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use grainpath_core::buckets::{Buckets, CellGrid};
@@ -29,8 +30,6 @@ use grainpath_core::polyline;
 use grainpath_core::segment::{self, Meeting};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, Region};
-
-use super::refit::Cuts;
 
 /// Distance between the points of a line, in spacings. Measured: row `fill.field.widths.STEP_BEADS` of `cargo xtask
 /// bench constants`.
@@ -124,6 +123,22 @@ impl Line {
         all.dedup_by(|next, at| next.2 && at.2 && next.0 - at.0 < 0.5 * apart_mm);
         let new = (0..all.len()).filter(|&v| all[v].2).collect();
         (Self { points: all.into_iter().map(|p| p.1).collect(), closed: self.closed }, new)
+    }
+}
+
+/// Points at which lines were cut. Such an end is no end of a bead, so it stays where it is, and coordinates can be compared exactly.
+#[derive(Default)]
+pub(super) struct Cuts(HashSet<[u64; 2]>);
+
+impl Cuts {
+    /// Adds a point.
+    pub(super) fn insert(&mut self, p: DVec2) {
+        self.0.insert(p.to_array().map(f64::to_bits));
+    }
+
+    /// Whether a line was cut at this point.
+    pub(super) fn contains(&self, p: DVec2) -> bool {
+        self.0.contains(&p.to_array().map(f64::to_bits))
     }
 }
 
