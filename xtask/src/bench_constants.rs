@@ -285,7 +285,6 @@ const ROWS: &[Row] = &[
     row("fill.field.stripes.MESH", &[0.7, 0.9, 1.1, 1.5, 2.0], STRIPES),
     row("fill.field.stripes.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 6.0, 10.0], STRIPES),
     row("fill.field.stripes.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
-    row("fill.field.stripes.N_COARSE", &[0.0, 1.0, 2.0, 3.0], STRIPES),
     row("fill.field.stripes.PHASE_TOLERANCE", &[0.001, 0.01, 0.03, 0.1, 0.3], STRIPES),
     row("fill.field.stripes.DRIFT_TOLERANCE", &[0.00001, 0.0001, 0.001, 0.01, 0.1], STRIPES),
     row("fill.field.stripes.LEVEL_SMOOTHING", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),

@@ -173,7 +173,7 @@ fn from_sdist(wheels: &Path) -> Result<(), String> {
         setup::zig()?;
         options.extend(["--zig", "--compatibility", "manylinux2014"]);
     }
-    build(&unpacked.join(MANIFEST), wheels, "dist", &options)?;
+    build(&unpacked.join(MANIFEST), wheels, "wheel", &options)?;
     let read = |path: PathBuf| fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()));
     let (ours, theirs) = (read(crate::root().join("Cargo.lock"))?, read(unpacked.join("Cargo.lock"))?);
     match not_in(&theirs, &ours) {
