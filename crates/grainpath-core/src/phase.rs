@@ -22,6 +22,9 @@
 //! Before the phase is solved, [`drift`] varies the spacing slowly along the field, so that fewer beads
 //! have to end.
 //!
+//! The wide steps can be taken on squares twice as large ([`Diffusion::n_coarse`]), in a quarter of the time; the phase of every second
+//! node is then carried to those between.
+//!
 //! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: each round of diffusion takes
 //! at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region
 //! in several pieces is swept piece by piece; a node whose neighbours cancel each other keeps its last
@@ -209,7 +212,7 @@ impl Carried {
 pub struct Diffusion<const N: usize> {
     /// Width of each step in grid squares, the widest first, and its number of rounds.
     pub steps: [(f64, usize); N],
-    /// So many of the first steps are taken on a mesh of squares twice as large.
+    /// So many of the first steps, `N` at most, are taken on a mesh of squares twice as large.
     pub n_coarse: usize,
     /// Each round is solved to this residual, as a share of the right side.
     pub tolerance: f64,
@@ -223,17 +226,14 @@ pub fn solve<const N: usize>(
     diffusion: &Diffusion<N>,
 ) -> Vec<f64> {
     let (wide, narrow) = diffusion.steps.split_at(diffusion.n_coarse);
-    let n = mesh.nodes.len();
-    let carried = Carried::new(mesh, turns, &input.strength);
     let start = if wide.is_empty() { None } else { coarse_start(mesh, input, wide, diffusion.tolerance) };
     // Where there is no coarser mesh all steps are taken on this one.
     let (known, steps) = match &start {
         Some(known) => (&known[..], narrow),
         None => (&[][..], &diffusion.steps[..]),
     };
-    let wanted = wanted_numbers(&input.wanted);
-    let start = swept(mesh, &carried, &wanted, known);
-    let z = diffused(mesh, &carried, &input.wanted, start, steps, diffusion.tolerance);
+    let z = diffused(mesh, input, turns, known, steps, diffusion.tolerance);
+    let n = mesh.nodes.len();
     (0..n).map(|k| atan2(z[n + k].into(), z[k].into())).collect()
 }
 
@@ -256,36 +256,25 @@ fn coarse_start(
             .map(|(rad, weight)| (rad, 4.0 * weight))
             .collect(),
     };
-    let carried = Carried::new(&coarse, &turns(&coarse, &input), &input.strength);
-    let start = swept(&coarse, &carried, &wanted_numbers(&input.wanted), &[]);
     // The width is an area, counted in squares.
     let steps: Vec<(f64, usize)> = steps.iter().map(|&(width, times)| (0.25 * width, times)).collect();
-    let z = diffused(&coarse, &carried, &input.wanted, start, &steps, tolerance);
+    let z = diffused(&coarse, &input, &turns(&coarse, &input), &[], &steps, tolerance);
     Some(kept.into_iter().enumerate().map(|(k, node)| (node, [z[k], z[coarse.nodes.len() + k]])).collect())
 }
 
-/// The wanted phases as complex numbers, times their weights: all real parts, then all imaginary parts.
-fn wanted_numbers(wanted: &[(f64, f64)]) -> Vec<f32> {
-    let n = wanted.len();
-    let mut out = vec![0.0; 2 * n];
-    for (k, &(rad, weight)) in wanted.iter().enumerate().filter(|w| w.1.1 > 0.0) {
-        let (s, c) = sin_cos(rad);
-        (out[k], out[n + k]) = ((weight * c) as f32, (weight * s) as f32);
-    }
-    out
-}
-
-/// The numbers `z` after these steps of diffusion, real parts before imaginary ones.
+/// The number of every node after these steps of diffusion from those that are known: all real parts, then all imaginary parts.
 fn diffused(
     mesh: &FieldMesh,
-    carried: &Carried,
-    phases: &[(f64, f64)],
-    mut z: Vec<f32>,
+    input: &PhaseInput,
+    turns: &[Turn],
+    known: &[(u32, [f32; 2])],
     steps: &[(f64, usize)],
     tolerance: f64,
 ) -> Vec<f32> {
     let n = mesh.nodes.len();
-    let wanted = wanted_numbers(phases);
+    let carried = Carried::new(mesh, turns, &input.strength);
+    // The phase wanted at the border: real and imaginary part, times the weight.
+    let mut wanted = vec![0.0f32; 2 * n];
     // For each node, the sum of the weights of its neighbours and of the wanted phase.
     let mut around = vec![0.0f32; n];
     for run in mesh.runs() {
@@ -293,7 +282,12 @@ fn diffused(
         around[run.from].iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += weight);
         around[run.to].iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += weight);
     }
-    around.iter_mut().zip(phases).for_each(|(sum, (_, weight))| *sum += *weight as f32);
+    for (k, &(rad, weight)) in input.wanted.iter().enumerate().filter(|w| w.1.1 > 0.0) {
+        let (s, c) = sin_cos(rad);
+        (wanted[k], wanted[n + k]) = ((weight * c) as f32, (weight * s) as f32);
+        around[k] += weight as f32;
+    }
+    let mut z = swept(mesh, &carried, &wanted, known);
     for &(width, times) in steps {
         let width = width as f32;
         let own: Vec<f32> = around.iter().map(|a| 1.0 + width * a).collect();

@@ -117,16 +117,15 @@ impl Region {
         let boxes: Vec<Option<Bounds2>> =
             contours.iter().map(|c| Bounds2::around_points(c.iter().copied())).collect();
         let without = |polygon: &Polygon| {
-            let part = Self::from(polygon.clone());
-            let bounds = part.bounds();
-            let meets = |b: &Option<Bounds2>| b.is_some_and(|b| bounds.is_some_and(|part| part.meets(b)));
+            let bounds = polygon.bounds();
+            let meets = |b: &Option<Bounds2>| b.zip(bounds).is_some_and(|(b, part)| b.meets(part));
             let near: Vec<&Contour> =
                 contours.iter().zip(&boxes).filter(|(_, b)| meets(b)).map(|(c, _)| c).collect();
             if near.is_empty() {
-                return part.polygons;
+                return vec![polygon.clone()];
             }
-            let capacity = part.n_vertices() + near.iter().map(|c| c.len()).sum::<usize>();
-            run(part.contours(), near, OverlayRule::Difference, OverlayFill::NonZero, capacity).polygons
+            let capacity = polygon.contours().chain(near.iter().copied()).map(|c| c.len()).sum();
+            run(polygon.contours(), near, OverlayRule::Difference, OverlayFill::NonZero, capacity).polygons
         };
         Self { polygons: self.polygons.iter().flat_map(without).collect() }
     }

@@ -20,7 +20,7 @@ use grainpath_core::buckets::CellGrid;
 use grainpath_core::polyline::length_mm;
 use grainpath_core::{Bounds2, DVec2};
 
-use super::widths::{Cuts, FAR_BEADS, Line};
+use super::widths::{Cuts, FAR_BEADS, Line, bits_of};
 
 /// Stretches of lines that lie so near to a place that a line lost are fitted once more, in spacings. Source: measured on the radial
 /// disk with joined ends (`cargo xtask bench jobs fields`), with the phase diffused on one mesh: with 3, 4, 6, 10 and 20, and for all
@@ -99,7 +99,7 @@ fn rejoined(mut lines: Vec<Line>, mut widths: Vec<Vec<f64>>, cuts: &Cuts) -> (Ve
     for (l, line) in lines.iter().enumerate().filter(|(_, line)| !line.closed) {
         let ends = [line.points[0], line.points[line.points.len() - 1]];
         for (e, p) in ends.into_iter().enumerate().filter(|(_, p)| cuts.contains(*p)) {
-            if let Some(f) = first_at.insert(p.to_array().map(f64::to_bits), 2 * l + e) {
+            if let Some(f) = first_at.insert(bits_of(p), 2 * l + e) {
                 (joined_to[2 * l + e], joined_to[f]) = (Some(f), Some(2 * l + e));
             }
         }

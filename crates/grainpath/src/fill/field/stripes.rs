@@ -427,13 +427,9 @@ pub(super) fn ended_before_crossings(
             // crosses another ring or itself, and likewise a line that goes on beyond a cut.
             let from_ends = |(l, s): (usize, usize)| {
                 let (line, last) = (&lines[l], lines[l].points.len() - 1);
-                let far = |end: usize| line.closed || beside.cuts.contains(line.points[end]);
-                let from = |end: usize, n: usize| if far(end) { usize::MAX } else { n };
-                if line.closed || far(0) && far(last) {
-                    [usize::MAX; 2]
-                } else {
-                    [from(0, s), from(last, last - 1 - s)]
-                }
+                let goes_on = |end: usize| line.closed || beside.cuts.contains(line.points[end]);
+                let from = |end: usize, n: usize| if goes_on(end) { usize::MAX } else { n };
+                [from(0, s), from(last, line.n_segments() - 1 - s)]
             };
             // Lines come before those beside in each pair.
             let nearest = |at| from_ends(at).into_iter().min();

@@ -133,13 +133,18 @@ pub(super) struct Cuts(HashSet<[u64; 2]>);
 impl Cuts {
     /// Adds a point.
     pub(super) fn insert(&mut self, p: DVec2) {
-        self.0.insert(p.to_array().map(f64::to_bits));
+        self.0.insert(bits_of(p));
     }
 
     /// Whether a line was cut at this point.
     pub(super) fn contains(&self, p: DVec2) -> bool {
-        self.0.contains(&p.to_array().map(f64::to_bits))
+        self.0.contains(&bits_of(p))
     }
+}
+
+/// The bits of both coordinates, which tell points apart that do not move.
+pub(super) fn bits_of(p: DVec2) -> [u64; 2] {
+    p.to_array().map(f64::to_bits)
 }
 
 /// The stretches of a line that deviate from the field's axis by `farthest_rad` at most; stretches shorter
