@@ -44,17 +44,21 @@ impl CellGrid {
     }
 
     /// Column and row of the cell that contains `p`; outside the grid, those of the nearest cell.
+    #[inline]
     pub fn cell_of(&self, p: DVec2) -> [usize; 2] {
-        let q = (p - self.origin) / self.cell_mm;
-        [(q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1)]
+        let q = ((p - self.origin) / self.cell_mm).max(DVec2::ZERO);
+        // No grid has 2^31 columns or rows. A 32 bit integer takes one instruction.
+        [(q.x as i32 as usize).min(self.nx - 1), (q.y as i32 as usize).min(self.ny - 1)]
     }
 
     /// Index of the cell in this column and row; cells are numbered row by row.
+    #[inline]
     pub fn index(&self, [column, row]: [usize; 2]) -> usize {
         row * self.nx + column
     }
 
     /// The cells at most `n` columns and `n` rows away from a cell, including the cell itself.
+    #[inline]
     pub fn neighbourhood(
         &self,
         [column, row]: [usize; 2],
@@ -67,6 +71,7 @@ impl CellGrid {
     }
 
     /// The cells of the block between two corner cells, row by row from below.
+    #[inline]
     pub fn block(&self, low: [usize; 2], high: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
         (low[1]..=high[1]).flat_map(move |row| (low[0]..=high[0]).map(move |column| [column, row]))
     }
@@ -201,7 +206,7 @@ impl CellGrid {
         /// How far beyond the nearest find cells are still visited, as a share of a cell. Source: derived: as the margin of
         /// `for_each_passed`, far above the rounding of either distance.
         const HAIR: f64 = 1e-6;
-        let (mut column, mut row) = (at.x as usize, at.y as usize);
+        let (mut column, mut row) = (at.x as i32 as usize, at.y as i32 as usize);
         // Distance to the next side of the cell and between sides, mm.
         let sides = |at: f64, index: usize, way: f64| {
             let ahead = if way > 0.0 { (index + 1) as f64 - at } else { at - index as f64 };
@@ -275,12 +280,14 @@ impl Buckets {
     }
 
     /// The items in a cell.
+    #[inline]
     pub fn members(&self, cell: usize) -> &[u32] {
         self.members_of_run(cell, cell)
     }
 
     /// The index range of a cell's items in the list of the items of all cells, which is [`Self::members_of_run`] from the
     /// first cell to the last.
+    #[inline]
     pub fn range(&self, cell: usize) -> Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
@@ -302,6 +309,7 @@ impl Buckets {
     }
 
     /// The items in the cells with the indices `first` to `last`, cell after cell.
+    #[inline]
     pub fn members_of_run(&self, first: usize, last: usize) -> &[u32] {
         &self.members[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
@@ -320,7 +328,8 @@ struct Counted {
 impl Counted {
     fn new(cells: &CellGrid, n: usize) -> Self {
         let counts = vec![0; cells.nx * cells.ny + 1];
-        Self { counts, all: Vec::with_capacity(2 * n), ends: Vec::with_capacity(n) }
+        // A segment of a line, a little shorter than a cell, passes about two cells.
+        Self { counts, all: Vec::with_capacity(5 * n / 2), ends: Vec::with_capacity(n) }
     }
 
     #[inline]
@@ -329,26 +338,27 @@ impl Counted {
         self.all.push(cell as u32);
     }
 
+    #[inline]
     fn end_item(&mut self) {
         self.ends.push(self.all.len() as u32);
     }
 
-    /// Counts become start positions, then each item is written to the next free position of its cells.
+    /// Counts become the ends of cells, then each item is written before the one written last to its cells: the last item first.
     fn sorted(self, cells: CellGrid) -> Buckets {
         let mut starts = self.counts;
         let mut total = 0;
         for count in &mut starts {
-            total += std::mem::replace(count, total);
+            total += *count;
+            *count = total;
         }
-        let mut next = starts.clone();
         let mut members = vec![0; total as usize];
-        let mut first = 0;
-        for (i, end) in self.ends.into_iter().enumerate() {
-            for &cell in &self.all[first..end as usize] {
-                members[next[cell as usize] as usize] = i as u32;
-                next[cell as usize] += 1;
+        for i in (0..self.ends.len()).rev() {
+            let first = if i > 0 { self.ends[i - 1] as usize } else { 0 };
+            for &cell in &self.all[first..self.ends[i] as usize] {
+                let at = &mut starts[cell as usize];
+                *at -= 1;
+                members[*at as usize] = i as u32;
             }
-            first = end as usize;
         }
         Buckets { cells, starts, members }
     }

@@ -6,11 +6,13 @@
 //! (`FieldMesh::runs`). Cost and memory: linear in the nodes, which are at most about 400 000.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
+use crate::mask::{Mask, MaskGrid};
 use crate::math::{rotated, turned_back};
-use crate::poly::{Join, LineClipper};
-use crate::{DVec2, DisjointSets, Region, lanes};
+use crate::poly::Join;
+use crate::{Bounds2, DVec2, DisjointSets, Region, lanes};
 
 /// Marks a place of the grid without a node.
 const NONE: u32 = u32::MAX;
@@ -51,6 +53,17 @@ pub struct FieldMesh {
     runs: Vec<EdgeStretch>,
     /// The triangles, each half of a square, row by row.
     pub triangles: Vec<Triangle>,
+    /// The mesh of every second row and column, once it was asked for.
+    coarser: OnceLock<Option<Box<Coarser>>>,
+}
+
+/// The mesh of every second row and column of another.
+#[derive(Debug, Clone)]
+pub struct Coarser {
+    /// The mesh.
+    pub mesh: FieldMesh,
+    /// The node of the finer mesh that each of its nodes is.
+    pub kept: Vec<u32>,
 }
 
 /// A stretch of edges with consecutive numbers. Their first nodes have consecutive numbers, and so have
@@ -99,13 +112,15 @@ impl FieldMesh {
         let cell_mm = cell_mm.max((region.area_mm2() / MAX_NODES).sqrt());
         // With a margin, every point of the region lies in a square whose four corners are nodes.
         let covered = region.offset(1.5 * cell_mm, Join::Miter(2.0));
-        let inside = LineClipper::new(&covered);
         // The array extends two cells beyond the bounds on each side, so that the nodes of the margin
         // have neighbours in it.
         let origin = bounds.min - 2.0 * cell_mm;
         let count = |mm: f64| (mm / cell_mm).ceil() as usize + 5;
         let (nx, ny) = (count(size.x), count(size.y));
         let place = |i: usize, j: usize| origin + cell_mm * DVec2::new(i as f64, j as f64);
+        // Places are the centres of the mask's cells.
+        let bounds = Bounds2 { min: origin - 0.5 * cell_mm, max: place(nx, ny) };
+        let inside = Mask::from_region(MaskGrid::exactly(bounds, cell_mm), &covered);
         let mut index = vec![NONE; nx * ny];
         let mut nodes = Vec::new();
         for j in 0..ny {
@@ -116,15 +131,30 @@ impl FieldMesh {
                 }
             }
         }
-        let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
-        let mut mesh = Self { nodes, cell_mm, along, origin, nx, ny, index, edges, runs, triangles };
+        let mut mesh = Self {
+            nodes,
+            cell_mm,
+            along,
+            origin,
+            nx,
+            ny,
+            index,
+            edges: Vec::new(),
+            runs: Vec::new(),
+            triangles: Vec::new(),
+            coarser: OnceLock::new(),
+        };
         mesh.connect();
         Some(mesh)
     }
 
-    /// The mesh of every second row and column, and the nodes of this mesh that are its nodes. `None` where it would have more or fewer
-    /// parts than this mesh: larger squares bridge a slit that smaller ones do not.
-    pub fn coarser(&self) -> Option<(Self, Vec<u32>)> {
+    /// The mesh of every second row and column. `None` where it would have more or fewer parts than this mesh: larger squares bridge
+    /// a slit that smaller ones do not.
+    pub fn coarser(&self) -> Option<&Coarser> {
+        self.coarser.get_or_init(|| self.coarsened().map(Box::new)).as_deref()
+    }
+
+    fn coarsened(&self) -> Option<Coarser> {
         let (nx, ny) = (self.nx.div_ceil(2), self.ny.div_ceil(2));
         let mut index = vec![NONE; nx * ny];
         let mut kept = Vec::with_capacity(self.nodes.len() / 4 + nx + ny);
@@ -137,12 +167,20 @@ impl FieldMesh {
                 }
             }
         }
-        let nodes = kept.iter().map(|&k| self.nodes[k as usize]).collect();
-        let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
-        let cell_mm = 2.0 * self.cell_mm;
-        let mut mesh = Self { nodes, cell_mm, nx, ny, index, edges, runs, triangles, ..*self };
+        let mut mesh = Self {
+            nodes: kept.iter().map(|&k| self.nodes[k as usize]).collect(),
+            cell_mm: 2.0 * self.cell_mm,
+            nx,
+            ny,
+            index,
+            edges: Vec::new(),
+            runs: Vec::new(),
+            triangles: Vec::new(),
+            coarser: OnceLock::new(),
+            ..*self
+        };
         mesh.connect();
-        (mesh.n_pieces() == self.n_pieces()).then_some((mesh, kept))
+        (mesh.n_pieces() == self.n_pieces()).then_some(Coarser { mesh, kept })
     }
 
     /// Number of parts of the mesh that no side of a square connects.
@@ -385,7 +423,7 @@ mod tests {
             .difference(&Region::rectangle(DVec2::new(3.0, 2.0), DVec2::new(8.0, 6.0)));
         let by = crate::math::direction(0.6);
         let mesh = FieldMesh::along(&l.turned(by), 0.3, by).expect("a mesh");
-        let (coarse, kept) = mesh.coarser().expect("one part, as the mesh");
+        let Coarser { mesh: coarse, kept } = mesh.coarser().expect("one part, as the mesh");
         assert_eq!((coarse.cell_mm, coarse.nodes.len()), (0.6, kept.len()));
         assert!((mesh.nodes.len() / 5..mesh.nodes.len() / 3).contains(&kept.len()));
         assert!(kept.iter().zip(&coarse.nodes).all(|(&k, p)| mesh.nodes[k as usize] == *p));

@@ -54,34 +54,41 @@ impl MaskGrid {
 
     /// Calls `each` for every row in which a convex shape, grown by `slack` cells, covers cell centres. The
     /// arguments are the row and its first and last covered column.
-    fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
+    fn convex_rows<const N: usize>(
+        &self,
+        corners: &[DVec2; N],
+        slack: f64,
+        mut each: impl FnMut(usize, usize, usize),
+    ) {
         // Coordinates are in cells, with cell centres at whole numbers.
-        let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
-        let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
-        let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
+        let places = corners.map(|p| (p - self.origin) / self.cell_mm - 0.5);
+        // Each edge from its lower to its upper end, and how far it goes to the right from row to row.
+        let edges: [(DVec2, DVec2, f64); N] = std::array::from_fn(|k| {
+            let (a, b) = (places[k], places[(k + 1) % N]);
+            let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
+            (a, b, (b.x - a.x) / (b.y - a.y))
+        });
+        let low = places.iter().map(|p| p.y).fold(f64::INFINITY, f64::min) - slack;
+        let high = places.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) + slack;
         for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
+            let y = row as f64;
             // In each row a convex shape covers a single stretch of cells, between its leftmost and its rightmost
             // crossing.
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (a, b) in edges(corners) {
-                let (a, b) = (place(a), place(b));
-                let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
-                if (a.y - slack..=b.y + slack).contains(&(row as f64)) {
-                    let at = |y: f64| {
-                        let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
-                        a.x + t * (b.x - a.x)
-                    };
-                    // The edge is evaluated at the distance `slack` above and below the row's centre line, where a
-                    // slanted edge reaches farther out.
-                    for y in [row as f64 - slack, row as f64 + slack] {
-                        from = from.min(at(y));
-                        to = to.max(at(y));
-                    }
-                    if a.y == b.y {
-                        to = to.max(b.x);
-                        from = from.min(b.x);
-                    }
+            for (a, b, slope) in edges {
+                if y < a.y - slack || y > b.y + slack {
+                    continue;
                 }
+                // The edge is evaluated at the distance `slack` above and below the row's centre line, where a
+                // slanted edge reaches farther out.
+                let at = |y: f64| a.x + (y.clamp(a.y, b.y) - a.y) * slope;
+                let ends = match (a.y < b.y, slack > 0.0) {
+                    (true, true) => [at(y - slack), at(y + slack)],
+                    (true, false) => [at(y); 2],
+                    (false, _) => [a.x, b.x],
+                };
+                from = from.min(ends[0]).min(ends[1]);
+                to = to.max(ends[0]).max(ends[1]);
             }
             let (from, to) = ((from - slack).ceil().max(0.0), (to + slack).floor().min(self.nx as f64 - 1.0));
             if from <= to {
@@ -220,7 +227,7 @@ impl Mask {
     }
 
     /// Adds the cells whose centres lie in a convex shape.
-    pub fn add_convex(&mut self, corners: &[DVec2]) {
+    pub fn add_convex<const N: usize>(&mut self, corners: &[DVec2; N]) {
         let (grid, bits) = (self.grid, &mut self.bits);
         grid.convex_rows(corners, 0.0, |row, from, to| {
             for word in from / 64..=to / 64 {
@@ -230,7 +237,7 @@ impl Mask {
     }
 
     /// Whether any set cell has its centre in a convex shape or at most about one cell away from it.
-    pub fn meets_convex(&self, corners: &[DVec2]) -> bool {
+    pub fn meets_convex<const N: usize>(&self, corners: &[DVec2; N]) -> bool {
         let slack = 1.0;
         let meets = |row: usize, from: usize, to: usize| {
             (from / 64..=to / 64)
@@ -562,14 +569,13 @@ mod tests {
             let (c, along) = (DVec2::new(10.0 + 0.2 * turn, 15.0), crate::math::direction(turn));
             let (length, half) = (0.2 + 0.2 * turn, 0.17);
             let across = half * DVec2::new(-along.y, along.x);
-            let corners =
-                vec![c - across, c + length * along - across, c + length * along + across, c + across];
+            let corners = [c - across, c + length * along - across, c + length * along + across, c + across];
             let mut one = Mask::empty(g);
             one.add_convex(&corners);
-            let region: Region = Polygon { outer: corners.clone(), holes: Vec::new() }.into();
+            let region: Region = Polygon { outer: corners.to_vec(), holes: Vec::new() }.into();
             assert_eq!(one, Mask::from_region(g, &region), "{k}");
             assert!(one.is_empty() || one.meets_convex(&corners));
-            let aside: Vec<DVec2> = corners.iter().map(|p| *p + 20.0 * across).collect();
+            let aside = corners.map(|p| p + 20.0 * across);
             assert!(!one.meets_convex(&aside), "{k}");
             all = all.or(&one);
         }

@@ -22,8 +22,8 @@
 //! Before the phase is solved, [`drift`] varies the spacing slowly along the field, so that fewer beads
 //! have to end.
 //!
-//! The wide steps can be taken on squares twice as large ([`Diffusion::n_coarse`]), in a quarter of the time; the phase of every second
-//! node is then carried to those between.
+//! The spacing is found on squares twice as large, and the wide steps of the phase can be taken on such ([`Diffusion::n_coarse`]), in a
+//! quarter of the time; the phase of every second node is then carried to those between.
 //!
 //! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: each round of diffusion takes
 //! at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region
@@ -42,7 +42,7 @@ use crate::DVec2;
 use crate::math::{atan2, cross, sin_cos};
 
 use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
-use crate::field_mesh::{FieldMesh, GridMatrix};
+use crate::field_mesh::{Coarser, FieldMesh, GridMatrix};
 use crate::lanes::{Complex, ComplexMut, Turns, multiply_f32, take_carried_back, take_carried_on};
 use crate::tuned::Tuned;
 
@@ -91,8 +91,25 @@ static STEPS: Tuned<usize> = Tuned::new("core.phase.STEPS", 60);
 const DRIFT_STEPS: usize = 300;
 
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
-/// to end. It is solved to a residual of `tolerance` times the right side.
+/// to end. It is solved to a residual of `tolerance` times the right side, on squares twice as large: it changes over
+/// [`DRIFT_MM`], many times their size.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
+    let limit = MAX_DRIFT.value() - 1.0;
+    let factor = |v: f64| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt();
+    let Some(Coarser { mesh: coarse, kept }) = mesh.coarser() else {
+        return free_drift(mesh, axes, tolerance).into_iter().map(factor).collect();
+    };
+    let axes: Vec<DVec2> = kept.iter().map(|&k| axes[k as usize]).collect();
+    let free = free_drift(coarse, &axes, tolerance);
+    let between = |&p: &DVec2| {
+        let (nodes, shares) = coarse.around(p);
+        factor(nodes.iter().zip(shares).map(|(k, share)| share * free[*k as usize]).sum())
+    };
+    mesh.nodes.iter().map(between).collect()
+}
+
+/// [`drift`] less one at every node, without its bound.
+fn free_drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
@@ -130,9 +147,7 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
             rhs[corner] -= 0.5 * cell2 * divergence * along[k];
         }
     }
-    let x = matrix.solve(vec![0.0; n], &rhs, tolerance, DRIFT_STEPS);
-    let limit = MAX_DRIFT.value() - 1.0;
-    x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
+    matrix.solve(vec![0.0; n], &rhs, tolerance, DRIFT_STEPS)
 }
 
 /// The change of phase along each edge.
@@ -244,7 +259,7 @@ fn coarse_start(
     steps: &[(f64, usize)],
     tolerance: f64,
 ) -> Option<Vec<(u32, [f32; 2])>> {
-    let (coarse, kept) = mesh.coarser()?;
+    let Coarser { mesh: coarse, kept } = mesh.coarser()?;
     // A node stands for four of the finer mesh, and so does its wanted phase; those that lie side by side want one phase.
     let input = PhaseInput {
         axes: kept.iter().map(|&k| input.axes[k as usize]).collect(),
@@ -258,8 +273,8 @@ fn coarse_start(
     };
     // The width is an area, counted in squares.
     let steps: Vec<(f64, usize)> = steps.iter().map(|&(width, times)| (0.25 * width, times)).collect();
-    let z = diffused(&coarse, &input, &turns(&coarse, &input), &[], &steps, tolerance);
-    Some(kept.into_iter().enumerate().map(|(k, node)| (node, [z[k], z[coarse.nodes.len() + k]])).collect())
+    let z = diffused(coarse, &input, &turns(coarse, &input), &[], &steps, tolerance);
+    Some(kept.iter().enumerate().map(|(k, &node)| (node, [z[k], z[coarse.nodes.len() + k]])).collect())
 }
 
 /// The number of every node after these steps of diffusion from those that are known: all real parts, then all imaginary parts.
@@ -415,5 +430,23 @@ mod tests {
             });
             assert!(coarse < most && coarse < 1.15 * fine + 1e-9, "{name}: {coarse} and {fine}");
         }
+    }
+
+    #[test]
+    fn the_spacing_on_larger_squares_is_that_of_the_mesh() {
+        let region = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0));
+        let mesh = FieldMesh::over(&region, 0.44).expect("a mesh");
+        // Lines that part: their spacing grows along them, and falls to the nominal one over some millimetres.
+        let axes: Vec<DVec2> = mesh.nodes.iter().map(|p| direction(atan2(p.y - 15.0, p.x + 30.0))).collect();
+        let fine = free_drift(&mesh, &axes, 1e-4);
+        let coarse = drift(&mesh, &axes, 1e-4);
+        let limit = MAX_DRIFT.value() - 1.0;
+        let off = |k: usize| (1.0 + fine[k] / (1.0 + (fine[k] / limit).powi(2)).sqrt() - coarse[k]).abs();
+        // Beyond the region, nodes may have none of the larger squares around them.
+        let inside = (0..coarse.len()).filter(|&k| region.contains(mesh.nodes[k]));
+        let most = inside.map(off).fold(0.0, f64::max);
+        let (least, greatest) = coarse.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+        assert!(greatest - least > 0.05, "the spacing varies: {least} to {greatest}");
+        assert!(most < 0.01, "off by {most}");
     }
 }

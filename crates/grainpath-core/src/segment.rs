@@ -9,6 +9,7 @@ use glam::DVec2;
 use crate::Bounds2;
 
 /// The position on the segment that is nearest to `p`, as a share of the way from `a` to `b` (0 to 1).
+#[inline]
 pub fn closest_share(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let d = b - a;
     let length2 = d.length_squared();

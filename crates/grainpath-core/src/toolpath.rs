@@ -211,6 +211,7 @@ impl Toolpath {
     }
 
     /// Segment `i`: its two ends and the mean width along it.
+    #[inline]
     pub fn segment(&self, i: usize) -> (DVec2, DVec2, f64) {
         let j = if i + 1 < self.points.len() { i + 1 } else { 0 };
         (self.points[i], self.points[j], 0.5 * (self.width_at(i) + self.width_at(j)))

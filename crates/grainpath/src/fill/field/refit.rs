@@ -16,11 +16,9 @@
 use std::collections::HashMap;
 use std::mem::take;
 
-use grainpath_core::buckets::CellGrid;
-use grainpath_core::polyline::length_mm;
 use grainpath_core::{Bounds2, DVec2};
 
-use super::widths::{Cuts, FAR_BEADS, Line, bits_of};
+use super::widths::{Cuts, FAR_BEADS, Line, Near, bits_of};
 
 /// Stretches of lines that lie so near to a place that a line lost are fitted once more, in spacings. Source: measured on the radial
 /// disk with joined ends (`cargo xtask bench jobs fields`), with the phase diffused on one mesh: with 3, 4, 6, 10 and 20, and for all
@@ -147,46 +145,4 @@ pub(super) fn chains(n_lines: usize, joined_to: &[Option<usize>]) -> Vec<Vec<(us
         }
     }
     out
-}
-
-/// The surroundings of places.
-struct Near {
-    cells: CellGrid,
-    is_near: Vec<bool>,
-}
-
-impl Near {
-    /// The surroundings up to about `reach_mm` around the places.
-    fn new(bounds: Bounds2, places: impl Iterator<Item = DVec2>, reach_mm: f64) -> Self {
-        let cells = CellGrid::covering(bounds, reach_mm, 4000);
-        let mut is_near = vec![false; cells.nx * cells.ny];
-        for p in places {
-            cells.neighbourhood(cells.cell_of(p), 1).for_each(|at| is_near[cells.index(at)] = true);
-        }
-        Self { cells, is_near }
-    }
-
-    fn contains(&self, p: DVec2) -> bool {
-        self.is_near[self.cells.index(self.cells.cell_of(p))]
-    }
-
-    /// The first and the last point of each run of points of a line that lie here, of those longer than `shortest_mm`.
-    fn runs(&self, line: &Line, shortest_mm: f64) -> Vec<[usize; 2]> {
-        let near: Vec<bool> = line.points.iter().map(|&p| self.contains(p)).collect();
-        let mut runs = Vec::new();
-        let mut from = 0;
-        for run in near.chunk_by(|a, b| a == b) {
-            let last = from + run.len() - 1;
-            if run[0] && length_mm(&line.points[from..=last], false) > shortest_mm {
-                runs.push([from, last]);
-            }
-            from = last + 1;
-        }
-        runs
-    }
-
-    /// Whether a point of the line lies here.
-    fn passed_by(&self, line: &Line) -> bool {
-        line.points.iter().any(|&p| self.contains(p))
-    }
 }

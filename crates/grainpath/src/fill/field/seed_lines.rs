@@ -115,8 +115,8 @@ impl Infill for SeedLines {
         let n_seeds = seeds.len();
         seeds.append(&mut offsets);
         let widths = seeds.iter().map(|l| vec![context.bead_width_mm; l.points.len()]).collect();
-        let (mut seeds, _, _) =
-            ended_before_crossings(seeds, widths, &Beside::default(), &border, context.spacing_mm());
+        let spacing_mm = context.spacing_mm();
+        let mut seeds = ended_before_crossings(seeds, widths, &Beside::default(), &border, spacing_mm).lines;
         let mut offsets = seeds.split_off(n_seeds);
         for lines in [&mut seeds, &mut offsets] {
             lines.retain(|line| line.points.len() > 1);

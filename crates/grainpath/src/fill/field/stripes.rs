@@ -5,7 +5,7 @@
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
 //! 2. lines begin and end where there is room for them ([`line_ends`](super::line_ends)), and every bead moves to the
 //!    middle of its space, which its width then fills. Where another line ends beside it, its space changes at once, and so
-//!    does its width ([`Neighbours::with_steps`]);
+//!    does its width ([`with_steps`]);
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths; dense beads of varying
 //!    width are joined by the narrowest bead along the border, which lies twice over less of their ends;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
@@ -48,7 +48,9 @@ use super::line_ends::{ACROSS_SINE, LEAST_EXTENSION, Place, Room, fitted, trimme
 use super::one_width;
 use super::refit::{Beside, fitted_around};
 use super::voids::short_beads;
-use super::widths::{CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth};
+use super::widths::{
+    CELL_BEADS, FAR_BEADS, Line, Neighbours, Reach, STEP_BEADS, settled, smooth, with_steps,
+};
 use super::{axis_of, band};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
@@ -85,7 +87,7 @@ const GAP_CELL: f64 = 0.33;
 static MESH: Tuned<f64> = Tuned::new("fill.field.stripes.MESH", 1.1);
 /// Rounds of diffusion of the phase at the narrowest width; the wider ones have twice as many.
 /// Measured: row `fill.field.stripes.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
-static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.stripes.DIFFUSION_ROUNDS", 3);
+static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.stripes.DIFFUSION_ROUNDS", 2);
 /// Factor on all widths of the diffusion.
 /// Measured: row `fill.field.stripes.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.stripes.DIFFUSION_SCALE", 1.0);
@@ -269,7 +271,7 @@ pub(crate) fn spaced(
         longest_joint_mm: LONGEST_JOINT.value() * spacing,
     };
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
-    let (lines, widths) = match context.widths {
+    let mut apart = match context.widths {
         BeadWidths::Variable => {
             // A line begins where the lines beside it would otherwise have to be wider than the widest bead.
             let least = context.shift.room_factor() * narrowest_mm / spacing;
@@ -283,32 +285,33 @@ pub(crate) fn spaced(
             }
             let lines = fitted(inside, &place, room);
             let lines = trimmed(lines, &place);
-            let (mut lines, mut widths, freed) = filling_their_space(lines, &beside, &border, spacing);
-            if !freed.is_empty() {
+            let mut apart = filling_their_space(lines, &beside, &border, spacing);
+            if !apart.freed.is_empty() {
                 // Where lines were ended before others, the lines beside them have more room.
                 let room = Room { rests: LEAST_EXTENSION, ..room };
                 let again = |moving: Vec<Line>, beside: &Beside| {
                     let place = place.beside(beside);
                     let moving = trimmed(fitted(moving, &place, room), &place);
-                    let (lines, widths, _) = filling_their_space(moving, beside, &border, spacing);
-                    (lines, widths)
+                    let apart = filling_their_space(moving, beside, &border, spacing);
+                    (apart.lines, apart.widths)
                 };
-                (lines, widths) = fitted_around(&freed, (lines, widths), spacing, shortest_mm, again);
+                (apart.lines, apart.widths) =
+                    fitted_around(&apart.freed, (apart.lines, apart.widths), spacing, shortest_mm, again);
             }
-            for width in widths.iter_mut().flatten() {
+            for width in apart.widths.iter_mut().flatten() {
                 *width = bead_width_mm(share * *width, h).clamp(NARROWEST * nominal, WIDEST * nominal);
             }
-            (lines, widths)
+            apart
         }
         BeadWidths::Constant => {
             let lines = fitted(lines, &place, one_width::ROOM);
             let widths = lines.iter().map(|l| vec![nominal; l.points.len()]).collect();
-            let (lines, widths, _) = ended_before_crossings(lines, widths, &beside, &border, spacing);
-            lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip()
+            ended_before_crossings(lines, widths, &beside, &border, spacing).without_points()
         }
     };
-    let neighbours = Neighbours::new(&lines, &border, CELL_BEADS * spacing);
-    let centrelines = Centrelines { lines, neighbours, widths };
+    let anew = || Neighbours::new(&apart.lines, &border, CELL_BEADS * spacing);
+    let neighbours = apart.neighbours.take().unwrap_or_else(anew);
+    let centrelines = Centrelines { lines: apart.lines, neighbours, widths: apart.widths };
     lay(centrelines, &infill_region, &border, context, share, out);
 }
 
@@ -332,19 +335,33 @@ fn thin_places(border: &Region, context: &FillContext<'_>) -> Region {
     thin
 }
 
-/// Moves every line to the middle of the space between the middles of the gaps on both sides, and returns how wide that
-/// space is at its points, mm, and the points of lines that were ended before others that they would have crossed.
+/// Lines that cross no others.
+pub(super) struct Apart {
+    pub lines: Vec<Line>,
+    /// Widths at the points of the lines, mm.
+    pub widths: Vec<Vec<f64>>,
+    /// The points of lines that were ended before others that they would have crossed.
+    pub freed: Vec<DVec2>,
+    /// All lines, those beside them and the border, searchable, if no line was ended.
+    pub neighbours: Option<Neighbours>,
+}
+
+impl Apart {
+    /// Without the lines of which a single point is left.
+    fn without_points(self) -> Self {
+        let whole = self.lines.into_iter().zip(self.widths).filter(|(line, _)| line.points.len() > 1);
+        let (lines, widths) = whole.unzip();
+        Self { lines, widths, ..self }
+    }
+}
+
+/// Moves every line to the middle of the space between the middles of the gaps on both sides. The widths are those of
+/// that space.
 ///
 /// All lines are moved at once, so the spaces share the region without gaps and overlaps whatever the distances between
 /// the lines were. Only the smoothing, the bound [`STEEPEST`] and beads at the bounds of their width leave some of it open.
-pub(super) fn filling_their_space(
-    lines: Vec<Line>,
-    beside: &Beside,
-    border: &Region,
-    spacing: f64,
-) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
-    let neighbours = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing);
-    let (lines, steps) = neighbours.with_steps(lines, &beside.cuts, spacing);
+pub(super) fn filling_their_space(lines: Vec<Line>, beside: &Beside, border: &Region, spacing: f64) -> Apart {
+    let (lines, steps) = with_steps(lines, &beside.lines, &beside.cuts, border, spacing);
     let neighbours = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing);
     let sides = neighbours.sides(&lines, FAR_BEADS.value() * spacing);
     let moved = |l: usize| {
@@ -372,9 +389,7 @@ pub(super) fn filling_their_space(
         (Line { points, closed: line.closed }, widths)
     };
     let (lines, widths): (Vec<Line>, Vec<Vec<f64>>) = (0..lines.len()).map(moved).unzip();
-    let (lines, widths, freed) = ended_before_crossings(lines, widths, beside, border, spacing);
-    let (lines, widths) = lines.into_iter().zip(widths).filter(|(line, _)| line.points.len() > 1).unzip();
-    (lines, widths, freed)
+    ended_before_crossings(lines, widths, beside, border, spacing).without_points()
 }
 
 /// Keeps the values at a line's points from changing by more than `most` times the length between them: the mean of the
@@ -396,17 +411,17 @@ fn limit_slope(values: &mut [f64], line: &Line, most: f64) {
 
 /// Ends lines before others that they cross. Beside a singular point of the field, neighbours run in different directions,
 /// so that lines that were extended or moved may cross there. Of two such lines that one ends which is nearer to its end; one of
-/// the lines `beside`, which stay as they are, never does. Returns the lines with their widths, and the points that they lost. Little
-/// is left of a line that is all crossings: it may have a single point.
+/// the lines `beside`, which stay as they are, never does. Little is left of a line that is all crossings: it may have a single point.
 pub(super) fn ended_before_crossings(
     mut lines: Vec<Line>,
     mut widths: Vec<Vec<f64>>,
     beside: &Beside,
     border: &Region,
     spacing: f64,
-) -> (Vec<Line>, Vec<Vec<f64>>, Vec<DVec2>) {
+) -> Apart {
     let n_lines = lines.len();
-    let mut crossings = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing).crossings();
+    let neighbours = Neighbours::beside(&lines, &beside.lines, border, CELL_BEADS * spacing);
+    let mut crossings = neighbours.crossings();
     let segment =
         |(l, s): (usize, usize)| lines.get(l).unwrap_or_else(|| &beside.lines[l - n_lines]).segment(s);
     // Both parts of a line that was cut touch there.
@@ -415,6 +430,9 @@ pub(super) fn ended_before_crossings(
         [a, b].into_iter().any(|end| (end == c || end == d) && beside.cuts.contains(end))
     };
     crossings.retain(|pair| pair.iter().any(|(l, _)| *l < n_lines) && !touch_at_a_cut(*pair));
+    if crossings.is_empty() {
+        return Apart { lines, widths, freed: Vec::new(), neighbours: Some(neighbours) };
+    }
     let mut freed = Vec::new();
     while !crossings.is_empty() {
         // The vertices that each line keeps.
@@ -457,7 +475,7 @@ pub(super) fn ended_before_crossings(
         };
         crossings = crossings.iter().filter_map(|pair| Some([left(pair[0])?, left(pair[1])?])).collect();
     }
-    (lines, widths, freed)
+    Apart { lines, widths, freed, neighbours: None }
 }
 
 /// How far to the left the middle of a space lies, mm. The bound keeps lines from changing places.
@@ -509,6 +527,8 @@ pub(super) fn phase_input(
 pub(crate) struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     buckets: Buckets,
+    /// For each cell, whether an edge passes it or one beside it.
+    is_near: Vec<bool>,
 }
 
 impl NearBorder {
@@ -518,17 +538,25 @@ impl NearBorder {
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 2000);
         let buckets = Buckets::of_segments(cells, edges.len(), |k| [edges[k].0, edges[k].1]);
-        Self { edges, buckets }
+        let mut is_near = vec![false; cells.nx * cells.ny];
+        for at in cells.block([0, 0], [cells.nx - 1, cells.ny - 1]) {
+            if !buckets.members(cells.index(at)).is_empty() {
+                cells.neighbourhood(at, 1).for_each(|at| is_near[cells.index(at)] = true);
+            }
+        }
+        Self { edges, buckets, is_near }
     }
 
     /// The phase prescribed at `p`, rad, and its weight. On the border the phase is `at_border` turns, and it
     /// grows by one turn per spacing inwards. Its sign depends on which of its two directions the axis is given in.
     pub(crate) fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
+        let cell = cells.cell_of(p);
+        if !self.is_near[cells.index(cell)] {
+            return (0.0, 0.0);
+        }
         let mut best = (f64::INFINITY, u32::MAX);
-        for &k in
-            cells.neighbourhood(cells.cell_of(p), 1).flat_map(|at| self.buckets.members(cells.index(at)))
-        {
+        for &k in cells.neighbourhood(cell, 1).flat_map(|at| self.buckets.members(cells.index(at))) {
             let (a, b) = self.edges[k as usize];
             let distance = segment::distance_squared_mm2(p, a, b).sqrt();
             // Two edges may be at the same distance, for instance at a corner. Then the one with the lower
@@ -811,7 +839,7 @@ impl Open {
         let near = wide.grown(AROUND_GAP);
         let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(&self.region);
         let there: Vec<Contour> =
-            strips.iter().filter(|s| near.meets_convex(&s[..])).map(|s| s.to_vec()).collect();
+            strips.iter().filter(|s| near.meets_convex(s)).map(|s| s.to_vec()).collect();
         let region = window.difference_by_parts(&there);
         Self { cells, region, ..*self }
     }

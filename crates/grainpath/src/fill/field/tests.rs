@@ -12,8 +12,8 @@ use grainpath_job::choices::{BeadEnds, BeadWidths};
 
 use super::line_ends::{Place, Room, fitted, trimmed};
 use super::refit::{Beside, fitted_around};
-use super::stripes::{WideBead, covered, filling_their_space, strips_of};
-use super::widths::{Line, Neighbours, Side, is_own};
+use super::stripes::{Apart, WideBead, covered, filling_their_space, strips_of};
+use super::widths::{Line, Neighbours, Side, is_own, settled};
 use super::{SeedLines, Streamlines, Stripes};
 use crate::fill::{FillContext, Infill, Solid};
 
@@ -297,6 +297,22 @@ fn sides_are_what_rays_through_all_cells_meet() {
 }
 
 #[test]
+fn a_line_keeps_the_reach_of_the_nearest_vertex_where_a_border_lies_ahead() {
+    let line = |distance_mm: f64| Side::Line { distance_mm, piece: 0 };
+    let left = |sides: &[Side], closed: bool| -> Vec<f64> {
+        let sides: Vec<[Side; 2]> = sides.iter().map(|&side| [side, Side::Open]).collect();
+        settled(&sides, closed, 1.0).iter().map(|reach| reach.left_mm).collect()
+    };
+    let sides = [line(0.8), Side::Ahead(0.9), Side::Ahead(0.3), Side::Open, Side::Border(0.6)];
+    assert_eq!(left(&sides, false), [0.4, 0.4, 0.3, 1.0, 0.6]);
+    // The nearest may lie across the seam of a closed line; of two as near the one before counts.
+    let sides = [Side::Ahead(2.0), Side::Open, line(0.8), Side::Border(0.5), Side::Ahead(2.0)];
+    assert_eq!(left(&sides, true), [0.5, 1.0, 0.4, 0.5, 0.5]);
+    assert_eq!(left(&sides, false), [0.4, 1.0, 0.4, 0.5, 0.5]);
+    assert_eq!(left(&[Side::Ahead(2.0), Side::Ahead(0.2)], true), [1.0, 0.2]);
+}
+
+#[test]
 fn rays_meet_what_is_kept_of_lines() {
     let (lines, border) = waves_ring_and_hairpins();
     let mut neighbours = Neighbours::new(&lines, &border, 0.28);
@@ -360,8 +376,8 @@ fn lines_far_from_a_place_that_lines_lost_stay_as_they_are() {
         let again = |moving: Vec<Line>, beside: &Beside| {
             let place = place.beside(beside);
             let moving = trimmed(fitted(moving, &place, room), &place);
-            let (lines, widths, _) = filling_their_space(moving, beside, &border, spacing);
-            (lines, widths)
+            let apart = filling_their_space(moving, beside, &border, spacing);
+            (apart.lines, apart.widths)
         };
         let (all, widths) = fitted_around(&lost, (lines.clone(), widths), spacing, place.shortest_mm, again);
         assert_eq!(all.len(), 21);
@@ -397,7 +413,7 @@ fn beads_keep_their_width_up_to_the_end_of_another() {
         let corners = [(0.0, -0.2), (20.0, -0.2), (20.0, 0.9), (0.0, 0.9)];
         let outer = corners.map(|(x, y)| turn.rotate(DVec2::new(x, y))).to_vec();
         let border = Region::from(Polygon { outer, holes: Vec::new() });
-        let (lines, widths, freed) = filling_their_space(lines, &Beside::default(), &border, 0.4);
+        let Apart { lines, widths, freed, .. } = filling_their_space(lines, &Beside::default(), &border, 0.4);
         assert!(freed.is_empty() && lines.len() == 3);
         for (line, widths) in lines.iter().zip(&widths).step_by(2) {
             for (p, width) in line.points.iter().zip(widths) {

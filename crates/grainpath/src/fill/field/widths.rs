@@ -50,7 +50,7 @@ pub(super) const OWN_SEGMENTS: usize = 3;
 /// lie 2.54 and 2.61, and 3.28 and 3.41 degrees off.
 const BESIDE_END: f64 = 0.1;
 
-/// The centreline of a bead being laid, with points at about equal steps, but for those of [`Neighbours::with_steps`].
+/// The centreline of a bead being laid, with points at about equal steps, but for those of [`with_steps`].
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub points: Vec<DVec2>,
@@ -321,6 +321,29 @@ impl Neighbours {
         Self::from_pieces(pieces, cell_mm)
     }
 
+    /// Indexes those segments of `lines`, and of `others` beside them, that lie within `reach_mm` of a place. Numbers are those of
+    /// [`Self::beside`].
+    fn around_places(
+        lines: &[Line],
+        others: &[Line],
+        places: impl Iterator<Item = DVec2>,
+        reach_mm: f64,
+        cell_mm: f64,
+    ) -> Self {
+        let all = || lines.iter().chain(others);
+        let points = all().flat_map(|l| l.points.iter().copied());
+        let bounds = Bounds2::around_points(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let longest = all().flat_map(|line| (0..line.n_segments()).map(|s| line.segment(s)));
+        let longest_mm = longest.map(|(a, b)| a.distance_squared(b)).fold(0.0, f64::max).sqrt();
+        // What lies within the reach is part of a segment with an end at most half of its length farther away.
+        let near = Near::new(bounds, places, reach_mm + 0.5 * longest_mm);
+        let mut pieces = Vec::new();
+        for (l, line) in all().enumerate() {
+            pieces.extend(pieces_of(l, line).filter(|p| near.contains(p.a) || near.contains(p.b)));
+        }
+        Self::from_pieces(pieces, cell_mm)
+    }
+
     /// Copies the segments that lie within two cells of `places`, with the positions that `lines`
     /// have now. Their cells are found from the old positions, so lines may have moved by less than a
     /// cell.
@@ -433,70 +456,32 @@ impl Neighbours {
         self.buckets.pairs(cross).into_iter().map(|pair| pair.map(place)).collect()
     }
 
-    /// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
-    /// farther: there their space changes at once. At `cuts` lines do not end. Returns the lines, and for each the indices of these points.
-    pub(super) fn with_steps(
-        &self,
-        lines: Vec<Line>,
-        cuts: &Cuts,
-        spacing_mm: f64,
-    ) -> (Vec<Line>, Vec<Vec<usize>>) {
-        let mut places: Vec<Vec<(usize, DVec2)>> = vec![Vec::new(); lines.len()];
-        for (l, line) in lines.iter().enumerate().filter(|(_, line)| !line.closed && line.points.len() > 1) {
-            let last = line.points.len() - 1;
-            for (end, before) in [(0, 1), (last, last - 1)] {
-                let p = line.points[end];
-                if cuts.contains(p) {
-                    continue;
-                }
-                let onward = (p - line.points[before]).normalize_or_zero();
-                let own = |other: usize, s: usize| other == l && s.abs_diff(end) <= OWN_SEGMENTS;
-                // Where the border lies ahead, the lines beside this one end on it too.
-                if self.hit(p, onward, spacing_mm, own).is_some_and(|hit| hit.line.is_none()) {
-                    continue;
-                }
-                for way in [onward.perp(), -onward.perp()] {
-                    if let Some(Hit { line: Some(other), segment, .. }) = self.hit(p, way, spacing_mm, own)
-                        && let Some(line) = lines.get(other)
-                    {
-                        let (a, b) = line.segment(segment);
-                        places[other].push((segment, segment::closest_point(p, a, b)));
-                    }
-                }
-            }
-        }
-        let with_points = |(line, places): (Line, Vec<(usize, DVec2)>)| {
-            if places.is_empty() {
-                (line, Vec::new())
-            } else {
-                line.with_points_around(&places, BESIDE_END * spacing_mm)
-            }
-        };
-        lines.into_iter().zip(places).map(with_points).unzip()
-    }
-
     /// What lies to the left and to the right of every vertex of the lines, within `far_mm`, line by line. Where nothing ends or turns
-    /// back, the rays of a vertex meet the lines that those of the vertex before met, so that only the pieces beside the one met
-    /// there are tried.
+    /// back between the rays of two vertices that follow each other, the second ray meets the line that the first one met, so that only
+    /// the pieces beside the one met there are tried.
     pub(super) fn sides(&self, lines: &[Line], far_mm: f64) -> Vec<Vec<[Side; 2]>> {
-        let calm = self.calm();
-        let cells = &self.buckets.cells;
+        let turns = Turns::new(self);
         let of_line = |(number, line): (usize, &Line)| {
-            // The piece of another line that the ray of the vertex before met on each side.
-            let mut before = [None; 2];
+            // The piece of another line that the ray of the vertex before met on each side, and where.
+            let mut before: [Option<(u32, DVec2)>; 2] = [None; 2];
             let at = |(vertex, &p): (usize, &DVec2)| {
                 let along = line.tangent(vertex);
                 let skips = |other: usize, segment: usize| other == number && is_own(line, vertex, segment);
-                // Between the rays of two vertices lies a narrow area. A line can come into it only by ending or turning back there,
-                // since lines do not cross; in a calm cell none does.
-                let is_calm = calm[cells.index(cells.cell_of(p))];
+                let cell = self.buckets.cells.index(self.buckets.cells.cell_of(p));
+                let (is_near_border, near) = (turns.is_near_border[cell], turns.around.members(cell));
                 let mut sides = [Side::Open; 2];
                 for (k, way) in [along.perp(), -along.perp()].into_iter().enumerate() {
-                    let beside = before[k].filter(|_| is_calm).and_then(|m| self.first_beside(p, way, m));
+                    let beside = before[k].filter(|_| !is_near_border).and_then(|(m, met)| {
+                        let (mm, m) = self.first_beside(p, way, along, m)?;
+                        // Between both rays lies a narrow area. A line can come into it only by ending or turning back there, since
+                        // lines do not cross.
+                        let corners = || [line.points[vertex - 1], met, p, p + mm * way];
+                        (near.is_empty() || turns.are_outside(near, corners())).then_some((mm, m))
+                    });
                     let found = beside.or_else(|| self.first(p, way, far_mm, skips));
                     // Borders have corners, and a line that meets itself goes round: there rays look around themselves.
-                    before[k] = found.map(|(_, m)| m).filter(|&m| {
-                        let met = self.pieces[m as usize].line;
+                    before[k] = found.map(|(mm, m)| (m, p + mm * way)).filter(|(m, _)| {
+                        let met = self.pieces[*m as usize].line;
                         met != BORDER && met as usize != number
                     });
                     sides[k] = self.side(along, found);
@@ -508,46 +493,18 @@ impl Neighbours {
         lines.iter().enumerate().map(of_line).collect()
     }
 
-    /// Distance and index of the first of a piece of a line and the pieces before and behind it that a ray meets within
-    /// [`CALM_CELLS`].
-    fn first_beside(&self, p: DVec2, way: DVec2, m: u32) -> Option<(f64, u32)> {
-        let (line, far_mm) = (self.pieces[m as usize].line, CALM_CELLS as f64 * self.buckets.cells.cell_mm);
-        let near = m.saturating_sub(1)..(m + 2).min(self.pieces.len() as u32);
-        let met = |m: u32| {
-            let piece = &self.pieces[m as usize];
-            (piece.line == line).then(|| piece.met_by(p, way, far_mm)).flatten().map(|mm| (mm, m))
-        };
-        near.filter_map(met).min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-
-    /// For each cell, whether no line begins, ends or turns sharply in it or in [`CALM_CELLS`] cells around it and no border passes
-    /// them.
-    fn calm(&self) -> Vec<bool> {
-        let cells = &self.buckets.cells;
-        let mut calm = vec![true; cells.nx * cells.ny];
-        let mut mark = |at: [usize; 2]| {
-            cells.neighbourhood(at, CALM_CELLS).for_each(|at| calm[cells.index(at)] = false);
-        };
-        let goes_straight_on = |first: &BeadSegment, second: &BeadSegment| {
-            let (a, b) = (first.b - first.a, second.b - second.a);
-            let dot = a.dot(b);
-            let least = CALM_COS * CALM_COS * a.length_squared() * b.length_squared();
-            first.line == second.line && dot > 0.0 && dot * dot >= least
-        };
-        // Pieces come line by line. The seam of a closed line counts as an end.
-        let mut before: Option<&BeadSegment> = None;
-        for piece in &self.pieces {
-            if piece.line == BORDER {
-                cells.for_each_passed(piece.a, piece.b, |cell| mark([cell % cells.nx, cell / cells.nx]));
-            } else if !before.is_some_and(|before| goes_straight_on(before, piece)) {
-                before.into_iter().for_each(|before| mark(cells.cell_of(before.b)));
-                mark(cells.cell_of(piece.a));
-            }
-            before = Some(piece);
-        }
-        // Without a border the last piece has no other behind it.
-        before.into_iter().for_each(|before| mark(cells.cell_of(before.b)));
-        calm
+    /// Distance and index of a piece of a line or a piece beside it that the ray to one side of a line that runs `along` meets within
+    /// [`BESIDE_CELLS`].
+    fn first_beside(&self, p: DVec2, way: DVec2, along: DVec2, m: u32) -> Option<(f64, u32)> {
+        let Some(&BeadSegment { a, b, line, .. }) = self.pieces.get(m as usize) else { return None };
+        let far_mm = BESIDE_CELLS as f64 * self.buckets.cells.cell_mm;
+        // Lines have points at equal steps, so the next ray mostly meets the next piece.
+        let (next, last) = (m + 1, m.wrapping_sub(1));
+        let order = if along.dot(b - a) > 0.0 { [next, m, last] } else { [last, m, next] };
+        order.into_iter().find_map(|m| {
+            let piece = self.pieces.get(m as usize).filter(|piece| piece.line == line)?;
+            piece.met_by(p, way, far_mm).map(|mm| (mm, m))
+        })
     }
 
     /// What a ray across a line met.
@@ -562,6 +519,98 @@ impl Neighbours {
     }
 }
 
+/// Adds points to lines just before and just behind the places where another line ends beside them and goes on no
+/// farther: there their space changes at once. `others` lie beside the lines. At `cuts` lines do not end. Returns the lines, and for
+/// each the indices of these points.
+pub(super) fn with_steps(
+    lines: Vec<Line>,
+    others: &[Line],
+    cuts: &Cuts,
+    border: &Region,
+    spacing_mm: f64,
+) -> (Vec<Line>, Vec<Vec<usize>>) {
+    let cell_mm = CELL_BEADS * spacing_mm;
+    let edge = Neighbours::new(&[], border, cell_mm);
+    // For each end inside the region its line, its vertex and the direction in which the line would go on.
+    let mut ends: Vec<(usize, usize, DVec2)> = Vec::new();
+    for (l, line) in lines.iter().enumerate().filter(|(_, line)| !line.closed && line.points.len() > 1) {
+        let last = line.points.len() - 1;
+        for (end, before) in [(0, 1), (last, last - 1)] {
+            let p = line.points[end];
+            let onward = (p - line.points[before]).normalize_or_zero();
+            // Where the border lies ahead, the lines beside this one end on it too.
+            if !cuts.contains(p) && edge.hit(p, onward, spacing_mm, |_, _| false).is_none() {
+                ends.push((l, end, onward));
+            }
+        }
+    }
+    let at = |&(l, end, _): &(usize, usize, DVec2)| lines[l].points[end];
+    let neighbours = Neighbours::around_places(&lines, others, ends.iter().map(at), spacing_mm, cell_mm);
+    let mut places: Vec<Vec<(usize, DVec2)>> = vec![Vec::new(); lines.len()];
+    for (l, end, onward) in ends {
+        let p = lines[l].points[end];
+        let own = |other: usize, s: usize| other == l && s.abs_diff(end) <= OWN_SEGMENTS;
+        for way in [onward.perp(), -onward.perp()] {
+            if let Some(Hit { line: Some(other), segment, .. }) = neighbours.hit(p, way, spacing_mm, own)
+                && let Some(line) = lines.get(other)
+            {
+                let (a, b) = line.segment(segment);
+                places[other].push((segment, segment::closest_point(p, a, b)));
+            }
+        }
+    }
+    let with_points = |(line, places): (Line, Vec<(usize, DVec2)>)| {
+        if places.is_empty() {
+            (line, Vec::new())
+        } else {
+            line.with_points_around(&places, BESIDE_END * spacing_mm)
+        }
+    };
+    lines.into_iter().zip(places).map(with_points).unzip()
+}
+
+/// The surroundings of places.
+pub(super) struct Near {
+    cells: CellGrid,
+    is_near: Vec<bool>,
+}
+
+impl Near {
+    /// The surroundings up to about `reach_mm` around the places.
+    pub(super) fn new(bounds: Bounds2, places: impl Iterator<Item = DVec2>, reach_mm: f64) -> Self {
+        let cells = CellGrid::covering(bounds, reach_mm, 4000);
+        let mut is_near = vec![false; cells.nx * cells.ny];
+        for p in places {
+            cells.neighbourhood(cells.cell_of(p), 1).for_each(|at| is_near[cells.index(at)] = true);
+        }
+        Self { cells, is_near }
+    }
+
+    fn contains(&self, p: DVec2) -> bool {
+        self.is_near[self.cells.index(self.cells.cell_of(p))]
+    }
+
+    /// The first and the last point of each run of points of a line that lie here, of those longer than `shortest_mm`.
+    pub(super) fn runs(&self, line: &Line, shortest_mm: f64) -> Vec<[usize; 2]> {
+        let near: Vec<bool> = line.points.iter().map(|&p| self.contains(p)).collect();
+        let mut runs = Vec::new();
+        let mut from = 0;
+        for run in near.chunk_by(|a, b| a == b) {
+            let last = from + run.len() - 1;
+            if run[0] && polyline::length_mm(&line.points[from..=last], false) > shortest_mm {
+                runs.push([from, last]);
+            }
+            from = last + 1;
+        }
+        runs
+    }
+
+    /// Whether a point of the line lies here.
+    pub(super) fn passed_by(&self, line: &Line) -> bool {
+        line.points.iter().any(|&p| self.contains(p))
+    }
+}
+
 /// Whether a segment lies so near along its line to one of the vertices that it is no neighbour of it.
 pub(super) fn is_own(line: &Line, vertex: usize, segment: usize) -> bool {
     // The last segments of a closed line touch its first vertex, so near the seam the whole line is skipped.
@@ -571,12 +620,67 @@ pub(super) fn is_own(line: &Line, vertex: usize, segment: usize) -> bool {
     segment.abs_diff(vertex) <= near
 }
 
-/// Rays of two vertices that follow each other meet the same line if no line begins, ends or turns back within so many cells and
-/// no border passes them. Source: derived; two cells of [`CELL_BEADS`] reach beyond the line beside a line.
-const CALM_CELLS: usize = 2;
+/// Where lines begin, end or turn sharply, and where borders pass.
+struct Turns {
+    /// For each cell, whether a border passes within [`AROUND_CELLS`] of it.
+    is_near_border: Vec<bool>,
+    /// The ends and the sharp turns of lines.
+    points: Vec<DVec2>,
+    /// For each cell, those of them that lie within [`AROUND_CELLS`] of it.
+    around: Buckets,
+}
+
+impl Turns {
+    fn new(neighbours: &Neighbours) -> Self {
+        let cells = neighbours.buckets.cells;
+        let mut is_near_border = vec![false; cells.nx * cells.ny];
+        let mut points = Vec::new();
+        let goes_straight_on = |first: &BeadSegment, second: &BeadSegment| {
+            let (a, b) = (first.b - first.a, second.b - second.a);
+            let dot = a.dot(b);
+            let least = SHARP_COS * SHARP_COS * a.length_squared() * b.length_squared();
+            first.line == second.line && dot > 0.0 && dot * dot >= least
+        };
+        // Pieces come line by line. The seam of a closed line counts as an end.
+        let mut before: Option<&BeadSegment> = None;
+        for piece in &neighbours.pieces {
+            if piece.line == BORDER {
+                cells.for_each_passed(piece.a, piece.b, |cell| {
+                    let at = [cell % cells.nx, cell / cells.nx];
+                    let around = cells.neighbourhood(at, AROUND_CELLS);
+                    around.for_each(|at| is_near_border[cells.index(at)] = true);
+                });
+            } else if !before.is_some_and(|before| goes_straight_on(before, piece)) {
+                points.extend(before.map(|before| before.b).into_iter().chain([piece.a]));
+            }
+            before = Some(piece);
+        }
+        // Without a border the last piece has no other behind it.
+        points.extend(before.map(|before| before.b));
+        let around = Buckets::new(cells, points.len(), |i, put| {
+            let around = cells.neighbourhood(cells.cell_of(points[i]), AROUND_CELLS);
+            around.for_each(|at| put(cells.index(at)));
+        });
+        Self { is_near_border, points, around }
+    }
+
+    /// Whether none of these ends and sharp turns lies in the box around the corners.
+    fn are_outside(&self, near: &[u32], [a, b, c, d]: [DVec2; 4]) -> bool {
+        let (least, most) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let is_outside = |p: DVec2| (p.cmplt(least) | p.cmpgt(most)).any();
+        near.iter().all(|&i| is_outside(self.points[i as usize]))
+    }
+}
+
+/// A ray meets the line that the ray before it met within so many cells. Source: derived; two cells of [`CELL_BEADS`] reach beyond
+/// the line beside a line.
+const BESIDE_CELLS: usize = 2;
+/// What ends or turns back between two rays is looked for within so many cells of the second one's vertex. Source: derived. The first
+/// ray lies a step of [`STEP_BEADS`] before it, which is less than a cell.
+const AROUND_CELLS: usize = BESIDE_CELLS + 1;
 /// A line turns sharply where the cosine of its turn at a vertex is smaller. Source: derived. 0.95 is 18 degrees. A line that goes back
 /// within the length of a step turns by far more at one of its vertices.
-const CALM_COS: f64 = 0.95;
+const SHARP_COS: f64 = 0.95;
 
 /// A border counts as ahead if it meets a line at more than 30 degrees. Source: derived. At such an angle the next line
 /// has ended less than two spacings before this one.
@@ -609,30 +713,36 @@ pub(super) fn settled(sides: &[[Side; 2]], closed: bool, free_mm: f64) -> Vec<Re
 /// The reaches on one side of a line, mm.
 fn settled_side(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<f64> {
     let n = sides.len();
-    // For each vertex the nearest reach, and how many vertices away it is. A closed line is walked twice.
-    let mut nearest: Vec<(usize, f64)> = vec![(usize::MAX, free_mm); n];
-    for backwards in [false, true] {
-        let mut seen: Option<(usize, f64)> = None;
-        for k in 0..if closed { 2 * n } else { n } {
-            let v = if k < n { k } else { k - n };
-            let v = if backwards { n - 1 - v } else { v };
-            seen = match sides[v][side] {
-                Side::Line { distance_mm, .. } => Some((0, 0.5 * distance_mm)),
-                Side::Border(mm) => Some((0, mm)),
-                Side::Ahead(_) | Side::Open => seen.map(|(steps, mm)| (steps + 1, mm)),
-            };
-            if let Some(found) = seen.filter(|s| s.0 < nearest[v].0) {
-                nearest[v] = found;
-            }
-        }
-    }
-    let reach = |(v, s): (usize, &[Side; 2])| match s[side] {
-        Side::Line { distance_mm, .. } => 0.5 * distance_mm,
-        Side::Border(mm) => mm,
-        Side::Ahead(mm) => mm.min(nearest[v].1),
-        Side::Open => free_mm,
+    // Vertices are counted on round a closed line, so that each has n of them before and n behind it.
+    let n_before = if closed { n } else { 0 };
+    let end = n + 2 * n_before;
+    // The reach of a vertex that has a neighbour.
+    let known = |v: usize| match sides[v % n][side] {
+        Side::Line { distance_mm, .. } => Some((v, 0.5 * distance_mm)),
+        Side::Border(mm) => Some((v, mm)),
+        Side::Ahead(_) | Side::Open => None,
     };
-    sides.iter().enumerate().map(reach).collect()
+    let mut before = (0..n_before).rev().find_map(known);
+    let mut after: Option<(usize, f64)> = None;
+    let mut looked_up_to = 0;
+    let reach = |v: usize| {
+        if let Some(found) = known(v) {
+            before = Some(found);
+            return found.1;
+        }
+        let Side::Ahead(mm) = sides[v % n][side] else { return free_mm };
+        if looked_up_to <= v {
+            after = (v + 1..end).find_map(known);
+            looked_up_to = after.map_or(end, |(at, _)| at);
+        }
+        let nearest_mm = match (before, after) {
+            (Some(before), Some(after)) if v - before.0 <= after.0 - v => before.1,
+            (_, Some(found)) | (Some(found), None) => found.1,
+            (None, None) => free_mm,
+        };
+        mm.min(nearest_mm)
+    };
+    (n_before..n_before + n).map(reach).collect()
 }
 
 /// Widths of the strips of a line at its vertices, mm, from its sides, for lines that lie about `spacing_mm` apart.
