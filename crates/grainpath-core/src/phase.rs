@@ -92,7 +92,7 @@ const DRIFT_STEPS: usize = 300;
 
 /// Factor on the frequency at every node, within `MAX_DRIFT`, chosen so that as few beads as possible have
 /// to end. It is solved to a residual of `tolerance` times the right side, on squares twice as large: it changes over
-/// [`DRIFT_MM`], many times their size.
+/// `DRIFT_MM`, many times their size.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
     let limit = MAX_DRIFT.value() - 1.0;
     let factor = |v: f64| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt();

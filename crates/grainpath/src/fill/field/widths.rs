@@ -496,7 +496,7 @@ impl Neighbours {
     /// Distance and index of a piece of a line or a piece beside it that the ray to one side of a line that runs `along` meets within
     /// [`BESIDE_CELLS`].
     fn first_beside(&self, p: DVec2, way: DVec2, along: DVec2, m: u32) -> Option<(f64, u32)> {
-        let Some(&BeadSegment { a, b, line, .. }) = self.pieces.get(m as usize) else { return None };
+        let &BeadSegment { a, b, line, .. } = self.pieces.get(m as usize)?;
         let far_mm = BESIDE_CELLS as f64 * self.buckets.cells.cell_mm;
         // Lines have points at equal steps, so the next ray mostly meets the next piece.
         let (next, last) = (m + 1, m.wrapping_sub(1));
