@@ -460,7 +460,7 @@ impl Neighbours {
     /// back between the rays of two vertices that follow each other, the second ray meets the line that the first one met, so that only
     /// the pieces beside the one met there are tried.
     pub(super) fn sides(&self, lines: &[Line], far_mm: f64) -> Vec<Vec<[Side; 2]>> {
-        let turns = Turns::new(self);
+        let ends = LineEnds::new(self);
         let of_line = |(number, line): (usize, &Line)| {
             // The piece of another line that the ray of the vertex before met on each side, and where.
             let mut before: [Option<(u32, DVec2)>; 2] = [None; 2];
@@ -468,7 +468,7 @@ impl Neighbours {
                 let along = line.tangent(vertex);
                 let skips = |other: usize, segment: usize| other == number && is_own(line, vertex, segment);
                 let cell = self.buckets.cells.index(self.buckets.cells.cell_of(p));
-                let (is_near_border, near) = (turns.is_near_border[cell], turns.around.members(cell));
+                let (is_near_border, near) = (ends.is_near_border[cell], ends.around.members(cell));
                 let mut sides = [Side::Open; 2];
                 for (k, way) in [along.perp(), -along.perp()].into_iter().enumerate() {
                     let beside = before[k].filter(|_| !is_near_border).and_then(|(m, met)| {
@@ -476,7 +476,7 @@ impl Neighbours {
                         // Between both rays lies a narrow area. A line can come into it only by ending or turning back there, since
                         // lines do not cross.
                         let corners = || [line.points[vertex - 1], met, p, p + mm * way];
-                        (near.is_empty() || turns.are_outside(near, corners())).then_some((mm, m))
+                        (near.is_empty() || ends.are_outside(near, corners())).then_some((mm, m))
                     });
                     let found = beside.or_else(|| self.first(p, way, far_mm, skips));
                     // Borders have corners, and a line that meets itself goes round: there rays look around themselves.
@@ -621,7 +621,7 @@ pub(super) fn is_own(line: &Line, vertex: usize, segment: usize) -> bool {
 }
 
 /// Where lines begin, end or turn sharply, and where borders pass.
-struct Turns {
+struct LineEnds {
     /// For each cell, whether a border passes within [`AROUND_CELLS`] of it.
     is_near_border: Vec<bool>,
     /// The ends and the sharp turns of lines.
@@ -630,7 +630,7 @@ struct Turns {
     around: Buckets,
 }
 
-impl Turns {
+impl LineEnds {
     fn new(neighbours: &Neighbours) -> Self {
         let cells = neighbours.buckets.cells;
         let mut is_near_border = vec![false; cells.nx * cells.ny];
