@@ -131,21 +131,7 @@ impl FieldMesh {
                 }
             }
         }
-        let mut mesh = Self {
-            nodes,
-            cell_mm,
-            along,
-            origin,
-            nx,
-            ny,
-            index,
-            edges: Vec::new(),
-            runs: Vec::new(),
-            triangles: Vec::new(),
-            coarser: OnceLock::new(),
-        };
-        mesh.connect();
-        Some(mesh)
+        Some(Self::connected(nodes, cell_mm, along, origin, [nx, ny], index))
     }
 
     /// The mesh of every second row and column. `None` where it would have more or fewer parts than this mesh: larger squares bridge
@@ -167,19 +153,8 @@ impl FieldMesh {
                 }
             }
         }
-        let mut mesh = Self {
-            nodes: kept.iter().map(|&k| self.nodes[k as usize]).collect(),
-            cell_mm: 2.0 * self.cell_mm,
-            nx,
-            ny,
-            index,
-            edges: Vec::new(),
-            runs: Vec::new(),
-            triangles: Vec::new(),
-            coarser: OnceLock::new(),
-            ..*self
-        };
-        mesh.connect();
+        let nodes = kept.iter().map(|&k| self.nodes[k as usize]).collect();
+        let mesh = Self::connected(nodes, 2.0 * self.cell_mm, self.along, self.origin, [nx, ny], index);
         (mesh.n_pieces() == self.n_pieces()).then_some(Coarser { mesh, kept })
     }
 
@@ -253,9 +228,16 @@ impl FieldMesh {
         0
     }
 
-    fn connect(&mut self) {
-        let (nx, ny) = (self.nx, self.ny);
-        let index = std::mem::take(&mut self.index);
+    /// The mesh of these nodes, with the edges and triangles between them. `index` holds the node at each place of the grid.
+    fn connected(
+        nodes: Vec<DVec2>,
+        cell_mm: f64,
+        along: DVec2,
+        origin: DVec2,
+        [nx, ny]: [usize; 2],
+        index: Vec<u32>,
+    ) -> Self {
+        let (mut edges, mut runs, mut triangles) = (Vec::new(), Vec::<EdgeStretch>::new(), Vec::new());
         let at = |i: usize, j: usize| index[j * nx + i];
         // The edges of the node at (i, j): the side to the right, the side upwards, and the diagonal of
         // the square to its upper right.
@@ -274,15 +256,15 @@ impl FieldMesh {
                     if a == NONE || b == NONE {
                         continue;
                     }
-                    let edge = self.edges.len() as u32;
+                    let edge = edges.len() as u32;
                     of_node[j * nx + i][kind] = edge;
-                    self.edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
+                    edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
                     // A run ends where a node is missing, because the node numbers at both ends
                     // then no longer advance together.
-                    match self.runs.last_mut() {
+                    match runs.last_mut() {
                         _ if kind == 2 => {}
                         Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
-                        _ => self.runs.push(EdgeStretch { edge, ends: [a, b], n: 1 }),
+                        _ => runs.push(EdgeStretch { edge, ends: [a, b], n: 1 }),
                     }
                 }
             }
@@ -300,12 +282,13 @@ impl FieldMesh {
                 };
                 for (c, edges) in halves {
                     if edges.iter().all(|&e| e != NONE) {
-                        self.triangles.push(Triangle { corners: c.map(|k| corners[k]), edges });
+                        triangles.push(Triangle { corners: c.map(|k| corners[k]), edges });
                     }
                 }
             }
         }
-        self.index = index;
+        let coarser = OnceLock::new();
+        Self { nodes, cell_mm, along, origin, nx, ny, index, edges, runs, triangles, coarser }
     }
 }
 

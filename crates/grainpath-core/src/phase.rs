@@ -94,18 +94,22 @@ const DRIFT_STEPS: usize = 300;
 /// to end. It is solved to a residual of `tolerance` times the right side, on squares twice as large: it changes over
 /// `DRIFT_MM`, many times their size.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2], tolerance: f64) -> Vec<f64> {
-    let limit = MAX_DRIFT.value() - 1.0;
-    let factor = |v: f64| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt();
     let Some(Coarser { mesh: coarse, kept }) = mesh.coarser() else {
-        return free_drift(mesh, axes, tolerance).into_iter().map(factor).collect();
+        return free_drift(mesh, axes, tolerance).into_iter().map(bounded).collect();
     };
     let axes: Vec<DVec2> = kept.iter().map(|&k| axes[k as usize]).collect();
     let free = free_drift(coarse, &axes, tolerance);
     let between = |&p: &DVec2| {
         let (nodes, shares) = coarse.around(p);
-        factor(nodes.iter().zip(shares).map(|(k, share)| share * free[*k as usize]).sum())
+        bounded(nodes.iter().zip(shares).map(|(k, share)| share * free[*k as usize]).sum())
     };
     mesh.nodes.iter().map(between).collect()
+}
+
+/// The factor on the frequency for what [`free_drift`] gives.
+fn bounded(free: f64) -> f64 {
+    let limit = MAX_DRIFT.value() - 1.0;
+    1.0 + free / (1.0 + (free / limit).powi(2)).sqrt()
 }
 
 /// [`drift`] less one at every node, without its bound.
@@ -440,8 +444,7 @@ mod tests {
         let axes: Vec<DVec2> = mesh.nodes.iter().map(|p| direction(atan2(p.y - 15.0, p.x + 30.0))).collect();
         let fine = free_drift(&mesh, &axes, 1e-4);
         let coarse = drift(&mesh, &axes, 1e-4);
-        let limit = MAX_DRIFT.value() - 1.0;
-        let off = |k: usize| (1.0 + fine[k] / (1.0 + (fine[k] / limit).powi(2)).sqrt() - coarse[k]).abs();
+        let off = |k: usize| (bounded(fine[k]) - coarse[k]).abs();
         // Beyond the region, nodes may have none of the larger squares around them.
         let inside = (0..coarse.len()).filter(|&k| region.contains(mesh.nodes[k]));
         let most = inside.map(off).fold(0.0, f64::max);
