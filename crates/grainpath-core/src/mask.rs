@@ -5,6 +5,7 @@
 //! Rows are ordered upwards in y. A word holds 64 cells of a row; its lowest bit is the leftmost cell. Cost:
 //! set operations and growth are linear in the words, filling is linear in the length of the border.
 
+use crate::math::cross;
 use crate::poly::{edges, simplify_contour};
 use crate::{Bounds2, Contour, DVec2, Polygon, Region};
 
@@ -62,37 +63,43 @@ impl MaskGrid {
     ) {
         // Coordinates are in cells, with cell centres at whole numbers.
         let places = corners.map(|p| (p - self.origin) / self.cell_mm - 0.5);
-        // Each edge from its lower to its upper end, and how far it goes to the right from row to row.
-        let edges: [(DVec2, DVec2, f64); N] = std::array::from_fn(|k| {
+        let (low, high) =
+            places.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
+        let triangles = places.array_windows().map(|[p, q]| cross(*p - places[0], *q - places[0]));
+        let is_counter_clockwise = triangles.sum::<f64>() > 0.0;
+        // A convex shape lies beside the lines through all of its edges, and a grown one beside these lines moved outwards. In a
+        // row it so covers a single stretch of cells, from the rightmost of the lines on its left to the leftmost of those on its
+        // right. Each line has a point, the columns it gains from row to row, and its side.
+        let lines: [(DVec2, f64, bool); N] = std::array::from_fn(|k| {
             let (a, b) = (places[k], places[(k + 1) % N]);
-            let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
-            (a, b, (b.x - a.x) / (b.y - a.y))
-        });
-        let low = places.iter().map(|p| p.y).fold(f64::INFINITY, f64::min) - slack;
-        let high = places.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) + slack;
-        for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
-            let y = row as f64;
-            // In each row a convex shape covers a single stretch of cells, between its leftmost and its rightmost
-            // crossing.
-            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (a, b, slope) in edges {
-                if y < a.y - slack || y > b.y + slack {
-                    continue;
-                }
-                // The edge is evaluated at the distance `slack` above and below the row's centre line, where a
-                // slanted edge reaches farther out.
-                let at = |y: f64| a.x + (y.clamp(a.y, b.y) - a.y) * slope;
-                let ends = match (a.y < b.y, slack > 0.0) {
-                    (true, true) => [at(y - slack), at(y + slack)],
-                    (true, false) => [at(y); 2],
-                    (false, _) => [a.x, b.x],
-                };
-                from = from.min(ends[0]).min(ends[1]);
-                to = to.max(ends[0]).max(ends[1]);
+            let is_left = (b.y < a.y) == is_counter_clockwise;
+            let outwards = DVec2::new(if is_left { -slack } else { slack }, 0.0);
+            if a.y == b.y {
+                return (outwards + if is_left { low } else { high }, 0.0, is_left);
             }
-            let (from, to) = ((from - slack).ceil().max(0.0), (to + slack).floor().min(self.nx as f64 - 1.0));
+            let slope = (b.x - a.x) / (b.y - a.y);
+            (if a.y < b.y { a } else { b } + outwards * (1.0 + slope.abs()), slope, is_left)
+        });
+        let (low, high) = (low - slack, high + slack);
+        let last_column = self.nx as f64 - 1.0;
+        for row in low.y.ceil().max(0.0) as usize..=high.y.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize
+        {
+            let (mut from, mut to) = (low.x.max(0.0), high.x.min(last_column));
+            for (p, slope, is_left) in lines {
+                let x = p.x + (row as f64 - p.y) * slope;
+                if is_left && x > from {
+                    from = x;
+                } else if !is_left && x < to {
+                    to = x;
+                }
+            }
             if from <= to {
-                each(row, from as usize, to as usize);
+                let (first, last) = (from as usize, to as usize);
+                // The first cell whose centre is not left of the stretch.
+                let first = first + usize::from((first as f64) < from);
+                if first <= last {
+                    each(row, first, last);
+                }
             }
         }
     }
@@ -580,6 +587,39 @@ mod tests {
             all = all.or(&one);
         }
         assert!(all.count() > 500);
+    }
+
+    /// A shape grown by a number of cells covers the centres around which a square of that size meets it, whichever way round its
+    /// corners come, and with edges along the grid.
+    #[test]
+    fn grown_convex_shapes_cover_the_cells_around_which_a_square_meets_them() {
+        let g = MaskGrid::exactly(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 0.2);
+        let [nx, ny] = g.size();
+        for k in 0..30 {
+            let turn_rad = f64::from(k) * if k < 4 { std::f64::consts::FRAC_PI_2 } else { 0.21 };
+            let along = crate::math::direction(turn_rad);
+            let (c, across) = (DVec2::new(1.937, 2.073), along.perp());
+            let mut corners =
+                [c - 0.31 * across, c + 0.93 * along - 0.17 * across, c + 0.93 * along + 0.23 * across];
+            let shape = Region::from(Polygon { outer: corners.to_vec(), holes: Vec::new() });
+            for slack in [0.0, 1.0, 2.5] {
+                corners.reverse();
+                let mut covered = Mask::empty(g);
+                let set = |row: usize, from: usize, to: usize| {
+                    for x in from..=to {
+                        covered.bits[row * g.words + x / 64] |= 1 << (x % 64);
+                    }
+                };
+                g.convex_rows(&corners, slack, set);
+                for (x, y) in (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y))) {
+                    let centre = g.origin() + 0.2 * (DVec2::new(x as f64, y as f64) + 0.5);
+                    let half = 0.2 * slack;
+                    let square = Region::rectangle(centre - half, centre + half);
+                    let meets = shape.contains(centre) || !square.intersection(&shape).is_empty();
+                    assert_eq!(covered.get(x, y), meets, "{k}, {slack}, {centre}");
+                }
+            }
+        }
     }
 
     #[test]
