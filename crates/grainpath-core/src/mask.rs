@@ -5,8 +5,7 @@
 //! Rows are ordered upwards in y. A word holds 64 cells of a row; its lowest bit is the leftmost cell. Cost:
 //! set operations and growth are linear in the words, filling is linear in the length of the border.
 
-use crate::math::cross;
-use crate::poly::{edges, simplify_contour};
+use crate::poly::{edges, signed_area_mm2, simplify_contour};
 use crate::{Bounds2, Contour, DVec2, Polygon, Region};
 
 /// Position and size of the cells. Two masks can be combined only if they have the same grid.
@@ -63,17 +62,18 @@ impl MaskGrid {
     ) {
         // Coordinates are in cells, with cell centres at whole numbers.
         let places = corners.map(|p| (p - self.origin) / self.cell_mm - 0.5);
-        let (low, high) =
-            places.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
-        let triangles = places.array_windows().map(|[p, q]| cross(*p - places[0], *q - places[0]));
-        let is_counter_clockwise = triangles.sum::<f64>() > 0.0;
-        // A convex shape lies beside the lines through all of its edges, and a grown one beside these lines moved outwards. In a
-        // row it so covers a single stretch of cells, from the rightmost of the lines on its left to the leftmost of those on its
+        let Some(Bounds2 { min: low, max: high }) = Bounds2::around_points(places.iter().copied()) else {
+            return;
+        };
+        let is_counter_clockwise = signed_area_mm2(&places) > 0.0;
+        // A convex shape lies beside the lines through all of its edges, and a grown one beside these lines moved outwards. So it
+        // covers a single stretch of cells in each row, from the rightmost of the lines on its left to the leftmost of those on its
         // right. Each line has a point, the columns it gains from row to row, and its side.
         let lines: [(DVec2, f64, bool); N] = std::array::from_fn(|k| {
             let (a, b) = (places[k], places[(k + 1) % N]);
             let is_left = (b.y < a.y) == is_counter_clockwise;
             let outwards = DVec2::new(if is_left { -slack } else { slack }, 0.0);
+            // An edge along the row bounds it no closer than the corners do.
             if a.y == b.y {
                 return (outwards + if is_left { low } else { high }, 0.0, is_left);
             }
@@ -501,7 +501,6 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::poly::signed_area_mm2;
 
     fn grid() -> MaskGrid {
         MaskGrid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(30.0) }, 0.2)
