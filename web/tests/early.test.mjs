@@ -7,8 +7,8 @@ import { boxStl, choose, colours, far, folder, launch, settle, shaped, studio, v
 const WALL = [214, 93, 32];
 // Planning takes a second or more, so that it still goes on when a busy browser asks for the first time.
 const LAYERS = 900;
-// Ten seconds of stress and reserve on two idle cores, with few beads to draw.
-const LONG = `[shape]
+// Three seconds of stress on two idle cores, with few beads to draw.
+const SHORT = `[shape]
 mesh = "block.stl"
 [process]
 layer_height_mm = 0.4
@@ -17,7 +17,7 @@ pattern = "stripes"
 density = 0.5
 [guide]
 kind = "stress"
-element_mm = 1.2
+element_mm = 2.4
 [[guide.fixture]]
 on = { box_mm = [[-1, -1, -1], [0.1, 51, 21]] }
 fix = "xyz"
@@ -25,10 +25,18 @@ fix = "xyz"
 on = { box_mm = [[49.9, -1, -1], [51, 51, 21]] }
 force_n = [0, 0, -100]
 `;
+// Minutes of stress, which a busy browser cannot miss and which end when they are cancelled.
+const CASES = Array.from({ length: 12 }, (_, k) => `[[guide.case]]
+name = "${k}"
+[[guide.case.load]]
+on = { box_mm = [[49.9, -1, -1], [51, 51, 21]] }
+force_n = [0, ${k}, -100]
+`);
+const LONG = SHORT.replace("element_mm = 2.4", "element_mm = 1.2") + CASES.join("");
 let files, server, browser;
 before(async () => {
   const job = "[shape]\nmesh = \"high.stl\"\n[process]\nlayer_height_mm = 0.1\nfirst_layer_height_mm = 0.1\nskirt_loops = 0\n[fill]\npattern = \"gyroid\"\n";
-  files = folder({ "high.stl": boxStl([50, 50, LAYERS / 10]), "high.toml": job, "block.stl": boxStl([50, 50, 20]), "long.toml": LONG });
+  files = folder({ "high.stl": boxStl([50, 50, LAYERS / 10]), "high.toml": job, "block.stl": boxStl([50, 50, 20]), "long.toml": LONG, "short.toml": SHORT });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -82,20 +90,34 @@ test("the first layer of a plan is on screen while the others are planned", asyn
   await close();
 });
 
-test("a page that is loaded anew during a run shows how far it is, and what came of it", async () => {
+test("a page that is loaded anew during a run shows how far it is, and cancels it", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await choose(page, "long.toml");
   await shaped(page);
   await page.click("#tab-job");
   await page.click("#panel-job >> text=Plan the paths");
-  const tells = () => page.waitForFunction(() => /^(Shape|Stress|Walls and fill|Writing) .* s/.test(document.querySelector("#progress").textContent));
+  const tells = () => page.waitForFunction(() => /^(Shape|Stress) .* s/.test(document.querySelector("#progress").textContent));
   await tells();
   await page.reload();
   await tells();
+  await page.click("#progress >> text=Cancel");
+  await page.waitForSelector("#progress >> text=Cancelled. Nothing was changed.");
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a page that is loaded anew during a run shows what comes of it", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await choose(page, "short.toml");
+  await shaped(page);
+  await page.click("#tab-job");
+  await page.click("#panel-job >> text=Plan the paths");
+  await page.waitForFunction(() => sessionStorage.getItem("followed"));
+  await page.reload();
   // Its file is opened at the end, and its part is shown before its paths are.
   await page.waitForFunction(() => document.documentElement.dataset.shape, null, { timeout: 240_000 });
   await page.waitForSelector("#tab-paths[aria-selected=true]");
-  assert.match(await page.textContent("#title"), /long\.toml$/);
+  assert.match(await page.textContent("#title"), /short\.toml$/);
   await page.waitForFunction(() => window.studio.viewer.beads?.index.layers.length === 50);
   assert.match(await page.textContent("#panel-paths"), /Layers50/);
   assert.deepEqual(wrong, []);
