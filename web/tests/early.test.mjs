@@ -7,8 +7,8 @@ import { boxStl, choose, colours, far, folder, launch, settle, shaped, studio, v
 const WALL = [214, 93, 32];
 // Planning takes a second or more, so that it still goes on when a busy browser asks for the first time.
 const LAYERS = 900;
-// Three seconds of stress on two idle cores, with few beads to draw.
-const SHORT = `[shape]
+// Stress on elements of this size, with few beads to draw.
+const loaded = (element_mm) => `[shape]
 mesh = "block.stl"
 [process]
 layer_height_mm = 0.4
@@ -17,7 +17,7 @@ pattern = "stripes"
 density = 0.5
 [guide]
 kind = "stress"
-element_mm = 2.4
+element_mm = ${element_mm}
 [[guide.fixture]]
 on = { box_mm = [[-1, -1, -1], [0.1, 51, 21]] }
 fix = "xyz"
@@ -25,14 +25,16 @@ fix = "xyz"
 on = { box_mm = [[49.9, -1, -1], [51, 51, 21]] }
 force_n = [0, 0, -100]
 `;
-// Minutes of stress, which a busy browser cannot miss and which end when they are cancelled.
+// Three seconds on two idle cores.
+const SHORT = loaded(2.4);
 const CASES = Array.from({ length: 12 }, (_, k) => `[[guide.case]]
 name = "${k}"
 [[guide.case.load]]
 on = { box_mm = [[49.9, -1, -1], [51, 51, 21]] }
 force_n = [0, ${k}, -100]
 `);
-const LONG = SHORT.replace("element_mm = 2.4", "element_mm = 1.2") + CASES.join("");
+// Minutes, which a busy browser cannot miss and which end when they are cancelled.
+const LONG = loaded(1.2) + CASES.join("");
 let files, server, browser;
 before(async () => {
   const job = "[shape]\nmesh = \"high.stl\"\n[process]\nlayer_height_mm = 0.1\nfirst_layer_height_mm = 0.1\nskirt_loops = 0\n[fill]\npattern = \"gyroid\"\n";
@@ -40,14 +42,18 @@ before(async () => {
   server = await studio(files.dir);
   browser = await launch();
 });
+/** Begins the plan of a job. */
+async function planOf(page, name) {
+  await choose(page, name);
+  await shaped(page);
+  await page.click("#tab-job");
+  await page.click("#panel-job >> text=Plan the paths");
+}
 after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
 
 test("the first layer of a plan is on screen while the others are planned", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
-  await choose(page, "high.toml");
-  await shaped(page);
-  await page.click("#tab-job");
-  await page.click("#panel-job >> text=Plan the paths");
+  await planOf(page, "high.toml");
   // What the page tells at the moment when it has its first layers.
   const early = await page.waitForFunction(() => {
     const b = window.studio.viewer?.beads;
@@ -92,10 +98,7 @@ test("the first layer of a plan is on screen while the others are planned", asyn
 
 test("a page that is loaded anew during a run shows how far it is, and cancels it", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
-  await choose(page, "long.toml");
-  await shaped(page);
-  await page.click("#tab-job");
-  await page.click("#panel-job >> text=Plan the paths");
+  await planOf(page, "long.toml");
   const tells = () => page.waitForFunction(() => /^(Shape|Stress) .* s/.test(document.querySelector("#progress").textContent));
   await tells();
   await page.reload();
@@ -108,10 +111,7 @@ test("a page that is loaded anew during a run shows how far it is, and cancels i
 
 test("a page that is loaded anew during a run shows what comes of it", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
-  await choose(page, "short.toml");
-  await shaped(page);
-  await page.click("#tab-job");
-  await page.click("#panel-job >> text=Plan the paths");
+  await planOf(page, "short.toml");
   await page.waitForFunction(() => sessionStorage.getItem("followed"));
   await page.reload();
   // Its file is opened at the end, and its part is shown before its paths are.
