@@ -282,7 +282,7 @@ const ROWS: &[Row] = &[
     // From level lines to beads.
     row("fill.field.stripes.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], STRIPES),
     row("fill.field.stripes.LONGEST_JOINT", &[1.2, 1.6, 2.0, 2.5, 3.0], STRIPES),
-    row("fill.field.stripes.MESH", &[0.7, 0.9, 1.1, 1.5, 2.0], STRIPES),
+    row("fill.field.stripes.MESH", &[0.7, 0.85, 1.0, 1.2, 1.5, 2.0], STRIPES),
     row("fill.field.stripes.DIFFUSION_ROUNDS", &[1.0, 2.0, 3.0, 6.0, 10.0], STRIPES),
     row("fill.field.stripes.DIFFUSION_SCALE", &[0.25, 0.5, 1.0, 2.0, 4.0], STRIPES),
     row("fill.field.stripes.PHASE_TOLERANCE", &[0.001, 0.01, 0.03, 0.1, 0.3], STRIPES),

@@ -141,11 +141,13 @@ impl FieldMesh {
     }
 
     fn coarsened(&self) -> Option<Coarser> {
-        let (nx, ny) = (self.nx.div_ceil(2), self.ny.div_ceil(2));
+        let (n_columns, n_rows) = (self.nx.div_ceil(2), self.ny.div_ceil(2));
+        // The last row and column stay without nodes, as those of this mesh are: edges begin at the lower left of each square.
+        let (nx, ny) = (n_columns + 1, n_rows + 1);
         let mut index = vec![NONE; nx * ny];
         let mut kept = Vec::with_capacity(self.nodes.len() / 4 + nx + ny);
-        for j in 0..ny {
-            for i in 0..nx {
+        for j in 0..n_rows {
+            for i in 0..n_columns {
                 let node = self.index[2 * j * self.nx + 2 * i];
                 if node != NONE {
                     index[j * nx + i] = kept.len() as u32;
@@ -413,6 +415,18 @@ mod tests {
         for edge in coarse.edges.iter().filter(|e| !e.diagonal) {
             let [a, b] = edge.ends.map(|k| coarse.nodes[k as usize]);
             assert!((a.distance(b) - 0.6).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_square_has_a_coarser_mesh_whatever_the_number_of_its_rows() {
+        for k in 0..12 {
+            let side_mm = 10.0 + 0.25 * f64::from(k);
+            let square = Region::rectangle(DVec2::ZERO, DVec2::splat(side_mm));
+            let mesh = FieldMesh::over(&square, 0.5).expect("a mesh");
+            let Coarser { mesh: coarse, .. } = mesh.coarser().expect("one piece, as the mesh");
+            let (n, sides) = (coarse.nodes.len().isqrt(), coarse.edges.iter().filter(|e| !e.diagonal));
+            assert_eq!((n * n, sides.count()), (coarse.nodes.len(), 2 * n * (n - 1)), "{side_mm} mm");
         }
     }
 

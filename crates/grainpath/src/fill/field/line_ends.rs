@@ -115,10 +115,23 @@ pub(super) struct Room {
     pub rests: f64,
 }
 
+/// The stretches of lines that lie along the guide, extended where they have room.
+pub(super) fn extended_along_guide(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Line> {
+    let mut lines = along_guide(lines, place);
+    let neighbours = place.neighbours(&lines);
+    extend(&mut lines, &neighbours, place, room);
+    lines
+}
+
+/// The stretches of lines that lie along the guide.
+fn along_guide(lines: Vec<Line>, place: &Place<'_>) -> Vec<Line> {
+    let along = |line| stretches_along(line, place.cosine, FARTHEST_RAD, place.shortest_mm);
+    lines.into_iter().flat_map(along).collect()
+}
+
 /// Lets lines begin and end where there is room for them.
 pub(super) fn fitted(lines: Vec<Line>, place: &Place<'_>, room: Room) -> Vec<Line> {
-    let along = |line| stretches_along(line, place.cosine, FARTHEST_RAD, place.shortest_mm);
-    let lines: Vec<Line> = lines.into_iter().flat_map(along).collect();
+    let lines = along_guide(lines, place);
     // Searches are built anew only where lines have changed, since that costs as much as the steps themselves.
     let mut neighbours = place.neighbours(&lines);
     let (mut lines, rooms) = without_crowded(lines, &mut neighbours, place, room);
