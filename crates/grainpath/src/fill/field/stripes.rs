@@ -3,9 +3,9 @@
 //! Lines from the phase ([`phase`](grainpath_core::phase)) are turned into beads in four steps:
 //!
 //! 1. lines are clipped to the area for centrelines, and pieces too short to be worth a start are left out;
-//! 2. lines begin and end where there is room for them ([`line_ends`](super::line_ends)), and every bead moves to the
-//!    middle of its space, which its width then fills. Where another line ends beside it, its space changes at once, and so
-//!    does its width ([`with_steps`]);
+//! 2. lines are extended and move to the middle of their space. Then they begin and end where there is room for them
+//!    ([`line_ends`](super::line_ends)), and every bead moves to the middle of its space, which its width then fills. Where
+//!    another line ends beside it, its space changes at once, and so does its width ([`with_steps`]);
 //! 3. ends that lie close together on the border are joined, so that the beads become few long paths; dense beads of varying
 //!    width are joined by the narrowest bead along the border, which lies twice over less of their ends;
 //! 4. each gap that stays open and is wide enough gets a single bead of varying width along its medial axis
