@@ -1,4 +1,4 @@
-//! Polylines in the plane: length, equal steps, and dropping vertices that do not matter.
+//! Polylines in the plane: length, equal steps, cutting out small loops, and dropping vertices that do not matter.
 //!
 //! A polyline is a slice of points in mm. `closed` says that the last point is joined to the first,
 //! which is not repeated. Cost: [`length_mm`] and [`resampled`] are linear; [`simplified_with`]
@@ -8,7 +8,8 @@
 
 use glam::DVec2;
 
-use crate::segment::closest_share;
+use crate::math::cross;
+use crate::segment::{Meeting, closest_share, meeting};
 
 /// Length of a polyline, mm.
 ///
@@ -24,6 +25,66 @@ pub fn length_mm(line: &[DVec2], closed: bool) -> f64 {
     match (closed, line) {
         (true, [first, .., last]) => open + last.distance(*first),
         _ => open,
+    }
+}
+
+/// Replaces each loop of up to `longest_mm` in which a line crosses itself by the point where it does, with a value of `values`
+/// between those of the segment that is crossed. Cost: each segment is compared with those within `longest_mm` behind it.
+///
+/// ```
+/// use grainpath_core::{DVec2, polyline::cut_small_loops};
+///
+/// let mut line = [[0., 0.], [4., 0.], [4., 2.], [3., 2.], [3., 1.], [9., 1.]].map(DVec2::from).to_vec();
+/// let mut widths = vec![0.4, 0.4, 0.5, 0.5, 0.5, 0.4];
+/// cut_small_loops(&mut line, &mut widths, false, 5.0);
+/// assert_eq!(line, [[0., 0.], [4., 0.], [4., 1.], [9., 1.]].map(DVec2::from));
+/// assert_eq!(widths, [0.4, 0.4, 0.45, 0.4]);
+/// ```
+///
+/// # Panics
+///
+/// If there is not one value for each point.
+pub fn cut_small_loops(points: &mut Vec<DVec2>, values: &mut Vec<f64>, closed: bool, longest_mm: f64) {
+    assert_eq!(points.len(), values.len(), "one value for each point");
+    cut_loops_between_ends(points, values, longest_mm);
+    if closed {
+        // A loop across the place where a ring begins lies within the ring that begins half way around.
+        let half = points.len() / 2;
+        points.rotate_left(half);
+        values.rotate_left(half);
+        cut_loops_between_ends(points, values, longest_mm);
+        let back = half.min(points.len());
+        points.rotate_right(back);
+        values.rotate_right(back);
+    }
+}
+
+/// [`cut_small_loops`] of the line from the first to the last point.
+fn cut_loops_between_ends(points: &mut Vec<DVec2>, values: &mut Vec<f64>, longest_mm: f64) {
+    let mut i = 0;
+    while i + 3 < points.len() {
+        let [a, b] = [points[i], points[i + 1]];
+        let (mut from_b_mm, mut last) = (0.0, None);
+        for j in i + 2..points.len() - 1 {
+            let [c, d] = [points[j], points[j + 1]];
+            from_b_mm += points[j - 1].distance(c);
+            if from_b_mm > longest_mm {
+                break;
+            }
+            if meeting([a, b], [c, d]) == Meeting::Cross {
+                let share = cross(c - a, d - c) / cross(b - a, d - c);
+                let at = a.lerp(b, share);
+                if at.distance(b) + from_b_mm + c.distance(at) <= longest_mm {
+                    last = Some((j, share, at));
+                }
+            }
+        }
+        if let Some((j, share, at)) = last {
+            let value = values[i] + share * (values[i + 1] - values[i]);
+            points.splice(i + 1..=j, [at]);
+            values.splice(i + 1..=j, [value]);
+        }
+        i += 1;
     }
 }
 
@@ -227,5 +288,25 @@ mod tests {
         assert_eq!(simplified_with(&[p], &[0.4], true, 0.1, 0.1), (vec![p], vec![0.4]));
         assert_eq!(simplified_with(&[], &[], false, 0.1, 0.1), (vec![], vec![]));
         assert_eq!(length_mm(&[p], true), 0.0);
+    }
+
+    #[test]
+    fn small_loops_are_cut_out_wherever_a_ring_begins() {
+        let ring = [[0., 0.], [9., 0.], [9., 9.], [1., 9.], [1., 1.], [2., 1.], [2., 2.], [0., 2.]];
+        for start in 0..ring.len() {
+            let mut points = ring.map(DVec2::from).to_vec();
+            points.rotate_left(start);
+            let mut values = vec![1.0; points.len()];
+            cut_small_loops(&mut points, &mut values, true, 5.0);
+            assert_eq!((points.len(), values.len()), (6, 6), "from {start}");
+            assert!(points.contains(&DVec2::new(1.0, 2.0)), "from {start}: {points:?}");
+        }
+        // The loop is 4 mm long; a ring without a loop begins where it did.
+        for (n_points, longest_mm) in [(8, 3.9), (4, 5.0)] {
+            let whole = ring[..n_points].iter().map(|p| DVec2::from(*p)).collect::<Vec<_>>();
+            let mut points = whole.clone();
+            cut_small_loops(&mut points, &mut vec![1.0; n_points], true, longest_mm);
+            assert_eq!(points, whole);
+        }
     }
 }

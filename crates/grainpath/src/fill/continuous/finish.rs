@@ -17,7 +17,7 @@ use grainpath_core::tuned::Tuned;
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
-use super::super::field::stripes::{SIMPLIFY_MM, simplified};
+use super::super::field::stripes::{SIMPLIFY_MM, SMALL_LOOP, simplified};
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::{ALONGSIDE, CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
@@ -66,10 +66,6 @@ static SMOOTHING: Tuned<f64> = Tuned::new("fill.continuous.finish.SMOOTHING", 0.
 /// A line that lies this far outside its infill region counts as inside, mm. Source: derived. Twenty
 /// times the grid that regions are rounded to ([`GRID_MM`](grainpath_core::poly::GRID_MM)).
 const ON_EDGE_MM: f64 = 0.002;
-/// A loop in which a line crosses itself is cut off up to this length, in beads. Source: derived. A round
-/// loop of five beads in length is 1.6 across, so its bead covers all of it but a spot of 0.6. Cutting it
-/// off leaves at most two square beads unfilled. A longer loop surrounds an area that needs it.
-const SMALL_LOOP: f64 = 5.0;
 /// One of two points of a line that lie closer than this is dropped, in beads.
 /// Measured: row `fill.continuous.finish.CLOSEST` of `cargo xtask bench constants`.
 static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015);
